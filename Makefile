@@ -1,0 +1,29 @@
+# `make run` and `make test` set up all they need; `make help` lists the rest.
+BIN := .venv/bin
+SECTION ?= meshes/s13.toml
+
+.PHONY: help setup run lint test test-all clean
+
+help:       ## this list
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 12
+
+setup:      ## install what is missing; does nothing when all is there
+	@.ci/setup
+
+run: setup  ## the whole workflow on meshes/s13.toml, or on SECTION=my.toml
+	@$(BIN)/noshiro mesh $(SECTION)
+
+lint: setup ## style, types, and who may import whom
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: lint  ## what every change must pass
+	$(BIN)/python -m pytest
+
+test-all: lint ## and the long studies
+	$(BIN)/python -m pytest -m ''
+
+clean:      ## forget the environment and the results
+	rm -rf .venv runs

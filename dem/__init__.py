@@ -1,0 +1,1 @@
+"""The discs: the same question, then the slide."""

@@ -1,0 +1,1 @@
+"""The continuum: at which seismic coefficient the section fails, and where."""

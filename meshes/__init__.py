@@ -1,0 +1,1 @@
+"""The ground: a layered section, and the quadrilateral meshes made from it."""

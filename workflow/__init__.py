@@ -1,0 +1,1 @@
+"""What a person runs: commands, pictures, results on disk."""
