@@ -152,8 +152,19 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) ->
     stack = _snapped_z(np.stack(interfaces, axis=-1), snap)
     layers = Layering(x=x, left=stack[:, 0, :], right=stack[:, 1, :], strata=len(lines))
     if not problems:
-        problems = [f"stratum {k + 1} has no thickness anywhere" for k in np.flatnonzero(layers.areas() <= 0.0)]
+        thin = f"has no thickness anywhere (less than {snap:g} m, a millionth of the section's width, is none)"
+        problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
     return layers, problems
+
+
+def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
+    """A sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
+    x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
+    snap = SNAP * (x_right - x_left)
+    surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
+    x = np.union1d(surface[:, 0], points[:, 0])
+    ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
+    return _above(elevation, ground, x, snap, f"{what} rises above the ground surface")
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
