@@ -148,6 +148,9 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) ->
         interfaces.append(np.minimum(bottom, top))
     problems += _above(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
     problems += _above(floor, ground, x, snap, "the base rises above the ground surface")
+    if not problems and (ground - floor <= snap).any():
+        i, end = np.argwhere(ground - floor <= snap)[0]
+        problems.append(f"the base meets the ground surface at x = {x[i + end]:g} m; expected it below, all along")
 
     stack = _snapped_z(np.stack(interfaces, axis=-1), snap)
     layers = Layering(x=x, left=stack[:, 0, :], right=stack[:, 1, :], strata=len(lines))

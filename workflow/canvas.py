@@ -120,9 +120,8 @@ class Sheet:
         total = head + sum(panels) + between * (len(panels) - 1) + below + legend_room + foot_room
         self.figure = Figure(figsize=(inches, total), dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
-        self.figure.text(
-            left, 1.0 - 0.14 / total, title, fontsize=11, weight="bold", color=INK, va="top", parse_math=False
-        )
+        style = {"color": INK, "parse_math": False}
+        self.figure.text(left, 1.0 - 0.14 / total, title, fontsize=11, weight="bold", va="top", **style)
         if foot:
             self.figure.text(left, 0.09 / total, foot, fontsize=7, va="bottom", **style)
         self.legend_at = (left, (foot_room + legend_room) / total)
@@ -143,7 +142,8 @@ class Sheet:
         high = box.height * self.figure.get_figheight()
         wide = min(1.0, TALLEST / (exaggeration * window.proportion))
         axes.set_xlabel("distance x (m)", fontsize=8, labelpad=1, color=INK)
-        axes.set_ylabel("elevation (m)", fontsize=8, labelpad=2, color=INK)
+        if high > 0.7:
+            axes.set_ylabel("elevation (m)", fontsize=8, labelpad=2, color=INK)
         axes.yaxis.set_major_locator(MaxNLocator(nbins=int(np.clip(high / 0.2, 1, 6)), steps=[1, 2, 5, 10]))
         axes.xaxis.set_major_locator(MaxNLocator(nbins=max(1, round(12 * wide)), steps=[1, 2, 2.5, 5, 10]))
         axes.ticklabel_format(style="plain", useOffset=False)
