@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, model_validator
+from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, model_validator
 
 from meshes.quantity import COORDINATE, Quantity
 
@@ -66,8 +66,8 @@ def _written(value: Any) -> Any:
     return getattr(value, "written", value)
 
 
-Polyline = Annotated[Points, BeforeValidator(read_points), PlainSerializer(_written)]
-PolylineOrLevel = Annotated[Any, BeforeValidator(_read_points_or_level), PlainSerializer(_written)]
+Polyline = Annotated[Points, PlainValidator(read_points), PlainSerializer(_written)]
+PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSerializer(_written)]
 
 
 class Line(BaseModel):

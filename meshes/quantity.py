@@ -7,7 +7,7 @@ from functools import cache
 from typing import Annotated, Any
 
 import pint
-from pydantic import BeforeValidator, PlainSerializer
+from pydantic import PlainSerializer, PlainValidator
 
 # A number, then a unit. Not a sum, a product or a power of numbers; and no comma, which is a decimal point to some
 # and nothing to others.
@@ -92,8 +92,9 @@ def unit_registry() -> pint.UnitRegistry:
 
 
 def _field(kind: Kind) -> Any:
+    # Not BeforeValidator: pydantic's own reading of a float would forget how it was written.
     return Annotated[
-        float, BeforeValidator(kind.read), PlainSerializer(lambda number: getattr(number, "written", number))
+        float, PlainValidator(kind.read), PlainSerializer(lambda number: getattr(number, "written", number))
     ]
 
 

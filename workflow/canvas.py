@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import font_manager, rcParams
@@ -120,7 +121,7 @@ class Sheet:
         total = head + sum(panels) + between * (len(panels) - 1) + below + legend_room + foot_room
         self.figure = Figure(figsize=(inches, total), dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
-        style = {"color": INK, "parse_math": False}
+        style: dict[str, Any] = {"color": INK, "parse_math": False}
         self.figure.text(left, 1.0 - 0.14 / total, title, fontsize=11, weight="bold", va="top", **style)
         if foot:
             self.figure.text(left, 0.09 / total, foot, fontsize=7, va="bottom", **style)
