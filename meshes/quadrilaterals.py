@@ -188,8 +188,8 @@ def read(path: Path | str) -> QuadMesh:
     if not path.is_file():
         raise InputError(str(path), ["there is no such file"])
     try:
-        raw = meshio.read(path)
-    except Exception as error:  # meshio raises many kinds for a file that is no mesh
+        raw = meshio.gmsh.read(path)  # meshio.read would leave the program where it cannot read
+    except Exception as error:  # it raises many kinds for a file that is no mesh
         raise InputError(str(path), [f"is not a gmsh file that can be read: {error}"]) from None
     groups: dict[int, dict[int, str]] = {1: {}, 2: {}}
     for name, (tag, dimension) in raw.field_data.items():
