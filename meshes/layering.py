@@ -16,7 +16,7 @@ from meshes.polyline import Line, limits
 SNAP = 1e-6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layering:
     """Interfaces over the intervals between breakpoints: ``left`` and ``right`` are (intervals, interfaces)."""
 

@@ -10,7 +10,7 @@ from meshes.errors import InputError
 from meshes.section import Section
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mapping:
     """Blocks of columns by bands of rows: ``x`` (blocks + 1,), the ``left`` and ``right`` elevations of the bands'
     borders (blocks, bands + 1), and the ``stratum`` in every band of every block (blocks, bands)."""

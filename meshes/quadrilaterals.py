@@ -93,7 +93,7 @@ class MeshSettings(Model):
         return count * self.refine**2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QuadMesh:
     """Quadrilaterals of a section: ``points`` (n, 2) in m, ``cells`` (m, 4) counter-clockwise.
 

@@ -198,6 +198,13 @@ def test_the_defaults() -> None:
     assert "dilation_angle = 0.0" in section.to_toml()
 
 
+def test_sections_can_be_compared_after_their_layers_were_used() -> None:
+    one, same, other = (Section.parse(data) for data in (slope(), slope(), spoiled(whole(title="other"))))
+    assert all(section.layering.areas().sum() == 1500.0 for section in (one, same, other))
+    assert one == same
+    assert one != other
+
+
 def test_settings_of_others_are_let_through() -> None:
     assert Section.parse({**slope(), "fem": {"anything": 1}}) == Section.parse(slope())
 
