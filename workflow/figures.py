@@ -76,11 +76,14 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"
     )
     line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
+    # Where cells are but a few pixels, full lines would hide the colours.
+    pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
+    opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
 
     def draw(plotter: pv.Plotter) -> None:
         plotter.add_mesh(
             grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
-            show_edges=True, edge_color=INK, line_width=line_width, show_scalar_bar=False,
+            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
         )  # fmt: skip
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
