@@ -89,7 +89,7 @@ class MeshSettings(Model):
         count = float((section.layering.areas() / np.square(wanted)).sum())
         left, right = section.extent
         for name, near in self.towards.items():
-            # On one side of a line of length L the size grows from s to S over GROWTH_REACH S: GROWTH_REACH L / s cells.
+            # On one side of a line of length L the size grows from s to S over GROWTH_REACH S: GROWTH_REACH L / s
             sides = 1.0 if name in ("surface", "base") else 2.0
             count += sides * GROWTH_REACH * (right - left) / near if near < size else 0.0
         return count * self.refine**2
