@@ -22,7 +22,7 @@ TRIALS = {
     "right edge": (0, (-1.0e5, -5.8e5, -6.0e5)),
     "apex": (0, (6.0e5, 5.0e5, 4.0e5)),
     "tension plane": (1, (1.5e4, 0.0, -5.0e3)),
-    "shear-tension line": (1, (2.0e4, -3.0e4, -8.0e4)),
+    "shear-tension line": (1, (2.5e4, -5.0e3, -2.0e4)),
 }
 MATERIALS = mc.table(5e7, 0.3, 1e4, math.radians(35), math.radians(5), tension=[math.nan, 5e3])
 
