@@ -63,7 +63,8 @@ def table(
     _check(E, nu, c, phi, psi, T)
 
     sin, strength = np.sin(phi), c * np.cos(phi)
-    apex = np.divide(strength, sin, out=np.full_like(c, np.inf), where=sin > 0)
+    with np.errstate(over="ignore"):
+        apex = np.divide(strength, sin, out=np.full_like(c, np.inf), where=sin > 0)
     T = np.where(apex > T, T, np.inf)
     out = np.zeros((E.size, rm.COLUMNS))
     out[:, rm.LAME], out[:, rm.SHEAR] = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
