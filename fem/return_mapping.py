@@ -153,11 +153,11 @@ def _write_tangent(
     """Consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
 
     e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the
-    stress of a unit shear between the in-plane principal axes, whose stiffness is G' = G (sa - sb)/(xa - xb)
-    since they turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for
-    Plasticity, app. A). `ratio` is that quotient, or negative where the trial values coincide: then G' is the
-    limit, which the principal tangent gives. `cos` and `sin` are those of twice the angle from x to the
-    in-plane major axis.
+    stress of a unit shear between the in-plane principal axes. Its stiffness is G' = G (sa - sb)/(xa - xb),
+    since the axes turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for
+    Plasticity, app. A). `ratio` is that quotient, or negative where the trial values coincide: there p q is
+    alike in both axes and the last term vanishes, the law being isotropic. `cos` and `sin` are those of twice
+    the angle from x to the in-plane major axis.
     """
     lame, shear = table[m, LAME], table[m, SHEAR]
     e = 1.0 if region in (ELASTIC, SHEAR_PLANE, TENSION_PLANE) else 0.0
@@ -166,7 +166,7 @@ def _write_tangent(
         k = RANK_ONE + 6 * (region - 1)
         pa, pb, pz = _from_order(table[m, k], table[m, k + 1], table[m, k + 2], place)
         qa, qb, qz = _from_order(table[m, k + 3], table[m, k + 4], table[m, k + 5], place)
-    turn = shear * (ratio - e) if ratio >= 0.0 else 0.25 * (pa - pb) * (qa - qb)
+    turn = shear * (ratio - e) if ratio >= 0.0 else 0.0
 
     p_mean, p_half, q_mean, q_half = 0.5 * (pa + pb), 0.5 * (pa - pb), 0.5 * (qa + qb), 0.5 * (qa - qb)
     pxx, pyy, pxy = p_mean + p_half * cos, p_mean - p_half * cos, p_half * sin
