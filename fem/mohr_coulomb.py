@@ -56,9 +56,7 @@ def table(
     Raises ValueError that names every bad value of every material.
     """
     given = (young, poisson, cohesion, friction, dilation, tension)
-    E, nu, c, phi, psi, T = (
-        np.array(a, dtype=float) for a in np.broadcast_arrays(*map(np.atleast_1d, given))
-    )
+    E, nu, c, phi, psi, T = (np.array(a, dtype=float) for a in np.broadcast_arrays(*map(np.atleast_1d, given)))
     T[np.isnan(T)] = np.inf
     _check(E, nu, c, phi, psi, T)
 
@@ -87,9 +85,7 @@ def _check(E: Floats, nu: Floats, c: Floats, phi: Floats, psi: Floats, T: Floats
         (T, T >= 0, "tensile strength {} Pa must not be negative; NaN or inf is for none"),
     )
     faults = [
-        f"material {m}: " + text.format(f"{values[m]:g}")
-        for values, good, text in rules
-        for m in np.flatnonzero(~good)
+        f"material {m}: " + text.format(f"{values[m]:g}") for values, good, text in rules for m in np.flatnonzero(~good)
     ]
     if faults:
         raise ValueError("; ".join(faults))
@@ -198,9 +194,7 @@ def update(
 
 def _require(name: str, array: NDArray, shape: tuple[int, ...], dtype: type = np.float64) -> None:
     if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
-        raise ValueError(
-            f"{name} is {array.dtype} {array.shape}; C-contiguous {dtype.__name__} {shape} wanted"
-        )
+        raise ValueError(f"{name} is {array.dtype} {array.shape}; C-contiguous {dtype.__name__} {shape} wanted")
 
 
 def _output(name: str, array: NDArray | None, shape: tuple[int, ...], dtype: type = np.float64) -> NDArray:

@@ -57,9 +57,7 @@ COLUMNS = RANK_ONE + 6 * SHEAR_TENSION
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _shear_return(
-    x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int
-) -> Returned:
+def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int) -> Returned:
     """Principal stresses on the Mohr-Coulomb surface without cut-off, and the region."""
     sin, strength = table[m, SIN_PHI], table[m, STRENGTH]
     s1 = x1 - f * table[m, FLOW_1]
@@ -100,9 +98,7 @@ def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Flo
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _shear_tension_return(
-    x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int
-) -> Returned:
+def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
     """Principal stresses where both surfaces meet, and the region."""
     T, minor = table[m, TENSION], table[m, MINOR_AT_TENSION]
     s2 = x2 - table[m, POISSON] * (x1 + x3 - T - minor)

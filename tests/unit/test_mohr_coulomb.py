@@ -33,9 +33,7 @@ def updated(table, stress, strain=None, material=None):
 def friction_and_dilation():
     degrees = st.one_of(st.sampled_from([0.0, 1e-6, 30.0]), st.floats(0, 60))
     fraction = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0, 1))
-    return st.tuples(degrees, fraction).map(
-        lambda pair: (math.radians(pair[0]), math.radians(pair[0]) * pair[1])
-    )
+    return st.tuples(degrees, fraction).map(lambda pair: (math.radians(pair[0]), math.radians(pair[0]) * pair[1]))
 
 
 def size(largest):
@@ -50,9 +48,7 @@ def parameters(draw):
     return poisson, draw(size(10)), friction, dilation, draw(st.one_of(st.just(math.nan), size(10)))
 
 
-component = st.one_of(
-    st.sampled_from([0.0, 1.0, -1.0, -2.0]), st.floats(-100, 100).map(lambda v: round(v, 6))
-)
+component = st.one_of(st.sampled_from([0.0, 1.0, -1.0, -2.0]), st.floats(-100, 100).map(lambda v: round(v, 6)))
 stresses = st.tuples(component, component, component, component).map(lambda s: np.array([s]))
 
 
@@ -169,9 +165,7 @@ def many_trials(seed, n):
     random = np.random.default_rng(seed)
     mean, half, zz = random.uniform(-40, 20, n), random.exponential(6, n), random.normal(0, 15, n)
     angle = random.uniform(0, 2 * math.pi, n)
-    trial = np.column_stack(
-        [mean + half * np.cos(angle), mean - half * np.cos(angle), mean + zz, half * np.sin(angle)]
-    )
+    trial = np.column_stack([mean + half * np.cos(angle), mean - half * np.cos(angle), mean + zz, half * np.sin(angle)])
     direction = random.normal(size=(n, 4))
     return trial, 10 / YOUNG * direction / np.linalg.norm(direction, axis=1)[:, None]
 
@@ -201,9 +195,7 @@ def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
             here = np.flatnonzero(steady & (region == r) & (place == z))[:200]
             assert here.size >= 10, f"{mc.REGIONS[r]}, zz number {z}: {here.size} states"
             orders = np.polyfit(np.log(STEPS), np.log(remainder[:, here] + 1e-300), 1)[0]
-            exact = (
-                remainder[0, here] < 1e-9
-            )  # of a change of 0.04; less is lost to rounding at the last step
+            exact = remainder[0, here] < 1e-9  # of a change of 0.04; less is lost to rounding at the last step
             assert np.all(exact | (orders > 1.9)), f"{mc.REGIONS[r]}, zz number {z}: {orders[~exact].min()}"
             if r in (rm.SHEAR_PLANE, rm.SHEAR_TENSION):
                 assert not exact.all(), "the axes turn: something must be left over"
@@ -396,9 +388,7 @@ def test_every_bad_parameter_is_named():
     assert len(str(caught.value).split("; ")) == 9
 
 
-@pytest.mark.parametrize(
-    "bad", [(math.nan, 0.3, 1, 0.5, 0), (1, math.nan, 1, 0.5, 0), (1, 0.3, 1, math.nan, 0)]
-)
+@pytest.mark.parametrize("bad", [(math.nan, 0.3, 1, 0.5, 0), (1, math.nan, 1, 0.5, 0), (1, 0.3, 1, math.nan, 0)])
 def test_nan_is_no_parameter(bad):
     with pytest.raises(ValueError, match="nan"):
         mc.table(*bad)

@@ -17,9 +17,7 @@ PAIRS = list(itertools.permutations(range(3), 2))
 def returned(table, stress, strain=None):
     stress = np.ascontiguousarray(np.atleast_2d(stress), dtype=float)
     n = len(stress)
-    strain = (
-        np.zeros((n, 4)) if strain is None else np.ascontiguousarray(np.broadcast_to(strain, (n, 4)), float)
-    )
+    strain = np.zeros((n, 4)) if strain is None else np.ascontiguousarray(np.broadcast_to(strain, (n, 4)), float)
     new, tangent, plastic, region = (
         np.empty((n, 4)),
         np.empty((n, 4, 4)),
@@ -85,9 +83,7 @@ def test_associated_return_is_the_closest_point_in_elastic_energy():
             stiffness(poisson),
         )
         projections = np.array([s for _, s in returns(trial, D, normals, normals, bounds)])
-        admissible = projections[
-            np.all(projections @ normals.T - bounds < 1e-9 * np.abs(trial).max(), axis=1)
-        ]
+        admissible = projections[np.all(projections @ normals.T - bounds < 1e-9 * np.abs(trial).max(), axis=1)]
         energy = np.einsum("ni,ij,nj->n", admissible - trial, np.linalg.inv(D), admissible - trial)
         np.testing.assert_allclose(stress[0, :3], admissible[energy.argmin()], atol=1e-7)
         regions.add(region[0])
@@ -149,9 +145,7 @@ def test_plastic_strain_is_flow_of_the_active_planes(dilation, tension):
     )
     np.testing.assert_allclose((yy - xx) * 2 * sin * cos + xy * (cos**2 - sin**2), 0, atol=1e-12)
 
-    beyond = (
-        (trial[:, :3].mean(axis=1) > cohesion / math.tan(friction)) & (region == rm.APEX) & (dilation == 0)
-    )
+    beyond = (trial[:, :3].mean(axis=1) > cohesion / math.tan(friction)) & (region == rm.APEX) & (dilation == 0)
     for s, e in zip(principal[~beyond], flow[~beyond], strict=True):
         active = np.abs(planes(friction, tension) @ s - limits(cohesion, friction, tension)) < 1e-9
         if active.any():
@@ -220,9 +214,7 @@ def test_plane_strain_compression_ends_at_the_passive_stress(driven, dilation):
     table = mc.table(YOUNG, 0.3, cohesion, friction, dilation)
     passive = (1 + math.sin(friction)) / (1 - math.sin(friction))
     stress = held(table, [-pressure, -pressure, -pressure, 0], driven, -0.2)
-    assert stress[driven] == pytest.approx(
-        -(pressure * passive + 2 * cohesion * math.sqrt(passive)), rel=1e-12
-    )
+    assert stress[driven] == pytest.approx(-(pressure * passive + 2 * cohesion * math.sqrt(passive)), rel=1e-12)
 
 
 def test_unconfined_plane_strain_compression_of_a_tresca_material():
