@@ -123,7 +123,9 @@ def follow(
             step = problem.solve(residual)
             if constraint is not None:
                 along = problem.solve(loading.derivative(problem, increment, factor))
-                change = -dot(constraint.control, step) / (dot(constraint.control, along) + constraint.share)
+                response = dot(constraint.control, along) + constraint.share
+                # Ground that does not feel the load factor at all (elastic, and only weakened) leaves it as it is.
+                change = -dot(constraint.control, step) / response if response != 0.0 else 0.0
                 step = step + change * along
         except SingularMatrixError:
             break

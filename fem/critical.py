@@ -4,17 +4,16 @@ Kh acts on the seismic density, gravity on the ordinary one. The displacement th
 work-conjugate one of the horizontal load, the mean horizontal displacement weighted by the seismic mass (m).
 """
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fem.continuation import Forces, NewtonSettings
 from fem.fields import State, state_of
-from fem.path import PathSettings, Plateau, Step, Walk, growth_per_doubling
+from fem.path import PathSettings, Step, Walk
 from fem.plane_strain import PlaneStrain
+from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import FemSettings, Sides
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
@@ -24,9 +23,6 @@ GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 
 # Kh in whose elastic displacement the path is measured.
 REFERENCE_KH = 0.25
-
-Verdict = Literal["plateau", "peak", "no failure", "undecided"]
-Progress = Callable[[Walk], None]
 
 
 class UnstableError(RuntimeError):
@@ -65,16 +61,23 @@ def critical_coefficient(
     Raises InputError if the section lacks what the analysis needs, UnstableError if it fails under its own weight.
     """
     problem, fixed, gravity_walk = at_rest_under_gravity(section, mesh, settings, comm)
-    walk = seismic_walk(problem, fixed, downhill(section) * (1 if settings.direction == "downhill" else -1), settings)
-    outcome = _walk_to_plateau(walk, mesh, settings, progress, Plateau())
-    states = [*outcome.states, state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor)]
-    reached = {state.kh for state in outcome.states}
+    walk = seismic_walk(problem, fixed, push(section, settings), settings)
+    states: list[State] = []
+
+    def keep(kh: float) -> None:
+        states.append(state_of(problem, mesh, f"Kh = {kh:g}", kh))
+
+    def stretch(walk: Walk) -> float:
+        return walk.displacement / (max(walk.factor, 1e-9) / REFERENCE_KH * walk.reference)
+
+    outcome = walk_to_plateau(walk, stretch, settings.kh_limit, Plateau(), settings.kh, keep, progress)
+    states.append(state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor))
     for kh in sorted(settings.kh):
-        if kh not in reached and kh > outcome.kc:
+        if kh > outcome.held and outcome.verdict != "undecided":
             past = state_of(problem, mesh, f"past equilibrium: Kh = {kh:g} is out of reach", kh)
             states.append(replace(past, past_equilibrium=True))
     return CriticalResult(
-        kc=outcome.kc,
+        kc=outcome.held,
         upper=outcome.upper,
         verdict=outcome.verdict,
         reason=outcome.reason,
@@ -85,6 +88,11 @@ def critical_coefficient(
         gravity_iterations=gravity_walk.solves,
         gravity_plastic_share=gravity_walk.steps[-1].plastic_share,
     )
+
+
+def push(section: Section, settings: FemSettings) -> int:
+    """+1 if the ground is pushed to the right, -1 if to the left."""
+    return downhill(section) * (1 if settings.direction == "downhill" else -1)
 
 
 def downhill(section: Section) -> int:
@@ -107,20 +115,21 @@ def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
 
 
 def at_rest_under_gravity(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, strength_factor: float = 1.0
 ) -> tuple[PlaneStrain, np.ndarray, Walk]:
     """The section in equilibrium under its weight, with its sides as the settings say, and the forces that act on it.
 
     Under gravity the sides are held horizontally (K0). When they are set free the reactions stay as forces.
-    Displacements count from here.
+    Displacements count from here. ``strength_factor`` divides cohesion and tan φ.
     """
     strata = soils(section, settings)
     problem = PlaneStrain(mesh, strata, settings.element, comm)
+    problem.use_strength(strength_factor)
     problem.hold({"base": "xy", "left": "x", "right": "x"})
     weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
-    walk = _carry(problem, np.zeros_like(weight), weight, settings)
+    walk = carry(problem, np.zeros_like(weight), weight, settings)
     reactions = np.where(problem.free, 0.0, problem.forces_of(problem.stress) - weight)
     _release(problem, section, settings.sides)
     if settings.sides == "tied":
@@ -129,7 +138,7 @@ def at_rest_under_gravity(
     fixed = weight + reactions
     if settings.vertical != 0.0:
         lift = problem.body_force([s.density_seismic for s in strata], (0.0, settings.vertical * GRAVITY))
-        _carry(problem, fixed, lift, settings)
+        carry(problem, fixed, lift, settings)
         fixed = fixed + lift
     problem.displacement[:] = 0.0
     problem.plastic_strain[:] = 0.0
@@ -137,7 +146,7 @@ def at_rest_under_gravity(
     return problem, fixed, walk
 
 
-def _carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: FemSettings) -> Walk:
+def carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: FemSettings) -> Walk:
     """Bring a load on whole, in one go if Newton's method can, along its path if not."""
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()
@@ -145,7 +154,7 @@ def _carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: 
     control = load / norm(load)
     walk = Walk(
         problem, Forces(fixed, load), control, dot(control, problem.solve(load)), norm(load) + norm(fixed),
-        replace(_path_settings(problem, settings), first=0.2, largest=0.2),
+        replace(path_settings(problem, settings), first=0.2, largest=0.2),
     )  # fmt: skip
     while not walk.reach(1.0):
         if walk.length > 10.0 or not walk.advance():
@@ -166,8 +175,7 @@ def _release(problem: PlaneStrain, section: Section, sides: Sides) -> None:
 
 def seismic_walk(problem: PlaneStrain, fixed: np.ndarray, sign: int, settings: FemSettings) -> Walk:
     """The path of rising Kh, ready to start; displacement is positive in the direction of the push."""
-    densities = [s.density_seismic for s in problem.strata]
-    load = problem.body_force(densities, (sign * GRAVITY, 0.0))
+    load = seismic_load(problem, sign)
     mass = problem.exchange.dot(load, _horizontal(problem, sign))
     if mass == 0.0:
         raise InputError("section", ["density_seismic is 0 in all strata: there is nothing to accelerate"])
@@ -175,8 +183,13 @@ def seismic_walk(problem: PlaneStrain, fixed: np.ndarray, sign: int, settings: F
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
-    path = replace(_path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
+    path = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
     return Walk(problem, Forces(fixed, load), control, REFERENCE_KH * elastic, problem.exchange.norm(fixed), path)
+
+
+def seismic_load(problem: PlaneStrain, sign: int) -> np.ndarray:
+    """Nodal forces (N/m) of Kh = 1 towards the right (``sign`` 1) or the left (-1)."""
+    return problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
 
 
 def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
@@ -185,85 +198,8 @@ def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
     return problem.exchange.owned_part(unit)
 
 
-def _path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
+def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
     associated = all(s.dilation_angle == s.friction_angle for s in problem.strata)
     return PathSettings(
         newton=NewtonSettings(tolerance=settings.tolerance), relaxation=0.0 if associated else settings.relaxation
     )
-
-
-@dataclass
-class _Outcome:
-    """What a walk to the plateau found; filled in on the way."""
-
-    kc: float = 0.0
-    upper: float = math.inf
-    verdict: Verdict = "undecided"
-    reason: str = ""
-    remedy: str = ""
-    states: list[State] = field(default_factory=list)
-
-
-def _walk_to_plateau(
-    walk: Walk, mesh: QuadMesh, settings: FemSettings, progress: Progress | None, plateau: Plateau
-) -> _Outcome:
-    """Walk until the load no longer grows, keeping the wanted states and the largest Kh in equilibrium on the way."""
-    found = _Outcome()
-    wanted = sorted(kh for kh in settings.kh if kh > 0.0)
-    every_step_at_rest = walk.settings.relaxation <= 0.0
-    next_rest = plateau.first_rest
-    while True:
-        mark = walk.mark()
-        if not walk.advance():
-            found.reason, found.remedy = (
-                walk.reason,
-                "try another mesh, a larger relaxation, or the associated flow rule",
-            )
-            break
-        if wanted and walk.factor >= wanted[0]:
-            kh = wanted.pop(0)
-            walk.back(mark)
-            if walk.reach(kh):
-                found.kc = max(found.kc, kh)
-                found.states.append(state_of(walk.problem, mesh, f"Kh = {kh:g}", kh))
-            continue
-        stretch = walk.displacement / (walk.factor / REFERENCE_KH * walk.reference)
-        if every_step_at_rest or (stretch >= next_rest and walk.rest()):
-            found.kc = max(found.kc, walk.factor)
-        if stretch >= next_rest:
-            next_rest = plateau.next_rest * stretch
-        if progress is not None:
-            progress(walk)
-        if _ended(walk, stretch, settings, plateau, found):
-            break
-    highest = max((step.factor for step in walk.steps), default=0.0)
-    growth = max(growth_per_doubling(walk.steps), 0.0) if walk.steps else math.inf
-    found.upper = max(highest, found.kc * (1.0 + growth))
-    return found
-
-
-def _ended(walk: Walk, stretch: float, settings: FemSettings, plateau: Plateau, found: _Outcome) -> bool:
-    """Whether the walk is over, and with which verdict."""
-    growth = growth_per_doubling(walk.steps)
-    highest = max(step.factor for step in walk.steps)
-    if walk.factor > settings.kh_limit:
-        found.verdict, found.reason = "no failure", f"no failure up to Kh = {settings.kh_limit:g}"
-        found.remedy = "raise kh_limit if larger coefficients are of interest"
-        return True
-    if stretch >= plateau.earliest and walk.factor < (1.0 - plateau.fall) * highest:
-        found.verdict, found.reason = (
-            "peak",
-            f"Kh has fallen by {100 * (1 - walk.factor / highest):.0f} % from its peak",
-        )
-        return True
-    if stretch >= plateau.earliest and growth < plateau.growth:
-        found.verdict = "plateau"
-        found.reason = f"Kh changed by {100 * growth:.1f} % while the displacement doubled"
-        return True
-    if stretch >= plateau.latest or len(walk.steps) >= walk.settings.longest:
-        settled = growth < plateau.still_a_plateau
-        found.verdict = "plateau" if settled else "undecided"
-        found.reason = f"Kh still grew by {100 * growth:.1f} % while the displacement doubled"
-        found.remedy = "refine the mesh, or use the quadratic element"
-        return True
-    return False

@@ -1,7 +1,5 @@
 """A path of equilibria, step by step, with growth and cut-back of the step, and rests to let the overstress go."""
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +17,7 @@ class PathSettings:
     that, one after another. Steps grow by ``growth`` while Newton needs no more than ``few`` iterations.
     """
 
-    newton: NewtonSettings = NewtonSettings()
+    newton: NewtonSettings = field(default_factory=NewtonSettings)
     first: float = 0.08
     largest: float = 0.3
     smallest: float = 1e-5
@@ -70,6 +68,7 @@ class Walk:
     _last: tuple[np.ndarray, float, float] | None = None
 
     def __post_init__(self) -> None:
+        self.start = self.factor
         self._step = self.settings.first
         self._elastic: tuple[np.ndarray, float] | None = None
 
@@ -111,7 +110,7 @@ class Walk:
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
             increment = self._last[0] * (factor - self.factor) / self._last[2]
-        b = (0.0,)
+        b: tuple[float, ...] = (0.0,)
         if self.settings.relaxation > 0.0:
             b = (self._overstress(self._step), *(1.0 / (1.0 + times) for times in self.settings.rests))
         mark = self.mark()
@@ -181,36 +180,3 @@ class Walk:
                 self.length, self.displacement, self.factor, found.iterations, found.residual, share, cutbacks, at_rest
             )
         )
-
-
-@dataclass(frozen=True)
-class Plateau:
-    """When to stop: the load factor has grown by less than ``growth`` while the displacement doubled.
-
-    Not before ``earliest`` times and not after ``latest`` times the displacement that the ground would have at this
-    load if it were elastic (that ratio is the stretch). ``fall`` is the loss of load that makes a peak of a plateau,
-    ``still_a_plateau`` the growth that is let pass at the latest; rests begin at ``first_rest`` and come whenever the
-    stretch has grown ``next_rest`` times.
-    """
-
-    growth: float = 0.01
-    earliest: float = 3.0
-    latest: float = 12.0
-    fall: float = 0.05
-    still_a_plateau: float = 0.04
-    first_rest: float = 1.3
-    next_rest: float = 1.3
-
-
-def factor_at(steps: Sequence[Step], displacement: float) -> float:
-    """Load factor of the path, between its steps, at a displacement (m)."""
-    moving = [step for step in steps if not step.at_rest]
-    return float(np.interp(displacement, [0.0, *(s.displacement for s in moving)], [0.0, *(s.factor for s in moving)]))
-
-
-def growth_per_doubling(steps: Sequence[Step]) -> float:
-    """Relative growth of the load factor over the second half of the displacement so far."""
-    last = [step for step in steps if not step.at_rest][-1]
-    if last.factor <= 0.0:
-        return math.inf
-    return 1.0 - factor_at(steps, 0.5 * last.displacement) / last.factor

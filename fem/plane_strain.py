@@ -89,8 +89,8 @@ class PlaneStrain:
         masters, slaves = (
             nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[one], grid.sides[other])
         )
-        heights = [grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves)]
-        if len(masters) != len(slaves) or not np.allclose(*heights, atol=1e-6 * heights[0][-1], rtol=0.0):
+        here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
+        if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
             wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
             raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
         self._tied = masters, slaves

@@ -16,7 +16,7 @@ class FemSettings(Model):
     element: Element = Field(default="quadratic", description='"quadratic" (9 nodes) or "bilinear" (4 nodes)')
     sides: Sides = Field(
         default="roller",
-        description='"roller" (free horizontally under the K0 stress, held vertically), "fixed", or "tied" (both alike)',
+        description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
     )
     direction: Literal["downhill", "uphill"] = Field(default="downhill", description="where the ground is pushed")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")

@@ -24,8 +24,8 @@ def add_overstress(
 ) -> None:
     """Mix the elastic answer into the inviscid one, in place.
 
-    ``strain_increment``, ``stress_old``, ``stress``, ``plastic_strain_increment`` (n, 4), ``tangent`` (n, 4, 4) or empty,
-    ``material`` (n,) into ``elastic`` (materials, 4, 4).
+    ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is
+    (n, 4, 4) or empty, ``material`` (n,) points into ``elastic`` (materials, 4, 4).
     """
     for point in range(len(stress)):
         law = elastic[material[point]]
