@@ -137,8 +137,10 @@ def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) 
     except BadMeshError as error:
         err.print(escape(f"No usable mesh: {error}"), style="red", soft_wrap=True)
         sys.exit(NO_ANSWER)
-    except KeyboardInterrupt:
-        err.print("Stopped.", style="yellow")
+    except (KeyboardInterrupt, SystemExit) as stop:
+        if isinstance(stop, SystemExit) and stop.code != STOPPED:
+            raise
+        err.print("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
         sys.exit(STOPPED)
 
 

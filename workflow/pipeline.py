@@ -1,6 +1,8 @@
 """The stages of a run, each from the input to the files it leaves behind."""
 
+import errno
 import math
+import os
 from collections.abc import Iterator
 
 from meshes.quadrilaterals import QuadMesh, generate
@@ -25,11 +27,13 @@ def mesh_stage(run: Input, store: Store) -> QuadMesh:
         mesh = generate(run, run.mesh, path)
     store.write_text("section.toml", run.to_toml())
     grid = figures.unstructured(mesh)
-    grid.field_data["section"] = [run.title or run.name]
+    figures.add_texts(grid, "section", [run.title or run.name])
     if run.reconstruction:
-        grid.field_data["reconstruction"] = [run.reconstruction_note]
+        figures.add_texts(grid, "reconstruction", [run.reconstruction_note])
     with store.writing("mesh/section.vtu") as path:
         grid.save(path)
+        if not path.read_bytes().rstrip().endswith(b"</VTKFile>"):  # VTK prints that the disk is full, and goes on
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
     check_stage(run, store)
     with store.writing("figures/mesh.png") as path:
         figures.draw_mesh(run, mesh, path)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from meshes.errors import InputError
@@ -29,7 +29,8 @@ class Store:
         except OSError as error:
             raise InputError(str(target), [f"cannot be written: {error.strerror or error}"]) from error
         finally:
-            beside.unlink(missing_ok=True)
+            with suppress(OSError):
+                beside.unlink()
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a text file; returns its path."""
