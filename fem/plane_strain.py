@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from fem import assembly, mohr_coulomb, viscoplastic
-from fem.discretisation import Discretisation, Element, discretise, tied
+from fem.discretisation import Discretisation, discretise, tied
 from fem.linear_solver import Exchange, LinearSolver
+from fem.settings import Element
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
