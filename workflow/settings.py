@@ -1,4 +1,4 @@
-"""The whole input of a run: a section, and how to mesh it."""
+"""The whole input of a run: a section, and how to mesh it and compute with it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from fem.settings import FemSettings
 from meshes.quadrilaterals import MeshSettings
 from meshes.section import Section, read_toml
 
@@ -17,6 +18,7 @@ class Input(Section):
     """A section with the settings of the stages, one TOML table each."""
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
+    fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:

@@ -1,0 +1,108 @@
+"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised by MUMPS."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from petsc4py import PETSc
+
+from fem.discretisation import Discretisation
+
+# More entries in a row than any vertex of a reasonable mesh gives (eight biquadratic cells round it give 98).
+ROW_ENTRIES = 130
+
+
+class SingularMatrixError(ArithmeticError):
+    """The stiffness matrix could not be factorised: there is a mechanism, or a part that nothing holds."""
+
+
+class Exchange:
+    """Between the components that this rank owns and those its cells need; on one rank the same in another order."""
+
+    def __init__(self, d: Discretisation) -> None:
+        self._owned = PETSc.Vec().createMPI((d.owned, d.size), comm=d.comm)
+        self._local = PETSc.Vec().createSeq(len(d.global_dofs))
+        needed = PETSc.IS().createGeneral(d.global_dofs, comm=PETSc.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(self._owned, needed, self._local, None)
+        self.first, self.last = self._owned.getOwnershipRange()
+        self._comm = d.comm
+
+    def to_local(self, owned: np.ndarray) -> np.ndarray:
+        """Values where the cells need them, from the values of the owned components."""
+        self._owned.array[:] = owned
+        self._scatter.scatter(self._owned, self._local)
+        return self._local.array.copy()
+
+    def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
+        """Contributions of all ranks added up for the owned components."""
+        self._local.array[:] = local
+        self._owned.set(0.0)
+        self._scatter.scatter(
+            self._local, self._owned, addv=PETSc.InsertMode.ADD_VALUES, mode=PETSc.ScatterMode.REVERSE
+        )
+        return self._owned.array.copy()
+
+    def dot(self, a: np.ndarray, b: np.ndarray) -> float:
+        """The scalar product of two vectors, over all ranks."""
+        return float(self._comm.allreduce(float(a @ b)))
+
+    def norm(self, a: np.ndarray) -> float:
+        return float(np.sqrt(self.dot(a, a)))
+
+    def owned_part(self, everything: np.ndarray) -> np.ndarray:
+        """This rank's part of a vector over all components."""
+        return everything[self.first : self.last]
+
+    def gather(self, owned: np.ndarray) -> np.ndarray:
+        """The whole vector, on every rank."""
+        return np.concatenate(self._comm.allgather(owned))
+
+
+class LinearSolver:
+    """K x = b with rows and columns of the held components replaced by those of the unit matrix."""
+
+    def __init__(self, d: Discretisation) -> None:
+        self._rows = d.global_dofs[d.dofs].astype(PETSc.IntType)
+        self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
+        self._matrix.setPreallocationNNZ((ROW_ENTRIES, ROW_ENTRIES))
+        self._ksp = PETSc.KSP().create(d.comm)
+        self._ksp.setType(PETSc.KSP.Type.PREONLY)
+        pc = self._ksp.getPC()
+        pc.setType(PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        self._ksp.setErrorIfNotConverged(False)
+        self._x, self._b = self._matrix.createVecs()
+
+    def factorise(self, elements: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from element matrices (nc, nd, nd) and the ``held`` components of this rank (global numbers).
+
+        Raises SingularMatrixError.
+        """
+        self._matrix.zeroEntries()
+        self._matrix.setValuesRCV(
+            self._rows, self._rows, elements.reshape(len(elements), -1), addv=PETSc.InsertMode.ADD_VALUES
+        )
+        held = held.astype(PETSc.IntType)[:, None]
+        self._matrix.setValuesRCV(held, held, np.ones(held.shape), addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.assemble()
+        with _as_singular():
+            self._ksp.setOperators(self._matrix)
+            self._ksp.setUp()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
+        self._b.array[:] = right
+        with _as_singular():
+            self._ksp.solve(self._b, self._x)
+        x = self._x.array.copy()
+        if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
+            raise SingularMatrixError("the stiffness matrix is singular")
+        return x
+
+
+@contextmanager
+def _as_singular() -> Iterator[None]:
+    try:
+        yield
+    except PETSc.Error as error:
+        raise SingularMatrixError(f"the stiffness matrix could not be factorised ({error})") from error
