@@ -66,7 +66,8 @@ def _state_sheet(run: Input, mesh: QuadMesh, state: State) -> Sheet:
         grid.cell_data["safety"] = np.digitize(state.safety_factor, SAFETY_BOUNDS[1:-1])
         plotter.add_mesh(
             grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
-            lighting=False, show_scalar_bar=False, show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
+            lighting=False, show_scalar_bar=False,
+            show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
     shown = f"displacement since gravity, arrows {stretch:g} times too long; largest {largest:.3g} m"
