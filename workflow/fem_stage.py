@@ -22,7 +22,7 @@ Progress = Callable[[str, Walk], None]
 def fem_stage(
     run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progress: Progress
 ) -> tuple[CriticalResult, list[SafetyFactor]]:
-    """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png in ``store``.
+    """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError.
     """
