@@ -69,11 +69,12 @@ def critical_coefficient(
         return walk.displacement / (max(walk.factor, 1e-9) / REFERENCE_KH * walk.reference)
 
     outcome = walk_to_plateau(walk, stretch, settings.kh_limit, Plateau(), settings.kh, keep, progress)
-    states.append(state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor))
+    last = state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor)
+    states.append(last)
     for kh in sorted(settings.kh):
         if kh > outcome.held and outcome.verdict != "undecided":
-            past = state_of(problem, mesh, f"past equilibrium: Kh = {kh:g} is out of reach", kh)
-            states.append(replace(past, past_equilibrium=True))
+            label = f"past equilibrium: Kh = {kh:g} is out of reach"
+            states.append(replace(last, label=label, kh=kh, past_equilibrium=True))
     return CriticalResult(
         kc=outcome.held,
         upper=outcome.upper,

@@ -40,6 +40,11 @@ class Discretisation:
     sides: dict[str, np.ndarray]
 
     @property
+    def inside(self) -> int:
+        """How many of a cell's displacement components, the last ones, no other cell shares."""
+        return 2 if self.element == "quadratic" else 0
+
+    @property
     def points_per_cell(self) -> int:
         return self.weights.shape[1]
 

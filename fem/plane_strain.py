@@ -52,8 +52,7 @@ class PlaneStrain:
         """Work with a discretisation from now on."""
         self.grid = grid
         self.exchange = Exchange(grid)
-        self._solver = LinearSolver(grid)
-        self._elements = np.zeros((*grid.dofs.shape, grid.dofs.shape[1]))
+        self._solver = LinearSolver(grid, self.exchange)
         self._forces = np.zeros(len(grid.global_dofs))
 
     def use_strength(self, factor: float) -> None:
@@ -148,10 +147,7 @@ class PlaneStrain:
         """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
-        assembly.element_stiffness(
-            self.grid.matrix, self.grid.weights, self._tangent, self._free_local, self.grid.dofs, self._elements
-        )
-        self._solver.factorise(self._elements, self._held_owned)
+        self._solver.factorise(self._tangent, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""

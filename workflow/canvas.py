@@ -28,6 +28,8 @@ import pyvista as pv
 
 WIDTH = 1600  # px
 DPI = 160
+LEFT, RIGHT = 0.062, 0.985  # sides of the views, as shares of the width
+VIEW_WIDTH = round((RIGHT - LEFT) * WIDTH)
 INK = "#26323a"
 WATER = "#1f6fb2"
 
@@ -83,7 +85,10 @@ class Window:
 
 
 def render(
-    window: Window, draw: Callable[[pv.Plotter], object], width: int = 2 * WIDTH, exaggeration: int = 1
+    window: Window,
+    draw: Callable[[pv.Plotter], object],
+    width: int = round((RIGHT - LEFT) * WIDTH),
+    exaggeration: int = 1,
 ) -> np.ndarray:
     """What ``draw`` puts into a plotter, seen straight on, as an image (height, width, 3) of exactly the window.
 
@@ -94,6 +99,7 @@ def render(
     plotter = pv.Plotter(off_screen=True, window_size=[width, max(2, round(width * proportion))])
     try:
         plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
         draw(plotter)
         plotter.set_scale(yscale=exaggeration, render=False)
         x, z = 0.5 * (window.left + window.right), 0.5 * exaggeration * (window.bottom + window.top)
@@ -111,7 +117,7 @@ class Sheet:
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
         """``heights`` are the heights of the views over their width; ``legend_rows`` leaves room below them."""
-        left, right, head, below, between = 0.062, 0.985, 0.58, 0.45, 0.72
+        left, right, head, below, between = LEFT, RIGHT, 0.58, 0.45, 0.72
         inches = WIDTH / DPI
         title = textwrap.fill(title, TITLE_CHARACTERS)
         head += 0.2 * title.count("\n")
@@ -136,7 +142,8 @@ class Sheet:
     def show(self, view: int, image: np.ndarray, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
         """Put a rendered image into a view, with axes in metres."""
         axes = self.views[view]
-        axes.imshow(image, extent=(window.left, window.right, window.bottom, window.top), aspect=exaggeration)
+        extent = (window.left, window.right, window.bottom, window.top)
+        axes.imshow(image, extent=extent, aspect=exaggeration, interpolation="nearest")
         axes.set_autoscale_on(False)
         axes.set_anchor("W")
         box = axes.get_position()

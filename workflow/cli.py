@@ -71,6 +71,7 @@ def run_all(section: SectionFile, folder: Out = None) -> None:
     run = Input.load(section)
     store = _store(run, folder)
     _show_strata(run)
+    pipeline.mesh_figures(run, pipeline.mesh_stage(run, store), store)
     _run_fem(run, store)
 
 
@@ -88,7 +89,9 @@ def mesh(
     run = Input.load(section, {"mesh": _mesh_options(refine, size, free, columns, rows)})
     store = _store(run, folder)
     _show_strata(run)
-    _show_mesh(pipeline.mesh_stage(run, store), store)
+    quads = pipeline.mesh_stage(run, store)
+    pipeline.mesh_figures(run, quads, store)
+    _show_mesh(quads, store)
 
 
 @app.command()

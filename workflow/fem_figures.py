@@ -1,5 +1,8 @@
 """Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
 
+import textwrap
+from typing import NamedTuple
+
 import numpy as np
 import pyvista as pv
 from matplotlib.cm import ScalarMappable
@@ -19,15 +22,21 @@ SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
 PATH = "#1f6fb2"
+NOTE_CHARACTERS = 88
 
 
 def draw_all(run: Input, mesh: QuadMesh, result: CriticalResult, store: Store) -> None:
     """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png."""
+    window = Window.around(mesh.points)
+    drawn: dict[int, Views] = {}
     for state in result.states:
+        same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+        if same not in drawn:
+            drawn[same] = _views(mesh, state, window)
         is_plateau = state.label.startswith("plateau")
         name = "figures/fem_plateau.png" if is_plateau else f"figures/fem_kh_{state.kh:.3f}.png"
         with store.writing(name) as path:
-            _state_sheet(run, mesh, state).save(path)
+            _state_sheet(run, mesh, state, window, drawn[same]).save(path)
     with store.writing("figures/fem_curve.png") as path:
         _curve_sheet(run, result).save(path)
 
@@ -44,14 +53,19 @@ def _dilations(run: Input) -> str:
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 
-def _state_sheet(run: Input, mesh: QuadMesh, state: State) -> Sheet:
-    window = Window.around(mesh.points)
-    title = f"{run.title or run.name}: FEM, {state.label}"
-    sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
+class Views(NamedTuple):
+    """The rendered views of a state, and how much longer than true the arrows are."""
+
+    arrows: np.ndarray
+    safety: np.ndarray
+    stretch: float
+    largest: float
+
+
+def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
     grid = unstructured(mesh)
-    size = np.hypot(*state.displacement.T)
-    largest = float(size.max())
-    stretch = nice_number(0.06 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
+    largest = float(np.hypot(*state.displacement.T).max())
+    stretch = nice_number(0.04 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
 
     def arrows(plotter: pv.Plotter) -> None:
         plotter.add_mesh(grid, color="#efece4", lighting=False)
@@ -70,9 +84,15 @@ def _state_sheet(run: Input, mesh: QuadMesh, state: State) -> Sheet:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    shown = f"displacement since gravity, arrows {stretch:g} times too long; largest {largest:.3g} m"
-    sheet.show(0, render(window, arrows), window, shown)
-    axes = sheet.show(1, render(window, safety), window, "local safety factor τ / (c + N tan φ) on the worst plane")
+    return Views(render(window, arrows), render(window, safety), stretch, largest)
+
+
+def _state_sheet(run: Input, mesh: QuadMesh, state: State, window: Window, views: Views) -> Sheet:
+    title = f"{run.title or run.name}: FEM, {state.label}"
+    sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
+    shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
+    sheet.show(0, views.arrows, window, shown)
+    axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
     slip = slip_surface(mesh, state)
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
@@ -83,14 +103,17 @@ def _state_sheet(run: Input, mesh: QuadMesh, state: State) -> Sheet:
     sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=SAFETY_BOUNDS)
     bar.tick_params(labelsize=7, colors=INK, length=2)
     bar.set_xlabel("mobilised / available shear strength (-); 1: failure", fontsize=7, color=INK, labelpad=1)
-    notes = f"{conditions(run)}. Dotted: largest shear strain along x."
+    notes = [f"{conditions(run)}. Dotted: largest shear strain along x."]
     if state.past_equilibrium:
-        notes += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
-    sheet.figure.text(0.52, top, notes, fontsize=7.5, color=INK, va="top", wrap=True)
+        notes.append(
+            f"There is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
+        )
+    lines = [line for text in notes for line in textwrap.wrap(text, NOTE_CHARACTERS)]
+    sheet.figure.text(0.52, top, "\n".join(lines), fontsize=7.5, color=INK, va="top")
     return sheet
 
 
-def _spread(points: np.ndarray, window: Window, across: int = 60) -> np.ndarray:
+def _spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
     """Indices of points about evenly spread over the window, one for each box of a grid."""
     box = (window.right - window.left) / across
     cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
