@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from fem import dolfinx_api as api
 from fem.continuation import Forces, NewtonSettings
+from fem.errors import UnstableError
 from fem.fields import State, state_of
 from fem.path import PathSettings, Step, Walk
 from fem.plane_strain import PlaneStrain
@@ -23,10 +25,6 @@ GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 
 # Kh in whose elastic displacement the path is measured.
 REFERENCE_KH = 0.25
-
-
-class UnstableError(RuntimeError):
-    """The ground does not stand under its own weight; says what share of it it carries."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +69,12 @@ def critical_coefficient(
         return walk.displacement / (max(walk.factor, 1e-9) / REFERENCE_KH * walk.reference)
 
     outcome = walk_to_plateau(walk, stretch, settings.kh_limit, Plateau(), settings.kh, keep, progress)
-    states.append(state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor))
+    last = state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor)
+    states.append(last)
     for kh in sorted(settings.kh):
         if kh > outcome.held and outcome.verdict != "undecided":
-            past = state_of(problem, mesh, f"past equilibrium: Kh = {kh:g} is out of reach", kh)
-            states.append(replace(past, past_equilibrium=True))
+            label = f"past equilibrium: Kh = {kh:g} is out of reach"
+            states.append(replace(last, label=label, kh=kh, past_equilibrium=True))
     return CriticalResult(
         kc=outcome.held,
         upper=outcome.upper,
@@ -122,8 +121,9 @@ def at_rest_under_gravity(
     Under gravity the sides are held horizontally (K0). When they are set free the reactions stay as forces.
     Displacements count from here. ``strength_factor`` divides cohesion and tan φ.
     """
+    api.require()
     strata = soils(section, settings)
-    problem = PlaneStrain(mesh, strata, settings.element, comm)
+    problem = PlaneStrain(mesh, strata, settings.element, comm, settings.threads)
     problem.use_strength(strength_factor)
     problem.hold({"base": "xy", "left": "x", "right": "x"})
     weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))

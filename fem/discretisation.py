@@ -1,15 +1,15 @@
 """The elements of a mesh on this rank: strain-displacement matrices, weights, numbering, and exchange between ranks."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
 from fem import dolfinx_api as api
+from fem.settings import Element
 from meshes.quadrilaterals import QuadMesh
 
-Element = Literal["quadratic", "bilinear"]
 DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2}
 
 
@@ -40,6 +40,11 @@ class Discretisation:
     size: int
     owned: int
     sides: dict[str, np.ndarray]
+
+    @property
+    def inside(self) -> int:
+        """How many of a cell's displacement components, the last ones, no other cell shares."""
+        return 2 if self.element == "quadratic" else 0
 
     @property
     def points_per_cell(self) -> int:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
+from fem import assembly, condensation
 from fem.discretisation import Discretisation
 
 # More entries in a row than any vertex of a reasonable mesh gives (eight biquadratic cells round it give 98).
@@ -59,10 +60,18 @@ class Exchange:
 
 
 class LinearSolver:
-    """K x = b with rows and columns of the held components replaced by those of the unit matrix."""
+    """K x = b with rows and columns of the held components replaced by those of the unit matrix.
 
-    def __init__(self, d: Discretisation) -> None:
-        self._rows = d.global_dofs[d.dofs].astype(PETSc.IntType)
+    Components inside a cell are condensed before the matrix is set, where they stand as held, and found afterwards.
+    """
+
+    def __init__(self, d: Discretisation, exchange: Exchange) -> None:
+        self._grid, self._exchange = d, exchange
+        border = d.dofs.shape[1] - d.inside
+        self._rows = d.global_dofs[d.dofs[:, :border]].astype(PETSc.IntType)
+        self._inside = d.global_dofs[d.dofs[:, border:]].ravel()
+        self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
+        self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
         self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
         self._matrix.setPreallocationNNZ((ROW_ENTRIES, ROW_ENTRIES))
         self._ksp = PETSc.KSP().create(d.comm)
@@ -73,17 +82,24 @@ class LinearSolver:
         self._ksp.setErrorIfNotConverged(False)
         self._x, self._b = self._matrix.createVecs()
 
-    def factorise(self, elements: np.ndarray, held: np.ndarray) -> None:
-        """Set the matrix from element matrices (nc, nd, nd) and the ``held`` components of this rank (global numbers).
+    def factorise(self, tangent: np.ndarray, more: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and ``more`` (nc or 0, nd, nd), and factorise it.
 
+        ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
         Raises SingularMatrixError.
         """
+        d = self._grid
+        assembly.element_stiffness(d.matrix, d.weights, tangent, more, free, d.dofs, self._elements)
+        if d.inside:
+            condensation.condense(self._elements, self._inverse)
+            if not np.all(np.isfinite(self._inverse)):
+                raise SingularMatrixError("a cell has no stiffness inside")
+        border = self._rows.shape[1]
+        block = np.ascontiguousarray(self._elements[:, :border, :border]).reshape(len(self._rows), -1)
+        ones = np.concatenate([held, self._inside]).astype(PETSc.IntType)[:, None]
         self._matrix.zeroEntries()
-        self._matrix.setValuesRCV(
-            self._rows, self._rows, elements.reshape(len(elements), -1), addv=PETSc.InsertMode.ADD_VALUES
-        )
-        held = held.astype(PETSc.IntType)[:, None]
-        self._matrix.setValuesRCV(held, held, np.ones(held.shape), addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.setValuesRCV(ones, ones, np.ones(ones.shape), addv=PETSc.InsertMode.ADD_VALUES)
         self._matrix.assemble()
         with _as_singular():
             self._ksp.setOperators(self._matrix)
@@ -91,10 +107,21 @@ class LinearSolver:
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
+        d, exchange = self._grid, self._exchange
         self._b.array[:] = right
+        if d.inside:
+            force = exchange.to_local(right)
+            change = np.empty_like(force)
+            condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
+            self._b.array[:] += exchange.sum_to_owned(change)
         with _as_singular():
             self._ksp.solve(self._b, self._x)
         x = self._x.array.copy()
+        if d.inside:
+            local = exchange.to_local(x)
+            condensation.expand(self._elements, self._inverse, d.dofs, force, local)
+            own = self._inside - exchange.first
+            x[own] = local[d.dofs[:, -d.inside :].ravel()]
         if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
             raise SingularMatrixError("the stiffness matrix is singular")
         return x

@@ -13,8 +13,9 @@ from fem.plane_strain import PlaneStrain
 class PathSettings:
     """How to walk. Lengths are in units of the path length; see ``Walk``.
 
-    ``relaxation`` is the path length over which the overstress decays; 0 for none. A rest lasts ``rests`` times
-    that, one after another. Steps grow by ``growth`` while Newton needs no more than ``few`` iterations.
+    ``relaxation`` is the path length over which the overstress decays; 0 for none. A rest lasts ``rests`` times that,
+    one after another; ``give_way`` are the shares by which the factor is lowered in a rest that sets it. Steps grow by
+    ``growth`` while Newton needs no more than ``few`` iterations, and by ``shrink`` if it needs more than ``many``.
     """
 
     newton: NewtonSettings = field(default_factory=NewtonSettings)
@@ -26,7 +27,8 @@ class PathSettings:
     few: int = 6
     many: int = 12
     relaxation: float = 0.0
-    rests: tuple[float, ...] = (30.0, 1000.0)
+    rests: tuple[float, ...] = (30.0, 30.0)
+    give_way: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.04)
     longest: int = 400
 
 
@@ -93,9 +95,15 @@ class Walk:
         return True
 
     def rest(self) -> bool:
-        """Let the overstress go at constant displacement; True if what is left is an equilibrium without it."""
+        """Let the overstress go; True if what is left is an equilibrium without it.
+
+        Where the load is a force the displacement stays and the load factor gives way. Ground that is weakened does not
+        feel the factor where it is elastic, so there the factor is set, as high as the ground then stands.
+        """
         if self.settings.relaxation <= 0.0:
             return True
+        if self.share > 0.0:
+            return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.give_way)
         constraint = Constraint(self.control / self.reference, 0.0, 0.0)
         for times in self.settings.rests:
             self.problem.overstress = 1.0 / (1.0 + times)

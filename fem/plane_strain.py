@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from fem import assembly, mohr_coulomb, viscoplastic
-from fem.discretisation import Discretisation, Element, discretise, tied
+from fem.discretisation import Discretisation, discretise, tied
 from fem.linear_solver import Exchange, LinearSolver
+from fem.settings import Element
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
@@ -54,8 +55,7 @@ class PlaneStrain:
         """Work with a discretisation from now on."""
         self.grid = grid
         self.exchange = Exchange(grid)
-        self._solver = LinearSolver(grid)
-        self._elements = np.zeros((*grid.dofs.shape, grid.dofs.shape[1]))
+        self._solver = LinearSolver(grid, self.exchange)
         self._forces = np.zeros(len(grid.global_dofs))
         shear = np.array([s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio)) for s in self.strata])
         self._unseen = UNSEEN_SHARE * shear[grid.stratum[: len(grid.unseen)], None, None] * grid.unseen
@@ -159,11 +159,7 @@ class PlaneStrain:
         """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
-        assembly.element_stiffness(
-            self.grid.matrix, self.grid.weights, self._tangent, self._unseen,
-            self._free_local, self.grid.dofs, self._elements,
-        )  # fmt: skip
-        self._solver.factorise(self._elements, self._held_owned)
+        self._solver.factorise(self._tangent, self._unseen, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""

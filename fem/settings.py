@@ -4,9 +4,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from fem.discretisation import Element
 from meshes.section import Model
 
+Element = Literal["quadratic", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]
 
 
@@ -38,3 +38,4 @@ class FemSettings(Model):
     safety_factor_at: tuple[float, ...] = Field(
         default=(), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
     )
+    threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")

@@ -6,13 +6,13 @@ from typing import Any
 
 from fem.continuation import WeakerGround
 from fem.critical import (
-    UnstableError,
     at_rest_under_gravity,
     carry,
     path_settings,
     push,
     seismic_load,
 )
+from fem.errors import UnstableError
 from fem.path import Step, Walk
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import FemSettings
