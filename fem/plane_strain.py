@@ -104,18 +104,8 @@ class PlaneStrain:
 
     def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
         """Let nodes (global numbers) move like others; ``hold`` has to be called anew."""
-        self._tied = masters, slaves
         self._take(tied(self.grid, masters, slaves))
         self._passive = np.concatenate([self._passive, slaves])
-
-    def merge_tied(self, forces: np.ndarray) -> np.ndarray:
-        """Forces with those on tied nodes moved to the nodes that they move with."""
-        whole = self.exchange.gather(forces)
-        masters, slaves = self._tied
-        for axis in (0, 1):
-            whole[2 * masters + axis] += whole[2 * slaves + axis]
-            whole[2 * slaves + axis] = 0.0
-        return self.exchange.owned_part(whole)
 
     def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
         """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
