@@ -143,7 +143,7 @@ def _unseen_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     full, weights = _strain_matrix(2, gauss, weight, points)
     near, far = np.polynomial.legendre.leggauss(2)[0] / 2.0 + 0.5
     along = np.stack([(far - gauss) / (far - near), (gauss - near) / (far - near)])
-    through = np.stack([along[i, :, 0] * along[j, :, 1] for i in (0, 1) for j in (0, 1)], axis=-1)
+    through = np.stack([along[i, :, 0] * along[j, :, 1] for j in (0, 1) for i in (0, 1)], axis=-1)
     rest = full - np.einsum("qp,cpid->cqid", through, matrix)
     return np.einsum("cq,i,cqia,cqib->cab", weights, np.array([2.0, 2.0, 2.0, 1.0]), rest, rest)
 

@@ -32,7 +32,7 @@ def displaced(problem, field):
 
 
 def linear(points):
-    return points @ np.array([[1.0e-4, -2.0e-4], [3.0e-4, 0.7e-4]]) + 0.3
+    return points @ np.array([[1.0e-4, -2.0e-4], [3.0e-4, 0.7e-4]]) + 1e-3
 
 
 @every_element
@@ -59,7 +59,7 @@ def test_patch_held_at_its_border_finds_the_linear_displacement_inside(element):
     np.testing.assert_allclose(found, exact, rtol=0.0, atol=2e-6 * np.abs(start - exact).max())
     forces = problem.internal_force(exact)
     scale = np.abs(forces[~problem.free]).max()
-    assert np.abs(forces[problem.free]).max() < 1e-12 * scale
+    assert np.abs(forces[problem.free]).max() < 1e-11 * scale
 
 
 @every_element
