@@ -39,13 +39,24 @@ def internal_forces(
 
 @nb.njit(cache=True, nogil=True)
 def element_stiffness(
-    matrix: np.ndarray, weights: np.ndarray, tangent: np.ndarray, free: np.ndarray, dofs: np.ndarray, out: np.ndarray
+    matrix: np.ndarray,
+    weights: np.ndarray,
+    tangent: np.ndarray,
+    more: np.ndarray,
+    free: np.ndarray,
+    dofs: np.ndarray,
+    out: np.ndarray,
 ) -> None:
-    """∫ BᵀCB dA of every cell into ``out`` (nc, nd, nd), with rows and columns that are not ``free`` left zero."""
+    """∫ BᵀCB dA of every cell, and ``more`` (nc or 0, nd, nd), into ``out`` (nc, nd, nd).
+
+    Rows and columns that are not ``free`` are left zero.
+    """
     cells, points, _, entries = matrix.shape
     product = np.empty((4, entries))
     for cell in range(cells):
         out[cell] = 0.0
+        if len(more):
+            out[cell] += more[cell]
         for point in range(points):
             row = cell * points + point
             weight = weights[cell, point]
@@ -66,3 +77,14 @@ def element_stiffness(
                 for b in range(entries):
                     out[cell, a, b] = 0.0
                     out[cell, b, a] = 0.0
+
+
+@nb.njit(cache=True, nogil=True)
+def add_forces(stiffness: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
+    """Add the nodal forces K u of element matrices ``stiffness`` (nc, nd, nd) to ``out``."""
+    for cell in range(len(stiffness)):
+        for a in range(dofs.shape[1]):
+            total = 0.0
+            for b in range(dofs.shape[1]):
+                total += stiffness[cell, a, b] * displacement[dofs[cell, b]]
+            out[dofs[cell, a]] += total

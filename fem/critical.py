@@ -16,7 +16,7 @@ from fem.fields import State, state_of
 from fem.path import PathSettings, Step, Walk
 from fem.plane_strain import PlaneStrain
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
-from fem.settings import FemSettings, Sides
+from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
@@ -118,24 +118,26 @@ def at_rest_under_gravity(
 ) -> tuple[PlaneStrain, np.ndarray, Walk]:
     """The section in equilibrium under its weight, with its sides as the settings say, and the forces that act on it.
 
-    Under gravity the sides are held horizontally (K0). When they are set free the reactions stay as forces.
-    Displacements count from here. ``strength_factor`` divides cohesion and tan φ.
+    Under gravity the sides are held horizontally (K0). When they are set free the reactions stay as forces. Tied sides
+    are tied from the start, and nothing is left on them: such a section is one of many in a row. Displacements
+    count from here. ``strength_factor`` divides cohesion and tan φ.
     """
     api.require()
     strata = soils(section, settings)
     problem = PlaneStrain(mesh, strata, settings.element, comm, settings.threads)
     problem.use_strength(strength_factor)
-    problem.hold({"base": "xy", "left": "x", "right": "x"})
+    if settings.sides == "tied":
+        problem.tie("left", "right", section)
+    else:
+        problem.hold({"base": "xy", "left": "x", "right": "x"})
     weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
     walk = carry(problem, np.zeros_like(weight), weight, settings)
-    reactions = np.where(problem.free, 0.0, problem.forces_of(problem.stress) - weight)
-    _release(problem, section, settings.sides)
-    if settings.sides == "tied":
-        reactions = problem.merge_tied(reactions)
-        weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))
-    fixed = weight + reactions
+    fixed = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    if settings.sides != "tied":
+        held = "y" if settings.sides == "roller" else "xy"
+        problem.hold({"base": "xy", "left": held, "right": held})
     if settings.vertical != 0.0:
         lift = problem.body_force([s.density_seismic for s in strata], (0.0, settings.vertical * GRAVITY))
         carry(problem, fixed, lift, settings)
@@ -163,14 +165,6 @@ def carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: F
                 "Check strengths and densities, or ask for the factor of safety at Kh = 0"
             )
     return walk
-
-
-def _release(problem: PlaneStrain, section: Section, sides: Sides) -> None:
-    if sides == "tied":
-        problem.tie("left", "right", section)
-    else:
-        held = "y" if sides == "roller" else "xy"
-        problem.hold({"base": "xy", "left": held, "right": held})
 
 
 def seismic_walk(problem: PlaneStrain, fixed: np.ndarray, sign: int, settings: FemSettings) -> Walk:

@@ -21,12 +21,14 @@ class Discretisation:
     (m²) of the quadrature points, ``shapes`` (nq, nodes) the shape functions, ``dofs`` (nc, nd) the numbers of the
     displacement components among those this rank works with, ``global_dofs`` (needed,) their global numbers, ``cell``
     (nc,) and ``corners`` (nc, 4) numbers in the mesh as given, ``node_points`` (all nodes, 2) coordinates (m), and
-    ``sides`` the global numbers of the nodes on every boundary.
+    ``sides`` the global numbers of the nodes on every boundary. ``unseen`` (nc or 0, nd, nd) is the stiffness, for a
+    shear modulus of 1, of the strain that the quadrature points do not see.
     """
 
     comm: Any
     element: Element
     matrix: np.ndarray
+    unseen: np.ndarray
     weights: np.ndarray
     shapes: np.ndarray
     dofs: np.ndarray
@@ -52,27 +54,21 @@ class Discretisation:
 def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     """Distribute a mesh and set up its elements.
 
-    "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
-    Hughes 1980, the out-of-plane component included); "quadratic" the 9-node one with 3 x 3 points whose volumetric
-    strain is linear over the cell, the displacement form of the Q2/P-1 pair, which neither locks nor has free modes.
+    "bilinear" is the 4-node quadrilateral whose volumetric strain is its mean over the cell (B-bar, Hughes 1980, the
+    out-of-plane component included), "quadratic" the 9-node one; both have 2 x 2 points. Those are one too few each way
+    for the quadratic element, and that is its point: with 3 x 3 the flow rule asks for more at the points of a cell
+    than its nodes can give wherever ψ > 0. What 2 x 2 points do not see is left to ``unseen``.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)
     points = mesh.points[part.corners]
-    gauss, weight = _gauss(degree + 1)
-    shapes, gradients = api.tabulate(degree, gauss)
-    _, corner_gradients = api.tabulate(1, gauss)
-    jacobian = np.einsum("qad,cai->cqid", corner_gradients, points)
-    determinant = np.linalg.det(jacobian)
-    gradient = np.einsum("qad,cqdi->cqai", gradients, np.linalg.inv(jacobian))
-    weights = np.abs(determinant) * weight
-    matrix = _strain_matrix(gradient)
-    modes = [np.ones_like(weights)]
+    gauss, weight = _gauss(2)
+    matrix, weights = _strain_matrix(degree, gauss, weight, points)
+    unseen = np.zeros((0, matrix.shape[-1], matrix.shape[-1]))
     if degree == 2:
-        place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)
-        place = (place - place.mean(axis=1, keepdims=True)) / np.sqrt(weights.sum(axis=1))[:, None, None]
-        modes += [place[..., 0], place[..., 1]]
-    _project_volumetric_strain(matrix, weights, np.stack(modes, axis=-1))
+        unseen = _unseen_stiffness(matrix, points)
+    else:
+        _average_volumetric_strain(matrix, weights)
 
     nodes = part.nodes
     blocked = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1)
@@ -80,9 +76,10 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     return Discretisation(
         comm=comm,
         element=element,
-        matrix=np.ascontiguousarray(matrix),
+        matrix=matrix,
+        unseen=unseen,
         weights=weights,
-        shapes=shapes,
+        shapes=api.tabulate(degree, gauss)[0],
         dofs=dofs.reshape(blocked.shape).astype(np.int32),
         global_dofs=global_dofs.astype(PETSc.IntType),
         cell=part.cell,
@@ -111,28 +108,44 @@ def _gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array([(a, b) for b in x for a in x]), np.array([a * b for b in w for a in w])
 
 
-def _strain_matrix(gradient: np.ndarray) -> np.ndarray:
-    """B (nc, nq, 4, 2 nodes) from shape function gradients (nc, nq, nodes, 2)."""
-    cells, points, nodes, _ = gradient.shape
-    matrix = np.zeros((cells, points, 4, 2 * nodes))
+def _strain_matrix(
+    degree: int, gauss: np.ndarray, weight: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """B (nc, nq, 4, nd) and the areas (nc, nq) of quadrature points of cells with corners ``points`` (nc, 4, 2)."""
+    _, gradients = api.tabulate(degree, gauss)
+    _, corner_gradients = api.tabulate(1, gauss)
+    jacobian = np.einsum("qad,cai->cqid", corner_gradients, points)
+    gradient = np.einsum("qad,cqdi->cqai", gradients, np.linalg.inv(jacobian))
+    cells, count, nodes, _ = gradient.shape
+    matrix = np.zeros((cells, count, 4, 2 * nodes))
     matrix[:, :, 0, 0::2] = gradient[..., 0]
     matrix[:, :, 1, 1::2] = gradient[..., 1]
     matrix[:, :, 3, 0::2] = gradient[..., 1]
     matrix[:, :, 3, 1::2] = gradient[..., 0]
-    return matrix
+    return matrix, np.abs(np.linalg.det(jacobian)) * weight
 
 
-def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: np.ndarray) -> None:
-    """Replace the volumetric strain by its best fit among the ``modes`` (nc, nq, k) over the cell, in place.
-
-    With the constant alone this is the mean dilatation of Hughes (1980).
-    """
+def _average_volumetric_strain(matrix: np.ndarray, weights: np.ndarray) -> None:
+    """Replace the volumetric strain by its mean over the cell, in place."""
     volumetric = matrix[:, :, 0] + matrix[:, :, 1]
-    weighted = modes * weights[:, :, None]
-    gram = np.einsum("cqk,cql->ckl", weighted, modes)
-    fit = np.linalg.solve(gram, np.einsum("cqk,cqd->ckd", weighted, volumetric))
-    smooth = np.einsum("cqk,ckd->cqd", modes, fit)
-    matrix[:, :, :3] += ((smooth - volumetric) / 3.0)[:, :, None]
+    share = weights / weights.sum(axis=1, keepdims=True)
+    mean = np.einsum("cq,cqd->cd", share, volumetric)
+    matrix[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
+
+
+def _unseen_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Stiffness (nc, nd, nd) against the part of the strain that is zero at the 2 x 2 points.
+
+    That part is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points, so a
+    displacement with a strain linear over the cell feels nothing.
+    """
+    gauss, weight = _gauss(3)
+    full, weights = _strain_matrix(2, gauss, weight, points)
+    near, far = np.polynomial.legendre.leggauss(2)[0] / 2.0 + 0.5
+    along = np.stack([(far - gauss) / (far - near), (gauss - near) / (far - near)])
+    through = np.stack([along[i, :, 0] * along[j, :, 1] for j in (0, 1) for i in (0, 1)], axis=-1)
+    rest = full - np.einsum("qp,cpid->cqid", through, matrix)
+    return np.einsum("cq,i,cqia,cqib->cab", weights, np.array([2.0, 2.0, 2.0, 1.0]), rest, rest)
 
 
 def _node_points(comm: Any, part: api.Distribution, corners: np.ndarray, degree: int) -> np.ndarray:

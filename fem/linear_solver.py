@@ -82,14 +82,14 @@ class LinearSolver:
         self._ksp.setErrorIfNotConverged(False)
         self._x, self._b = self._matrix.createVecs()
 
-    def factorise(self, tangent: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
-        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and factorise it.
+    def factorise(self, tangent: np.ndarray, more: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and ``more`` (nc or 0, nd, nd), and factorise it.
 
         ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
         Raises SingularMatrixError.
         """
         d = self._grid
-        assembly.element_stiffness(d.matrix, d.weights, tangent, free, d.dofs, self._elements)
+        assembly.element_stiffness(d.matrix, d.weights, tangent, more, free, d.dofs, self._elements)
         if d.inside:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):

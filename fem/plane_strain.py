@@ -18,6 +18,8 @@ from meshes.section import Section, Stratum
 
 # Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
 ELASTIC_SHARE = 1e-6
+# Share of the elastic stiffness that resists, over one step, strain that the quadrature points do not see.
+UNSEEN_SHARE = 1e-4
 
 
 class PlaneStrain:
@@ -46,6 +48,7 @@ class PlaneStrain:
         self._plastic = np.zeros((points, 4))
         self._strain = np.zeros((points, 4))
         self.overstress = 0.0
+        self._passive = np.zeros(0, dtype=np.int64)
         self.hold({})
 
     def _take(self, grid: Discretisation) -> None:
@@ -54,6 +57,8 @@ class PlaneStrain:
         self.exchange = Exchange(grid)
         self._solver = LinearSolver(grid, self.exchange)
         self._forces = np.zeros(len(grid.global_dofs))
+        shear = np.array([s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio)) for s in self.strata])
+        self._unseen = UNSEEN_SHARE * shear[grid.stratum[: len(grid.unseen)], None, None] * grid.unseen
 
     def use_strength(self, factor: float) -> None:
         """Divide cohesion and tan φ of every stratum by ``factor``; ψ stays as it is unless φ falls below it."""
@@ -69,6 +74,7 @@ class PlaneStrain:
     def hold(self, components: dict[str, str]) -> None:
         """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""
         held = np.zeros(self.grid.size, dtype=bool)
+        held[2 * self._passive] = held[2 * self._passive + 1] = True
         for name, axes in components.items():
             for axis in axes:
                 held[2 * self.grid.sides[name] + "xy".index(axis)] = True
@@ -93,22 +99,13 @@ class PlaneStrain:
         if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
             wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
             raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
-        self._tied = masters, slaves
-        self._take(tied(grid, masters, slaves))
-        held = np.zeros(self.grid.size, dtype=bool)
-        for axis in (0, 1):
-            held[2 * self.grid.sides["base"] + axis] = True
-            held[2 * slaves + axis] = True
-        self.hold_components(held)
+        self.tie_nodes(masters, slaves)
+        self.hold({"base": "xy"})
 
-    def merge_tied(self, forces: np.ndarray) -> np.ndarray:
-        """Forces with those on tied nodes moved to the nodes that they move with."""
-        whole = self.exchange.gather(forces)
-        masters, slaves = self._tied
-        for axis in (0, 1):
-            whole[2 * masters + axis] += whole[2 * slaves + axis]
-            whole[2 * slaves + axis] = 0.0
-        return self.exchange.owned_part(whole)
+    def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
+        """Let nodes (global numbers) move like others; ``hold`` has to be called anew."""
+        self._take(tied(self.grid, masters, slaves))
+        self._passive = np.concatenate([self._passive, slaves])
 
     def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
         """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
@@ -136,18 +133,23 @@ class PlaneStrain:
                 self.overstress, self._strain, self.stress, self.material, self._elastic,
                 self._trial, self._tangent if tangent else self._tangent[:0], self._plastic,
             )  # fmt: skip
-        return self.forces_of(self._trial)
+        self._assemble(self._trial)
+        assembly.add_forces(self._unseen, self.grid.dofs, local, self._forces)
+        return self.exchange.sum_to_owned(self._forces)
 
     def forces_of(self, stress: np.ndarray) -> np.ndarray:
         """Nodal forces (N/m) of a stress (points, 4)."""
-        assembly.internal_forces(self.grid.matrix, self.grid.weights, self.grid.dofs, stress, self._forces)
+        self._assemble(stress)
         return self.exchange.sum_to_owned(self._forces)
+
+    def _assemble(self, stress: np.ndarray) -> None:
+        assembly.internal_forces(self.grid.matrix, self.grid.weights, self.grid.dofs, stress, self._forces)
 
     def factorise(self) -> None:
         """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
-        self._solver.factorise(self._tangent, self._free_local, self._held_owned)
+        self._solver.factorise(self._tangent, self._unseen, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
