@@ -10,7 +10,7 @@ from fem import dolfinx_api as api
 from fem.settings import Element
 from meshes.quadrilaterals import QuadMesh
 
-DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2}
+DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2, "reduced": 2}
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Discretisation:
     @property
     def inside(self) -> int:
         """How many of a cell's displacement components, the last ones, no other cell shares."""
-        return 2 if self.element == "quadratic" else 0
+        return 2 if DEGREES[self.element] == 2 else 0
 
     @property
     def points_per_cell(self) -> int:
@@ -54,21 +54,23 @@ class Discretisation:
 def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     """Distribute a mesh and set up its elements.
 
-    "bilinear" is the 4-node quadrilateral whose volumetric strain is its mean over the cell (B-bar, Hughes 1980, the
-    out-of-plane component included), "quadratic" the 9-node one; both have 2 x 2 points. Those are one too few each way
-    for the quadratic element, and that is its point: with 3 x 3 the flow rule asks for more at the points of a cell
-    than its nodes can give wherever ψ > 0. What 2 x 2 points do not see is left to ``unseen``.
+    "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
+    Hughes 1980, the out-of-plane component included). "quadratic" is the 9-node one with 3 x 3 points whose volumetric
+    strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no free modes and does not lock as
+    long as the volume stays. Where the ground dilates, ψ > 0, the flow rule asks for more at its points than its nodes
+    can give. "reduced" is the 9-node one with 2 x 2 points, which follows dilating flow; what its points do not see is
+    left to ``unseen``. With ψ = 0 it finds mechanisms that are not there. See the table in fem/README.md.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)
     points = mesh.points[part.corners]
-    gauss, weight = _gauss(2)
+    gauss, weight = _gauss(3 if element == "quadratic" else 2)
     matrix, weights = _strain_matrix(degree, gauss, weight, points)
     unseen = np.zeros((0, matrix.shape[-1], matrix.shape[-1]))
-    if degree == 2:
+    if element == "reduced":
         unseen = _unseen_stiffness(matrix, points)
     else:
-        _average_volumetric_strain(matrix, weights)
+        _project_volumetric_strain(matrix, weights, _modes(element, gauss, points, weights))
 
     nodes = part.nodes
     blocked = (2 * nodes[:, :, None] + np.arange(2)).reshape(len(nodes), -1)
@@ -125,12 +127,27 @@ def _strain_matrix(
     return matrix, np.abs(np.linalg.det(jacobian)) * weight
 
 
-def _average_volumetric_strain(matrix: np.ndarray, weights: np.ndarray) -> None:
-    """Replace the volumetric strain by its mean over the cell, in place."""
+def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """What the volumetric strain is made of in a cell, at its points (nc, nq, k): 1, and x and y if quadratic."""
+    modes = [np.ones_like(weights)]
+    if element == "quadratic":
+        place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)
+        place = (place - place.mean(axis=1, keepdims=True)) / np.sqrt(weights.sum(axis=1))[:, None, None]
+        modes += [place[..., 0], place[..., 1]]
+    return np.stack(modes, axis=-1)
+
+
+def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: np.ndarray) -> None:
+    """Replace the volumetric strain by its best fit among the ``modes`` (nc, nq, k) over the cell, in place.
+
+    With the constant alone this is the mean dilatation of Hughes (1980).
+    """
     volumetric = matrix[:, :, 0] + matrix[:, :, 1]
-    share = weights / weights.sum(axis=1, keepdims=True)
-    mean = np.einsum("cq,cqd->cd", share, volumetric)
-    matrix[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
+    weighted = modes * weights[:, :, None]
+    gram = np.einsum("cqk,cql->ckl", weighted, modes)
+    fit = np.linalg.solve(gram, np.einsum("cqk,cqd->ckd", weighted, volumetric))
+    smooth = np.einsum("cqk,ckd->cqd", modes, fit)
+    matrix[:, :, :3] += ((smooth - volumetric) / 3.0)[:, :, None]
 
 
 def _unseen_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -6,14 +6,17 @@ from pydantic import Field
 
 from meshes.section import Model
 
-Element = Literal["quadratic", "bilinear"]
+Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]
 
 
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""
 
-    element: Element = Field(default="quadratic", description='"quadratic" (9 nodes) or "bilinear" (4 nodes)')
+    element: Element = Field(
+        default="quadratic",
+        description='"quadratic" (9 nodes), "reduced" (9 nodes, for dilating ground) or "bilinear" (4 nodes)',
+    )
     sides: Sides = Field(
         default="roller",
         description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',

@@ -88,8 +88,10 @@ class MeshSettings(Model):
         wanted = [min(self.sizes.get(stratum.name, size), size) for stratum in section.strata]
         count = float((section.layering.areas() / np.square(wanted)).sum())
         left, right = section.extent
-        # Cells beside a line of length L where the size grows from s to S over GROWTH_REACH S: 2 GROWTH_REACH L / s.
-        count += sum(2.0 * GROWTH_REACH * (right - left) / near for near in self.towards.values() if near < size)
+        for name, near in self.towards.items():
+            # On one side of a line of length L the size grows from s to S over GROWTH_REACH S: GROWTH_REACH L / s
+            sides = 1.0 if name in ("surface", "base") else 2.0
+            count += sides * GROWTH_REACH * (right - left) / near if near < size else 0.0
         return count * self.refine**2
 
 

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.box import SIMPLE_HEAD
@@ -13,13 +13,15 @@ from rich.table import Table
 
 from fem import dolfinx_api
 from fem.errors import UnstableError
-from fem.path import Walk
 from meshes.errors import InputError
 from meshes.quadrilaterals import BadMeshError, QuadMesh, generate
 from meshes.section import Section
 from workflow import pipeline
 from workflow.settings import Input
 from workflow.store import Store
+
+if TYPE_CHECKING:  # it loads PETSc, which a section and its mesh can do without
+    from fem.path import Walk
 
 DONE, BAD_INPUT, NO_ANSWER, STOPPED = 0, 2, 3, 130
 
@@ -100,7 +102,7 @@ def fem(
         list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
     ] = None,
     sides: Annotated[str | None, typer.Option(help="roller, fixed or tied.")] = None,
-    element: Annotated[str | None, typer.Option(help="quadratic or bilinear.")] = None,
+    element: Annotated[str | None, typer.Option(help="quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
@@ -138,7 +140,7 @@ def _run_fem(run: Input, store: Store) -> None:
     out.quiet = err.quiet = not first
     with err.status("FEM: gravity") as status:
 
-        def progress(what: str, walk: Walk) -> None:
+        def progress(what: str, walk: "Walk") -> None:
             step = walk.steps[-1]
             status.update(
                 f"FEM: step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
@@ -146,6 +148,7 @@ def _run_fem(run: Input, store: Store) -> None:
             )
 
         quads = pipeline.mesh_stage(run, store) if first else generate(run, run.mesh)
+        _show_mesh(quads, store)
         result, factors = fem_stage(run, quads, store if first else None, comm, progress)
     out.print(f"Critical Kh = [bold]{result.kc:.4f}[/], at most {result.upper:.4f}: {result.verdict}, {result.reason}.")
     if result.remedy:

@@ -49,7 +49,7 @@ def draw_section(section: Section, path: Path) -> None:
             plotter.add_mesh(surface, color=soil_colour(k), lighting=False)
 
     sheet = _sheet(section, f"{section.title or section.name}: layers", window, _legend_of(section))
-    for axes in _show(sheet, window, draw, width=WIDTH):  # its lines are drawn over it, sharp
+    for axes in _show(sheet, window, draw):
         for k, stratum in enumerate(section.strata):
             hatch = HATCH if stratum.liquefiable else None
             for polygon in section.layering.polygons(k):
@@ -76,11 +76,14 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"
     )
     line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
+    # Where cells are but a few pixels, full lines would hide the colours.
+    pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
+    opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
 
     def draw(plotter: pv.Plotter) -> None:
         plotter.add_mesh(
             grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
-            show_edges=True, edge_color=INK, line_width=line_width, show_scalar_bar=False,
+            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
         )  # fmt: skip
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
@@ -97,15 +100,13 @@ def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) 
     return sheet
 
 
-def _show(
-    sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], title: str = "", width: int = 2 * WIDTH
-) -> list[Axes]:
+def _show(sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], title: str = "") -> list[Axes]:
     """Render into every view of a sheet; the title goes to the first, and each says what its heights are."""
     views = []
     for view, much in enumerate(window.exaggerations()):
         heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
         text = f"{heights}; {title}" if title and view == 0 else heights
-        views.append(sheet.show(view, render(window, draw, width, much), window, text, much))
+        views.append(sheet.show(view, render(window, draw, exaggeration=much), window, text, much))
     return views
 
 

@@ -40,7 +40,9 @@ def test_linear_displacement_gives_the_constant_strain_and_stress_of_it(element)
     problem = problem_on(distorted(), element)
     problem.internal_force(displaced(problem, linear))
     problem.accept(displaced(problem, linear))
-    np.testing.assert_allclose(problem.strain, np.tile([1.0e-4, 0.7e-4, 0.0, 1.0e-4], (len(problem.strain), 1)), atol=1e-16)
+    np.testing.assert_allclose(
+        problem.strain, np.tile([1.0e-4, 0.7e-4, 0.0, 1.0e-4], (len(problem.strain), 1)), atol=1e-16
+    )
     stress = problem.elastic_stiffness()[0] @ [1.0e-4, 0.7e-4, 0.0, 1.0e-4]
     np.testing.assert_allclose(problem.stress, np.tile(stress, (len(problem.stress), 1)), rtol=1e-11)
 
@@ -102,7 +104,9 @@ def test_matrix_is_the_derivative_of_the_forces_in_plastic_flow_too(element):
     random = np.random.default_rng(5)
     state = np.where(problem.free, 1e-3 * random.normal(size=len(problem.free)), 0.0)
     direction = np.where(problem.free, random.normal(size=len(problem.free)), 0.0)
-    difference = (problem.internal_force(state + 1e-9 * direction) - problem.internal_force(state - 1e-9 * direction)) / 2e-9
+    difference = (
+        problem.internal_force(state + 1e-9 * direction) - problem.internal_force(state - 1e-9 * direction)
+    ) / 2e-9
     problem.internal_force(state)
     assert 0.5 < problem.plastic_share() <= 1.0
     problem.factorise()

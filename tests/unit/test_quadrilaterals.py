@@ -230,6 +230,25 @@ def test_settings_that_do_not_fit(values: dict[str, Any], said: str) -> None:
     assert said in caught.value.problems[0]
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"size": 1.0},
+        {"columns": 30, "rows": 9, "refine": 2},
+        {"method": "free", "size": 0.7},
+        {"size": 3.0, "sizes": {"upper": 0.3}},
+        {"size": 2.0, "towards": {"upper": 0.1}},
+        {"size": 2.0, "sizes": {"lower": 1.0}, "towards": {"base": 0.2}, "refine": 2},
+    ],
+)
+def test_the_number_of_cells_is_known_beforehand(values: dict[str, Any]) -> None:
+    """Well enough to refuse what no memory would hold."""
+    section = Section.parse(slope())
+    chosen = MeshSettings(**values)
+    assert 0.5 < len(generate(section, chosen).cells) / chosen.expected_quadrilaterals(section) < 2.0
+
+
 def test_sizes_ask_for_a_free_mesh() -> None:
     section = Section.parse(slope())
     assert MeshSettings().method_for(section) == "mapped"

@@ -317,6 +317,15 @@ def test_ctrl_c(section: Path, out: Path) -> None:
     assert files(out) == []
 
 
+def test_sections_and_meshes_do_without_the_solver() -> None:
+    """PETSc takes a third of a second to load and is not everywhere; MPI changes what Ctrl-C and limits do."""
+    line = (
+        "import sys, workflow.cli; sys.exit(' '.join(m for m in ('petsc4py.PETSc', 'mpi4py.MPI') if m in sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, timeout=60, check=False)
+    assert done.stderr.strip() == ""
+
+
 def test_without_a_command_it_says_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
     assert run() == 2
     told = capsys.readouterr()
