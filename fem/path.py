@@ -28,7 +28,7 @@ class PathSettings:
     many: int = 12
     relaxation: float = 0.0
     rests: tuple[float, ...] = (30.0, 30.0)
-    give_way: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.04)
+    give_way: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
     longest: int = 400
 
 
