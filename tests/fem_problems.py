@@ -12,7 +12,7 @@ from fem.plateau import Plateau, walk_to_plateau
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
 
-ELEMENTS = ("bilinear", "quadratic")
+ELEMENTS = ("bilinear", "quadratic", "reduced")
 
 
 def soil(name="soil", E=1e7, nu=0.3, c=1e4, phi=30.0, psi=None, ordinary=2000.0, seismic=2000.0, bottom=None):
