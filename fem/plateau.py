@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -66,6 +66,7 @@ def walk_to_plateau(
     """
     left = sorted(factor for factor in wanted if factor > walk.factor)
     held, next_rest = walk.factor, plateau.first_rest
+    highest, summit = walk.factor, walk.mark()
     while True:
         mark = walk.mark()
         if not walk.advance():
@@ -78,6 +79,8 @@ def walk_to_plateau(
                 held = max(held, factor)
                 keep(factor)
             continue
+        if walk.factor > highest:
+            highest, summit = walk.factor, walk.mark()
         now = stretch(walk)
         if walk.settings.relaxation <= 0.0 or (now >= next_rest and walk.rest()):
             held = max(held, walk.factor)
@@ -89,9 +92,27 @@ def walk_to_plateau(
         if ending is not None:
             verdict, reason, remedy = ending
             break
+    if walk.settings.relaxation > 0.0:
+        held = max(held, _held_at(walk, highest, summit))
     growth = max(growth_per_doubling(walk), 0.0)
     upper = max(held * (1.0 + growth), *(step.factor for step in walk.steps), held)
     return Outcome(held, upper, verdict, reason, remedy)
+
+
+def _held_at(walk: Walk, highest: float, summit: tuple[Any, ...]) -> float:
+    """The load factor that stands without overstress where the walk was highest, or a little below; leaves the walk.
+
+    Rests come too seldom to find it on the way, and past a peak they find less.
+    """
+    end, steps, held = walk.mark(), list(walk.steps), 0.0
+    for less in walk.settings.give_way:
+        walk.back(summit)
+        if walk.reach(highest * (1.0 - less)):
+            held = walk.factor
+            break
+    walk.back(end)
+    walk.steps[:] = steps
+    return held
 
 
 def _ending(walk: Walk, stretch: float, limit: float, plateau: Plateau) -> Ending | None:
