@@ -26,8 +26,9 @@ class Plateau:
 
     Displacements are told by the stretch, in the first use the displacement over what it would be at this load if the
     ground were elastic. The rule holds from the stretch ``earliest`` on, and at ``latest`` the walk ends. ``fall`` is
-    the loss of load that makes a peak of a plateau, ``still_a_plateau`` the growth that is let pass at the end. Rests
-    begin at ``first_rest`` and come whenever the stretch has grown ``next_rest`` times.
+    the loss of load that makes a peak of a plateau, ``still_a_plateau`` the growth that is let pass at the end. Where
+    what was held is less than the highest load by ``loose``, more is looked for there. Rests begin at ``first_rest``
+    and come whenever the stretch has grown ``next_rest`` times.
     """
 
     growth: float = 0.01
@@ -35,6 +36,7 @@ class Plateau:
     latest: float = 12.0
     fall: float = 0.05
     still_a_plateau: float = 0.04
+    loose: float = 0.025
     first_rest: float = 1.3
     next_rest: float = 1.3
 
@@ -92,7 +94,7 @@ def walk_to_plateau(
         if ending is not None:
             verdict, reason, remedy = ending
             break
-    if walk.settings.relaxation > 0.0:
+    if held < (1.0 - plateau.loose) * highest:
         held = max(held, _held_at(walk, highest, summit))
     growth = max(growth_per_doubling(walk), 0.0)
     upper = max(held * (1.0 + growth), *(step.factor for step in walk.steps), held)
