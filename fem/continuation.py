@@ -21,8 +21,8 @@ class NewtonSettings:
     """``tolerance`` is the norm of the unbalanced force over that of the weight."""
 
     tolerance: float = 1e-6
-    iterations: int = 25
-    line_search: int = 3
+    iterations: int = 20
+    line_search: int = 2
 
 
 class Loading(Protocol):
