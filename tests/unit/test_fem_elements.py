@@ -85,7 +85,7 @@ def stiffness(problem):
 
 @every_element
 def test_elastic_stiffness_is_symmetric_with_three_rigid_motions_and_nothing_else(element):
-    """Points too few for an element show here, as more displacements without a force; "reduced" has ``unseen`` for it."""
+    """Points too few for an element show here, as more motions without a force; "reduced" has ``unseen`` for it."""
     problem = problem_on(distorted(), element)
     matrix = stiffness(problem)
     scale = np.abs(matrix).max()
@@ -166,4 +166,3 @@ def test_stiffness_against_unseen_strain_leaves_a_strain_that_is_linear_over_the
         assert np.abs(np.einsum("cab,cb->ca", unseen, moved)).max() < 1e-12 * np.abs(unseen).max()
         # 18 components less those of the strains seen at four points (12) and of the rigid motions (3).
         assert np.linalg.matrix_rank(unseen[0], tol=1e-9) >= 3
-

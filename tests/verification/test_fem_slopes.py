@@ -38,12 +38,14 @@ def result(ground, element, rows=24, direction="downhill", **settings):
 
 
 @every_element
-@pytest.mark.parametrize(("beta", "c", "phi"), [(10.0, 0.0, 35.0), (10.0, 1e4, 30.0), (0.0, 1e4, 20.0), (0.0, 0.0, 35.0)])
+@pytest.mark.parametrize(
+    ("beta", "c", "phi"), [(10.0, 0.0, 35.0), (10.0, 1e4, 30.0), (0.0, 1e4, 20.0), (0.0, 0.0, 35.0)]
+)
 def test_infinite_slope_fails_at_its_closed_form(element, beta, c, phi):
     """ψ = φ; c = 0 is tan(φ - β), β = 0 sliding along a flat layer, c/(γD) + tan φ.
 
-    With c > 0 the layer fails where points are deepest, not quite at its bottom, which leaves kc above. Measured: 0.02 % below (c = 0),
-    0.2 (reduced), 0.3 (quadratic), 0.6 % (bilinear) above (c > 0).
+    With c > 0 the layer fails where points are deepest, not quite at its bottom, which leaves kc above. Measured: 0.02 %
+    below (c = 0); 0.2 (reduced), 0.3 (quadratic), 0.6 % (bilinear) above (c > 0).
     """
     found = result(strip(beta, c, phi, phi), element)
     exact = infinite_slope(beta, c, math.tan(math.radians(phi)))
@@ -89,7 +91,7 @@ def test_place_and_direction_do_not_matter(element, psi):
     mesh = generate(ground, MeshSettings(columns=18, rows=6))
     wish = FemSettings(element=element, kh=())
     here = critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc
-    points = mesh.points + [1e4, 0.0]
+    points = mesh.points + np.array([1e4, 0.0])
     there = critical_coefficient(moved(ground, 1e4), replace(mesh, points=points), wish, MPI.COMM_SELF).kc
     seen = replace(mesh, points=mesh.points * [-1.0, 1.0] + [36.0, 0.0], cells=mesh.cells[:, ::-1])
     sides = mesh.boundaries | {"left": mesh.boundaries["right"], "right": mesh.boundaries["left"]}
