@@ -54,7 +54,7 @@ def test_mesh_file_without_named_groups(tmp_path):
 
 
 def test_section_that_fails_under_its_own_weight_says_how_much_it_carries():
-    """A bank 6 m high, of γ = 20 kN/m³ and c = 5 kPa, γH/c = 24, at 76°: far above the 4 to 6 that such a one carries."""
+    """A bank 6 m high, of γ = 20 kN/m³ and c = 5 kPa, γH/c = 24, at 76°: far above the 4 to 6 that it could carry."""
     bank = [[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]]
     with pytest.raises(UnstableError, match="fails under its own weight") as caught:
         answer(section(bank, 3.0, soil(c=5e3, phi=0.0)))

@@ -44,8 +44,8 @@ def result(ground, element, rows=24, direction="downhill", **settings):
 def test_infinite_slope_fails_at_its_closed_form(element, beta, c, phi):
     """ψ = φ; c = 0 is tan(φ - β), β = 0 sliding along a flat layer, c/(γD) + tan φ.
 
-    With c > 0 the layer fails where points are deepest, not quite at its bottom, which leaves kc above. Measured: 0.02 %
-    below (c = 0); 0.2 (reduced), 0.3 (quadratic), 0.6 % (bilinear) above (c > 0).
+    With c > 0 the layer fails where points are deepest, not quite at its bottom, which leaves kc above. Measured:
+    0.02 % below (c = 0); 0.2 (reduced), 0.3 (quadratic), 0.6 % (bilinear) above (c > 0).
     """
     found = result(strip(beta, c, phi, phi), element)
     exact = infinite_slope(beta, c, math.tan(math.radians(phi)))
