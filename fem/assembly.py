@@ -38,6 +38,15 @@ def internal_forces(
 
 
 @nb.njit(cache=True, nogil=True)
+def _leave_out(matrix: np.ndarray, free: np.ndarray, dofs: np.ndarray) -> None:
+    """Set rows and columns of an element matrix that are not ``free`` to zero."""
+    for a in range(len(dofs)):
+        if not free[dofs[a]]:
+            matrix[a, :] = 0.0
+            matrix[:, a] = 0.0
+
+
+@nb.njit(cache=True, nogil=True)
 def element_stiffness(
     matrix: np.ndarray,
     weights: np.ndarray,
@@ -65,11 +74,7 @@ def element_stiffness(
                     for i in range(4):
                         total += matrix[cell, point, i, a] * product[i, b]
                     out[cell, a, b] += total
-        for a in range(entries):
-            if not free[dofs[cell, a]]:
-                for b in range(entries):
-                    out[cell, a, b] = 0.0
-                    out[cell, b, a] = 0.0
+        _leave_out(out[cell], free, dofs[cell])
 
 
 @nb.njit(cache=True, nogil=True)

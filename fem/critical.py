@@ -23,6 +23,9 @@ from meshes.section import Section, Stratum
 
 GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 
+# Elastic displacements under all of a load after which bringing it on is given up.
+LONGEST_LOADING = 10.0
+
 # Kh in whose elastic displacement the path is measured.
 REFERENCE_KH = 0.25
 
@@ -158,12 +161,16 @@ def carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: F
         problem, Forces(fixed, load), control, dot(control, problem.solve(load)), norm(load) + norm(fixed),
         replace(path_settings(problem, settings), first=0.2, largest=0.2),
     )  # fmt: skip
+    carried = 0.0
     while not walk.reach(1.0):
-        if walk.length > 10.0 or not walk.advance():
+        if not walk.advance() or walk.factor >= 1.0 or walk.length > LONGEST_LOADING:
+            share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
             raise UnstableError(
-                f"the section fails under its own weight: it carries no more than {100 * walk.factor:.0f} % of it. "
-                "Check strengths and densities, or ask for the factor of safety at Kh = 0"
+                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
+                "factor of safety at Kh = 0"
             )
+        if walk.rest():
+            carried = walk.factor
     return walk
 
 

@@ -13,8 +13,9 @@ from fem.plane_strain import PlaneStrain
 class PathSettings:
     """How to walk. Lengths are in units of the path length; see ``Walk``.
 
-    ``relaxation`` is the path length over which the overstress decays; 0 for none. A rest lasts ``rests`` times that,
-    one after another; ``give_way`` are the shares by which the factor is lowered in a rest that sets it. Steps grow by
+    ``relaxation`` is the path length over which the overstress decays; 0 for none. A rest lasts ``rest`` times that
+    and is repeated, ``most_rests`` times at most, until the forces balance without overstress to ``rest_tolerance`` of
+    the weight; ``give_way`` are the shares by which the factor is lowered in a rest that sets it. Steps grow by
     ``growth`` while Newton needs no more than ``few`` iterations, and by ``shrink`` if it needs more than ``many``.
     """
 
@@ -27,7 +28,9 @@ class PathSettings:
     few: int = 6
     many: int = 12
     relaxation: float = 0.0
-    rests: tuple[float, ...] = (30.0, 30.0)
+    rest: float = 30.0
+    most_rests: int = 6
+    rest_tolerance: float = 2e-3
     give_way: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
     longest: int = 400
 
@@ -104,35 +107,49 @@ class Walk:
             return True
         if self.share > 0.0:
             return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.give_way)
-        constraint = Constraint(self.control / self.reference, 0.0, 0.0)
-        for times in self.settings.rests:
-            self.problem.overstress = 1.0 / (1.0 + times)
-            found = self._newton(self.factor, np.zeros_like(self.control), constraint)
-            if not found.converged:
-                return False
-            self._accept(found, 0.0, 0, at_rest=True)
-        return True
+        return self._let_go(self.factor, Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
         """Go to a given load factor, at rest there; False, and nothing accepted, if no equilibrium is found."""
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
             increment = self._last[0] * (factor - self.factor) / self._last[2]
-        b: tuple[float, ...] = (0.0,)
-        if self.settings.relaxation > 0.0:
-            b = (self._overstress(self._step), *(1.0 / (1.0 + times) for times in self.settings.rests))
         mark = self.mark()
-        for overstress in b:
-            self.problem.overstress = overstress
-            found = self._newton(factor, increment, None)
+        self.problem.overstress = self._overstress(self._step)
+        found = self._newton(factor, increment, None)
+        at_once = self.settings.relaxation <= 0.0
+        if found.converged:
+            self._accept(found, self._moved(found), 0, at_rest=at_once)
+        if found.converged and (at_once or self._let_go(factor, None)):
+            self._last = None
+            return True
+        self.back(mark)
+        return False
+
+    def _let_go(self, factor: float, constraint: Constraint | None) -> bool:
+        """Rest until the forces balance without overstress; False if that does not come about."""
+        for _ in range(self.settings.most_rests):
+            self.problem.overstress = 1.0 / (1.0 + self.settings.rest)
+            found = self._newton(self.factor if constraint else factor, np.zeros_like(self.control), constraint)
             if not found.converged:
-                self.back(mark)
                 return False
-            moved = self.problem.exchange.dot(self.control, found.increment) / self.reference
-            self._accept(found, moved + self.share * (factor - self.factor), 0, at_rest=overstress is b[-1])
-            increment = np.zeros_like(self.control)
-        self._last = None
-        return True
+            moved = 0.0 if constraint else self._moved(found)
+            self._accept(found, moved, 0, at_rest=True)
+            if self._unbalanced_without_overstress() <= self.settings.rest_tolerance:
+                return True
+        return False
+
+    def _unbalanced_without_overstress(self) -> float:
+        """The residual that the accepted state would have if its stress returned to the yield surface."""
+        self.problem.overstress = 0.0
+        unbalanced = self.loading.unbalanced(self.problem, np.zeros_like(self.control), self.factor)
+        unbalanced[~self.problem.free] = 0.0
+        return self.problem.exchange.norm(unbalanced) / self.scale
+
+    def _moved(self, found: Found) -> float:
+        """How far a step has gone along the path."""
+        moved = self.problem.exchange.dot(self.control, found.increment) / self.reference
+        return moved + self.share * (found.factor - self.factor)
 
     def mark(self) -> tuple[Any, ...]:
         """The place on the path, for ``back``."""
@@ -147,10 +164,11 @@ class Walk:
         del self.steps[steps:]
 
     def _overstress(self, step: float) -> float:
-        return self.settings.relaxation / (self.settings.relaxation + step)
+        relaxation = self.settings.relaxation
+        return relaxation / (relaxation + step) if relaxation > 0.0 else 0.0
 
     def _try(self, step: float) -> Found:
-        self.problem.overstress = self._overstress(step) if self.settings.relaxation > 0.0 else 0.0
+        self.problem.overstress = self._overstress(step)
         if self._last is None:
             first, change = self._elastic_guess(step)
         else:

@@ -13,6 +13,9 @@ TOP = Path(__file__).parents[2]
 KERNELS = (
     "fem/mohr_coulomb.py",
     "fem/return_mapping.py",
+    "fem/viscoplastic.py",
+    "fem/assembly.py",
+    "fem/condensation.py",
     "dem/contact.py",
     "dem/neighbours.py",
     "dem/engine.py",
