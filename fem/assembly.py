@@ -51,21 +51,14 @@ def element_stiffness(
     matrix: np.ndarray,
     weights: np.ndarray,
     tangent: np.ndarray,
-    more: np.ndarray,
     free: np.ndarray,
     dofs: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """∫ BᵀCB dA of every cell, and ``more`` (nc or 0, nd, nd), into ``out`` (nc, nd, nd).
-
-    Rows and columns that are not ``free`` are left zero.
-    """
+    """Add ∫ BᵀCB dA of every cell to ``out`` (nc, nd, nd); rows and columns that are not ``free`` become zero."""
     cells, points, _, entries = matrix.shape
     product = np.empty((4, entries))
     for cell in range(cells):
-        out[cell] = 0.0
-        if len(more):
-            out[cell] += more[cell]
         for point in range(points):
             row = cell * points + point
             weight = weights[cell, point]

@@ -89,7 +89,8 @@ class LinearSolver:
         Raises SingularMatrixError.
         """
         d = self._grid
-        assembly.element_stiffness(d.matrix, d.weights, tangent, more, free, d.dofs, self._elements)
+        self._elements[:] = more if len(more) else 0.0
+        assembly.element_stiffness(d.matrix, d.weights, tangent, free, d.dofs, self._elements)
         if d.inside:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):

@@ -85,7 +85,7 @@ def stiffness(problem):
 
 @every_element
 def test_elastic_stiffness_is_symmetric_with_three_rigid_motions_and_nothing_else(element):
-    """Points too few for an element show here, as more displacements without a force; "reduced" has ``unseen`` for it."""
+    """Points too few for an element show here, as more motions without a force; "reduced" has ``unseen`` for it."""
     problem = problem_on(distorted(), element)
     matrix = stiffness(problem)
     scale = np.abs(matrix).max()

@@ -48,7 +48,7 @@ def test_quadratic_element_comes_to_within_2_percent_of_nc_where_the_volume_stay
 
 
 def test_bilinear_element_comes_from_above_and_slowly_where_the_ground_dilates():
-    """Measured with 4, 8 cells: 10.2, 6.7 % (φ = 0), where its mean dilatation helps; 48, 37 % (30°), where it does not."""
+    """Measured with 4, 8 cells: 10.2, 6.7 % (φ = 0), where its mean dilatation helps; 48, 37 % (30°)."""
     errors = {phi: [footing("bilinear", phi, cells)[0] / NC[phi] - 1.0 for cells in (4, 8)] for phi in (0.0, 30.0)}
     for coarse, fine in errors.values():
         assert 0.0 < fine < 0.8 * coarse
