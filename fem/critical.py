@@ -4,6 +4,7 @@ Kh acts on the seismic density, gravity on the ordinary one. The displacement th
 work-conjugate one of the horizontal load, the mean horizontal displacement weighted by the seismic mass (m).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from fem.fields import State, state_of
 from fem.path import PathSettings, Step, Walk
 from fem.plane_strain import PlaneStrain
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
-from fem.settings import FemSettings
+from fem.settings import Element, FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
@@ -41,6 +42,7 @@ class CriticalResult:
     kc: float
     upper: float
     verdict: Verdict
+    element: Element
     reason: str
     remedy: str
     steps: list[Step]
@@ -82,6 +84,7 @@ def critical_coefficient(
         kc=outcome.held,
         upper=outcome.upper,
         verdict=outcome.verdict,
+        element=problem.grid.element,
         reason=outcome.reason,
         remedy=outcome.remedy,
         steps=walk.steps,
@@ -116,6 +119,19 @@ def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
     return section.strata
 
 
+def is_associated(strata: Sequence[Stratum]) -> bool:
+    """Whether ψ = φ everywhere."""
+    return all(s.dilation_angle == s.friction_angle for s in strata)
+
+
+def element_for(strata: Sequence[Stratum], settings: FemSettings) -> Element:
+    """The element as set, or the one that suits the flow of the strata; fem/README.md says why."""
+    if settings.element != "auto":
+        return settings.element
+    dilates = any(s.dilation_angle > 0.0 for s in strata)
+    return "reduced" if dilates and is_associated(strata) else "quadratic"
+
+
 def at_rest_under_gravity(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, strength_factor: float = 1.0
 ) -> tuple[PlaneStrain, np.ndarray, Walk]:
@@ -127,7 +143,7 @@ def at_rest_under_gravity(
     """
     api.require()
     strata = soils(section, settings)
-    problem = PlaneStrain(mesh, strata, settings.element, comm, settings.threads)
+    problem = PlaneStrain(mesh, strata, element_for(strata, settings), comm, settings.threads)
     problem.use_strength(strength_factor)
     if settings.sides == "tied":
         problem.tie("left", "right", section)
@@ -200,7 +216,7 @@ def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
 
 
 def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
-    associated = all(s.dilation_angle == s.friction_angle for s in problem.strata)
+    associated = is_associated(problem.strata)
     return PathSettings(
         newton=NewtonSettings(tolerance=settings.tolerance), relaxation=0.0 if associated else settings.relaxation
     )

@@ -13,9 +13,10 @@ Sides = Literal["roller", "fixed", "tied"]
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""
 
-    element: Element = Field(
-        default="quadratic",
-        description='"quadratic" (9 nodes), "reduced" (9 nodes, for dilating ground) or "bilinear" (4 nodes)',
+    element: Literal["auto", "quadratic", "reduced", "bilinear"] = Field(
+        default="auto",
+        description='"quadratic" (9 nodes), "reduced" (9 nodes, for dilating ground), "bilinear" (4 nodes), or "auto": '
+        "reduced where all friction dilates fully, quadratic elsewhere",
     )
     sides: Sides = Field(
         default="roller",

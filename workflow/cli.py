@@ -102,7 +102,7 @@ def fem(
         list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
     ] = None,
     sides: Annotated[str | None, typer.Option(help="roller, fixed or tied.")] = None,
-    element: Annotated[str | None, typer.Option(help="quadratic, reduced or bilinear.")] = None,
+    element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,

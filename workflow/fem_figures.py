@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from fem.critical import CriticalResult
 from fem.fields import State, slip_surface
+from fem.settings import Element
 from meshes.quadrilaterals import QuadMesh
 from workflow.canvas import INK, Sheet, Window, render
 from workflow.figures import foot, unstructured
@@ -36,16 +37,16 @@ def draw_all(run: Input, mesh: QuadMesh, result: CriticalResult, store: Store) -
         is_plateau = state.label.startswith("plateau")
         name = "figures/fem_plateau.png" if is_plateau else f"figures/fem_kh_{state.kh:.3f}.png"
         with store.writing(name) as path:
-            _state_sheet(run, mesh, state, window, drawn[same]).save(path)
+            _state_sheet(run, result.element, state, window, drawn[same]).save(path)
     with store.writing("figures/fem_curve.png") as path:
         _curve_sheet(run, result).save(path)
 
 
-def conditions(run: Input) -> str:
+def conditions(run: Input, element: Element) -> str:
     """What a critical Kh depends on and must be said beside it."""
     flow = "ψ = φ" if run.fem.flow == "associated" else "ψ as given (" + _dilations(run) + ")"
     kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
-    return f"sides {run.fem.sides}, {flow}, {run.fem.element} element, pushed {run.fem.direction}{kv}"
+    return f"sides {run.fem.sides}, {flow}, {element} element, pushed {run.fem.direction}{kv}"
 
 
 def _dilations(run: Input) -> str:
@@ -54,10 +55,11 @@ def _dilations(run: Input) -> str:
 
 
 class Views(NamedTuple):
-    """The rendered views of a state, and how much longer than true the arrows are."""
+    """The rendered views of a state, its slip surface, and how much longer than true the arrows are."""
 
     arrows: np.ndarray
     safety: np.ndarray
+    slip: np.ndarray
     stretch: float
     largest: float
 
@@ -84,18 +86,17 @@ def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    return Views(render(window, arrows), render(window, safety), stretch, largest)
+    return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest)
 
 
-def _state_sheet(run: Input, mesh: QuadMesh, state: State, window: Window, views: Views) -> Sheet:
+def _state_sheet(run: Input, element: Element, state: State, window: Window, views: Views) -> Sheet:
     title = f"{run.title or run.name}: FEM, {state.label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
     shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
     axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
-    slip = slip_surface(mesh, state)
-    if len(slip):
-        axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
+    if len(views.slip):
+        axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     scale = ScalarMappable(BoundaryNorm(SAFETY_BOUNDS, len(SAFETY_COLOURS)), ListedColormap(list(SAFETY_COLOURS)))
     left, top = sheet.legend_at
     height = sheet.figure.get_figheight()
@@ -103,7 +104,7 @@ def _state_sheet(run: Input, mesh: QuadMesh, state: State, window: Window, views
     sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=SAFETY_BOUNDS)
     bar.tick_params(labelsize=7, colors=INK, length=2)
     bar.set_xlabel("mobilised / available shear strength (-); 1: failure", fontsize=7, color=INK, labelpad=1)
-    notes = [f"{conditions(run)}. Dotted: largest shear strain along x."]
+    notes = [f"{conditions(run, element)}. Dotted: largest shear strain along x."]
     if state.past_equilibrium:
         notes.append(
             f"There is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
@@ -146,7 +147,8 @@ def _curve_sheet(run: Input, result: CriticalResult) -> Sheet:
     axes.tick_params(labelsize=8, colors=INK)
     axes.grid(color="#dddddd", linewidth=0.5)
     axes.set_title(
-        f"critical Kh = {result.kc:.3f}, at most {result.upper:.3f}: {result.verdict}; {conditions(run)}",
+        f"critical Kh = {result.kc:.3f}, at most {result.upper:.3f}: {result.verdict}; "
+        f"{conditions(run, result.element)}",
         fontsize=9, loc="left", color=INK, pad=4,
     )  # fmt: skip
     handles = [

@@ -48,6 +48,7 @@ def as_json(run: Input, mesh: QuadMesh, result: CriticalResult, factors: list[Sa
         "verdict": result.verdict,
         "reason": result.reason,
         "remedy": result.remedy,
+        "element": result.element,
         "settings": run.fem.model_dump(mode="json"),
         "dilation_deg": {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
         if run.fem.flow == "section"

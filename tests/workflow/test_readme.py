@@ -12,9 +12,9 @@ TOP = Path(__file__).parents[2]
 README = (TOP / "README.md").read_text(encoding="utf-8")
 
 
-def test_the_section_and_the_mesh_settings_of_the_readme() -> None:
-    section, settings = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
-    used = Input.parse({**tomllib.loads(section), **tomllib.loads(settings)})
+def test_the_section_and_the_settings_of_the_readme() -> None:
+    section, meshing, solving = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
+    used = Input.parse({**tomllib.loads(section), **tomllib.loads(meshing), **tomllib.loads(solving)})
     mesh = generate(used, used.mesh)
     assert mesh.method == "free"
     assert_conforming(mesh, used)
@@ -23,5 +23,5 @@ def test_the_section_and_the_mesh_settings_of_the_readme() -> None:
 
 def test_pictures_are_there_and_small() -> None:
     pictures = [TOP / name for name in re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)]
-    assert len(pictures) == 2
+    assert len(pictures) == 3
     assert sum(path.stat().st_size for path in pictures) < 300_000
