@@ -1,0 +1,161 @@
+"""How discs and contacts lie in memory while the kernels step, and the way there and back.
+
+Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs, kept in
+chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk
+is 64 doubles in a row, all fields of one slice (or chunk) lie together. Every inner loop then runs over 64
+neighbouring doubles at fixed distances from one base address, which is what a compiler needs to know to use vector
+instructions; lanes without a contact point at a disc far away.
+
+Nothing in a layout depends on the number of threads, so sums are taken in the same order by one or by many.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+LANES = 64
+
+# Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
+# extrapolated to the end of the step, the others stand half a step behind.
+DISC_FIELDS = 15
+X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, WEIGHT, MASS, X0, Z0, ANGLE = (
+    np.uint64(k * LANES) for k in range(DISC_FIELDS)
+)
+DISC = np.uint64(DISC_FIELDS * LANES)
+
+# Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
+# and pore spring; force on the partner and rim force.
+LINK_FIELDS = 7
+RADII, LENGTH, SHEAR, PORE, FX, FZ, FR = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
+LINK = np.uint64(LINK_FIELDS * LANES)
+
+
+class Layout(NamedTuple):
+    """Everything the stepping kernel reads and writes; see `pack`.
+
+    discs (slices * DISC,), links ((chunks + lines) * LINK,): the fields above. partner (chunks * 64,): offset of the
+    partner's x in discs. kinds (chunks * 64,): column of the table of constants. chunk_kind (chunks,): the kind if
+    all lanes share it, else -1. chunk_start (slices + 1,): first chunk of each slice. incoming (slots * 64,): offset
+    in links of the force from a contact that another disc owns; incoming_start (slices + 1,). first, last (slices,):
+    lowest and highest slice owning a contact of the slice's discs. line_disc, line_id, line_kind, line_radius
+    (contacts with rigid lines,), line_start (slices + 1,).
+    """
+
+    discs: np.ndarray
+    links: np.ndarray
+    partner: np.ndarray
+    kinds: np.ndarray
+    chunk_kind: np.ndarray
+    chunk_start: np.ndarray
+    incoming: np.ndarray
+    incoming_start: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    line_disc: np.ndarray
+    line_id: np.ndarray
+    line_kind: np.ndarray
+    line_radius: np.ndarray
+    line_start: np.ndarray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def offset(disc):
+    """Place of the x of sorted disc number `disc` in the array of discs."""
+    return (disc // LANES) * (DISC_FIELDS * LANES) + disc % LANES
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def count_slots(member, slices):
+    """Largest number of times a disc of each slice occurs in `member`; and each entry's turn at its disc."""
+    seen = np.zeros(slices * LANES, np.int32)
+    turn = np.empty(len(member), np.int32)
+    for c in range(len(member)):
+        turn[c] = seen[member[c]]
+        seen[member[c]] += 1
+    start = np.zeros(slices + 1, np.int64)
+    for p in range(slices):
+        most = 0
+        for k in range(LANES):
+            most = max(most, seen[p * LANES + k])
+        start[p + 1] = start[p] + most
+    return turn, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear, pore, dummy, links, where, kind):
+    """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
+    chunk_kind = np.full(chunk_start[-1], -2, np.int32)
+    for c in range(len(owner)):
+        i = owner[c]
+        chunk = chunk_start[i // LANES] + turn[c]
+        lane = i % LANES
+        base = chunk * LINK_FIELDS * LANES + lane
+        links[base] = radii[i] + radii[partner[c]]
+        links[base + LANES] = lengths[c]
+        links[base + 2 * LANES] = shear[c]
+        links[base + 3 * LANES] = pore[c]
+        where[chunk * LANES + lane] = offset(partner[c])
+        kind[chunk * LANES + lane] = kinds[c]
+        if chunk_kind[chunk] == -2:
+            chunk_kind[chunk] = kinds[c]
+        elif chunk_kind[chunk] != kinds[c]:
+            chunk_kind[chunk] = -1
+    return chunk_kind
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_incoming(owner, partner, turn, chunk_start, line_disc, slices, silent, chunks):
+    """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
+
+    Also the first and last slice owning a contact of each slice.
+    """
+    first = np.arange(slices)
+    last = np.arange(slices)
+    members = np.empty(len(owner) + len(line_disc), np.int32)
+    for c in range(len(owner)):
+        a, b = owner[c] // LANES, partner[c] // LANES
+        first[b] = min(first[b], a)
+        last[b] = max(last[b], a)
+        members[c] = partner[c]
+    members[len(owner) :] = line_disc
+    slot, start = count_slots(members, slices)
+    incoming = np.full(start[-1] * LANES, silent, np.uint32)
+    for c in range(len(members)):
+        if c < len(owner):
+            chunk, lane = chunk_start[owner[c] // LANES] + turn[c], owner[c] % LANES
+        else:
+            chunk, lane = chunks + 1 + (c - len(owner)) // LANES, (c - len(owner)) % LANES
+        place = (start[members[c] // LANES] + slot[c]) * LANES + members[c] % LANES
+        incoming[place] = chunk * LINK_FIELDS * LANES + 4 * LANES + lane
+    return incoming, start, first, last
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_links(layout, order, count):
+    """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
+
+    Returns owner, partner (numbers of the user), tangential forces of element and pore spring, pore length.
+    """
+    owner = np.empty(count, np.int32)
+    other = np.empty(count, np.int32)
+    shear = np.empty(count)
+    pore = np.empty(count)
+    length = np.empty(count)
+    found = 0
+    for p in range(len(layout.chunk_start) - 1):
+        for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
+            for lane in range(LANES):
+                i = p * LANES + lane
+                at = np.int64(layout.partner[chunk * LANES + lane])
+                j = (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
+                if i >= len(order) or j >= len(order):
+                    continue
+                base = chunk * LINK_FIELDS * LANES + lane
+                owner[found] = order[i]
+                other[found] = order[j]
+                length[found] = layout.links[base + LANES]
+                shear[found] = layout.links[base + 2 * LANES]
+                pore[found] = layout.links[base + 3 * LANES]
+                found += 1
+    return owner, other, shear, pore, length
