@@ -83,7 +83,7 @@ def count_slots(member, slices):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear, pore, dummy, links, where, kind):
+def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear, pore, nobody, links, where, kind):
     """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
     chunk_kind = np.full(chunk_start[-1], -2, np.int32)
     for c in range(len(owner)):
@@ -101,6 +101,10 @@ def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear,
             chunk_kind[chunk] = kinds[c]
         elif chunk_kind[chunk] != kinds[c]:
             chunk_kind[chunk] = -1
+    # lanes without a contact take the kind of the lane before, so that runs of one kind stay long
+    for at in range(1, len(kind)):
+        if at % LANES and where[at] == nobody:
+            kind[at] = kind[at - 1]
     return chunk_kind
 
 

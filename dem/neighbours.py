@@ -74,6 +74,18 @@ def longer(array, size):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def sort_run(begin, end, key, other):
+    """Sorts a short stretch of `key`, and `other` with it: slots then point in one direction along a row of discs."""
+    for a in range(begin + 1, end):
+        k, o = key[a], other[a]
+        b = a
+        while b > begin and key[b - 1] > k:
+            key[b], other[b] = key[b - 1], other[b - 1]
+            b -= 1
+        key[b], other[b] = k, o
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
     """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
 
@@ -90,6 +102,7 @@ def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
     used = np.zeros(len(old_i), np.bool_)
     count = 0
     for i in range(n):
+        begin_i = count
         for r in range(max(row[i] - 1, 0), min(row[i] + 2, rows)):
             begin = start[r * columns + max(column[i] - 1, 0)]
             end = start[r * columns + min(column[i] + 1, columns - 1) + 1]
@@ -119,6 +132,7 @@ def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
                     first, second, known = longer(first, room), longer(second, room), longer(known, room)
                 first[count], second[count], known[count] = i, max(old_i[c], old_j[c]), c
                 count += 1
+        sort_run(begin_i, count, second, known)
     return first[:count].copy(), second[:count].copy(), known[:count].copy()
 
 
@@ -126,12 +140,13 @@ def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
 def share_out(i, j, n):
     """Gives every pair to one of its discs, so that few own more than three; swaps it there. Owners come first.
 
-    Three is the mean of a triangular lattice; lanes of a slice without a contact are computed in vain.
+    Three is the mean of a triangular lattice; lanes of a slice without a contact are computed in vain. Owners stay near
+    their partners in the order, for a slice can move only once the last owner of its contacts has been through.
     """
     owned = np.zeros(n, np.int32)
     for c in range(len(i)):
         a, b = i[c], j[c]
-        if owned[a] >= 3 and owned[b] < owned[a]:
+        if owned[a] >= 3 and owned[b] < owned[a] and b - a < 2 * PANEL:
             i[c], j[c] = b, a
             a = b
         owned[a] += 1

@@ -41,7 +41,7 @@ def pack(model: DiscModel) -> Layout:
     kinds = np.zeros(chunks * LANES, np.uint16)
     chunk_kind = place_links(
         owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
-        model.pore_length, model.shear, model.pore_shear, n, links.reshape(-1), partners.reshape(-1), kinds,
+        model.pore_length, model.shear, model.pore_shear, offset(n), links.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
     flat = links.reshape(-1)
     lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(len(line_disc)) % LANES

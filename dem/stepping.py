@@ -92,23 +92,27 @@ def add(total, value):
     return total + value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def load_constants(kind, kinds, first, table, scratch):
-    """The constants of 64 contacts, in rows: all of one kind, or lane by lane where kind is -1."""
-    if kind >= 0:
+    """The constants of 64 contacts, in rows: all of one kind, or run by run of one kind where `kind` is -1."""
+    lane = 0
+    while lane < LANES:
+        column = kind
+        end = LANES
+        if kind < 0:
+            column = kinds[first + np.uint64(lane)]
+            end = lane + 1
+            while end < LANES and kinds[first + np.uint64(end)] == column:
+                end += 1
         for row in range(CONSTANTS):
-            value = table[row, kind]
+            value = table[row, column]
             base = CONSTANT + np.uint64(row) * ROW
-            for lane in range(LANES):
-                scratch[base + np.uint64(lane)] = value
-        return
-    for lane in range(LANES):
-        column = kinds[first + np.uint64(lane)]
-        for row in range(CONSTANTS):
-            scratch[CONSTANT + np.uint64(row) * ROW + np.uint64(lane)] = table[row, column]
+            for l in range(lane, end):  # noqa: E741
+                scratch[base + np.uint64(l)] = value
+        lane = end
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def load_partners(partner, first, discs, scratch):
     """Position and velocities of 64 partners, in rows."""
     for lane in range(LANES):
@@ -282,7 +286,7 @@ def line_lane(e, layout):
     return (tail + np.uint64(e // LANES)) * LINK + np.uint64(e % LANES)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def sum_forces(p, layout, scratch):
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     links = layout.links
@@ -365,7 +369,7 @@ def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
     return by_weight * dt, by_external * dt, by_boundary * kick
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def contacts_of_slice(p, layout, table, lines, line_table, scratch, loaded, slip_time, kick, floor, share, ledger, books):
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
@@ -396,7 +400,7 @@ def contacts_of_slice(p, layout, table, lines, line_table, scratch, loaded, slip
     return too_deep, loaded
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def move_slice(p, layout, scratch, kick, dt, weight_x, weight_z, ax, az, reach, ledger, books):
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
