@@ -13,7 +13,7 @@ from dem.layout import (
     LANES,
     LENGTH,
     LINK,
-    MASS,
+    INVMASS,
     PORE,
     RADII,
     RIM,
@@ -59,7 +59,8 @@ def kinetic(discs, slices, out):
         for lane in range(LANES):
             l = np.uint64(lane)  # noqa: E741
             vx, vz, vr = discs[b + VXS + l], discs[b + VZS + l], discs[b + VRS + l]
-            out[TRANSLATION] += 0.5 * discs[b + MASS + l] * (vx * vx + vz * vz)
+            if discs[b + INVMASS + l] > 0.0:
+                out[TRANSLATION] += 0.5 * (vx * vx + vz * vz) / discs[b + INVMASS + l]
             if discs[b + RIM + l] > 0.0:
                 out[ROTATION] += 0.5 * vr * vr / discs[b + RIM + l]
 

@@ -17,7 +17,7 @@ from dem.model import DiscModel
 
 FAR = 1e15  # m: where lanes without a disc are
 # what a run changes: field of the layout and array of the model
-_STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 14: "roll"}
+_STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
 
 
 def pack(model: DiscModel) -> Layout:
@@ -75,11 +75,10 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     put(8, np.where(free, 1.0 / model.mass, 0.0))
     put(9, np.where(free, model.ease / model.mass, 0.0))
     put(10, model.weight)
-    put(11, np.where(free, model.mass, 0.0))
-    put(12, model.x_list)
-    put(13, model.z_list)
+    put(11, model.x_list)
+    put(12, model.z_list)
     empty = np.arange(n % LANES, LANES)
-    for field in (0, 1, 12, 13):
+    for field in (0, 1, 11, 12):
         discs[-1, field, empty] = FAR * (1.0 + empty)
     return discs.reshape(-1)
 

@@ -34,8 +34,9 @@ from dem.contact import (
     element,
     pore,
 )
+from dem.prefetch import prefetch
 from dem.layout import (
-    ANGLE,
+    ROLL,
     DISC,
     DISC_FIELDS,
     FR,
@@ -45,7 +46,7 @@ from dem.layout import (
     LANES,
     LENGTH,
     LINK,
-    MASS,
+    LINK_FIELDS,
     PORE,
     RADII,
     RIM,
@@ -198,7 +199,8 @@ def contact(b, d, l, discs, links, scratch, slip_time, floor, share):  # noqa: E
     )  # fmt: skip
     links[d + SHEAR + l] = kept
     links[d + PORE + l] = pore_kept
-    links[d + LENGTH + l] = new
+    if new != length:
+        links[d + LENGTH + l] = new
     push = normal + pore_normal
     drag = tangential + pore_kept
     links[d + FX + l] = push * nx + drag * nz
@@ -325,10 +327,11 @@ def move(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach):
     moved = False
     for lane in range(LANES):
         l = np.uint64(lane)  # noqa: E741
-        mass = discs[b + MASS + l]
+        invmass = discs[b + INVMASS + l]
         weight = discs[b + WEIGHT + l]
-        accel_x = (scratch[SUM_X + l] + mass * (weight * weight_x + ax)) * discs[b + INVMASS + l]
-        accel_z = (scratch[SUM_Z + l] + mass * (weight * weight_z + az)) * discs[b + INVMASS + l]
+        free = 1.0 if invmass > 0.0 else 0.0
+        accel_x = scratch[SUM_X + l] * invmass + free * (weight * weight_x + ax)
+        accel_z = scratch[SUM_Z + l] * invmass + free * (weight * weight_z + az)
         accel_r = scratch[SUM_R + l] * discs[b + RIM + l]
         vx = discs[b + VX + l] + kick * accel_x
         vz = discs[b + VZ + l] + kick * accel_z
@@ -343,7 +346,7 @@ def move(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach):
         discs[b + VRS + l] = vr + half * accel_r
         discs[b + X + l] = x
         discs[b + Z + l] = z
-        discs[b + ANGLE + l] += dt * vr
+        discs[b + ROLL + l] += dt * vr
         dx = x - discs[b + X0 + l]
         dz = z - discs[b + Z0 + l]
         moved |= not (dx * dx + dz * dz <= reach)
@@ -359,13 +362,14 @@ def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
     by_boundary = 0.0
     for lane in range(LANES):
         l = np.uint64(lane)  # noqa: E741
-        mass = discs[b + MASS + l]
+        invmass = discs[b + INVMASS + l]
+        mass = 1.0 / invmass if invmass > 0.0 else 0.0
         vx = discs[b + VX + l]
         vz = discs[b + VZ + l]
         by_weight = add(by_weight, mass * discs[b + WEIGHT + l] * (weight_x * vx + weight_z * vz))
         by_external = add(by_external, mass * (ax * vx + az * vz))
         driven = scratch[SUM_X + l] * vx + scratch[SUM_Z + l] * vz + scratch[SUM_R + l] * discs[b + VR + l]
-        by_boundary = add(by_boundary, 0.0 if discs[b + INVMASS + l] > 0.0 else -driven)
+        by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     return by_weight * dt, by_external * dt, by_boundary * kick
 
 
@@ -374,8 +378,10 @@ def contacts_of_slice(p, layout, table, lines, line_table, scratch, loaded, slip
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
     b = np.uint64(p) * DISC
+    prefetch(layout.discs, b + DISC, DISC_FIELDS * LANES)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         first = np.uint64(chunk) * ROW
+        prefetch(layout.links, (first + ROW) * np.uint64(LINK_FIELDS), LINK_FIELDS * LANES)
         kind = layout.chunk_kind[chunk]
         if kind != loaded or kind < 0:
             load_constants(kind, layout.kinds, first, table, scratch)
