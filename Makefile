@@ -11,7 +11,7 @@ setup:      ## install what is missing; does nothing when all is there
 	@.ci/setup
 
 run: setup  ## the whole workflow on meshes/s13.toml, or on SECTION=my.toml
-	@$(BIN)/noshiro mesh $(SECTION)
+	@$(BIN)/noshiro run $(SECTION)
 
 lint: setup ## style, types, and who may import whom
 	$(BIN)/ruff check .

@@ -1,0 +1,161 @@
+"""Free meshes: quadrilaterals of a wanted size in any section, conforming to every interface."""
+
+from collections.abc import Mapping as MappingABC
+from itertools import pairwise
+
+import gmsh
+import numpy as np
+
+from meshes.mapped import name_groups
+from meshes.section import Section
+
+# gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
+ALGORITHMS = (8, 6, 5)
+
+# How far the refinement towards an interface reaches, in sizes there, before the ordinary size is back.
+GROWTH_REACH = 10.0
+
+
+def build_free(
+    section: Section,
+    size: float,
+    sizes: MappingABC[str, float],
+    towards: MappingABC[str, float],
+    refine: int,
+    algorithm: int,
+) -> None:
+    """Mesh the section in the current gmsh model with quadrilaterals of about ``size`` (m) over ``refine``.
+
+    ``sizes`` by stratum and ``towards`` by interface (m) say where it is to be finer. Triangles of twice the
+    size are recombined and then every cell is divided at the middles of its edges: what is left over as a triangle
+    becomes three convex quadrilaterals, so that no triangle stays and no cell can fold. ``algorithm`` is one of
+    ALGORITHMS.
+    """
+    surfaces, curves = _geometry(section)
+    _size_field(section, surfaces, curves, 2.0 * size / refine, sizes, towards, 2.0 / refine)
+    option = gmsh.option.setNumber
+    option("Mesh.MeshSizeFromPoints", 0)
+    option("Mesh.MeshSizeExtendFromBoundary", 0)
+    option("Mesh.Algorithm", algorithm)
+    option("Mesh.RecombineAll", 1)
+    # gmsh's "simple" pairing: Blossom (1) left overlapping cells in one random section of eight.
+    option("Mesh.RecombinationAlgorithm", 0)
+    option("Mesh.RecombineMinimumQuality", 0.3)  # a worse pair is better left as two triangles to divide
+    option("Mesh.SubdivisionAlgorithm", 1)
+    gmsh.model.mesh.generate(2)
+
+
+def _geometry(section: Section) -> tuple[dict[int, list[int]], dict[str, list[int]]]:
+    """The strata as plane surfaces that share their curves; returns the surfaces by stratum and curves by line.
+
+    Every polygon's edge is cut at every corner of another polygon that lies on it.
+    """
+    layers = section.layering
+    polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
+    corners = np.unique(np.concatenate([polygon for _, polygon in polygons]), axis=0)
+    geo = gmsh.model.geo
+    points = [geo.addPoint(x, z, 0.0) for x, z in corners]
+    number = {tuple(corner): i for i, corner in enumerate(corners.tolist())}
+    lines: dict[tuple[int, int], int] = {}
+    owners: dict[tuple[int, int], list[int]] = {}
+    surfaces: dict[int, list[int]] = {k: [] for k in range(len(section.strata))}
+    for k, polygon in polygons:
+        ring = _cut_ring(polygon, corners, number, layers.tolerance)
+        loop = []
+        for start, end in pairwise([*ring, ring[0]]):
+            edge = (min(start, end), max(start, end))
+            if edge not in lines:
+                lines[edge] = geo.addLine(points[edge[0]], points[edge[1]])
+            owners.setdefault(edge, []).append(k)
+            loop.append(lines[edge] if start < end else -lines[edge])
+        surfaces[k].append(geo.addPlaneSurface([geo.addCurveLoop(loop)]))
+    geo.synchronize()
+    boundaries, interfaces = _named_curves(section, corners, lines, owners)
+    name_groups(section, surfaces, boundaries)
+    return surfaces, {**interfaces, "surface": boundaries["surface"], "base": boundaries["base"]}
+
+
+def _cut_ring(
+    polygon: np.ndarray, corners: np.ndarray, number: dict[tuple[float, float], int], tolerance: float
+) -> list[int]:
+    """A polygon as indices of corners, with every corner on one of its edges taken in between."""
+    ring: list[int] = []
+    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        along = end - start
+        length = float(np.hypot(*along))
+        offset = corners - start
+        at = offset @ along / length
+        off = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0]) / length
+        on_edge = np.flatnonzero((off <= tolerance) & (at > tolerance) & (at < length - tolerance))
+        ring.append(number[tuple(start.tolist())])
+        ring += on_edge[np.argsort(at[on_edge])].tolist()
+    return ring
+
+
+def _named_curves(
+    section: Section,
+    corners: np.ndarray,
+    lines: dict[tuple[int, int], int],
+    owners: dict[tuple[int, int], list[int]],
+) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
+    """Curves of the four boundaries, and of the bottom of every stratum by its name."""
+    left, right = section.extent
+    layers = section.layering
+    boundaries: dict[str, list[int]] = {"surface": [], "base": [], "left": [], "right": []}
+    bottoms: dict[str, list[int]] = {stratum.name: [] for stratum in section.strata}
+    for edge, curve in lines.items():
+        (x1, z1), (x2, z2) = corners[list(edge)]
+        middle = np.array([0.5 * (x1 + x2)])
+        if len(owners[edge]) == 2:
+            if x1 != x2:
+                bottoms[section.strata[min(owners[edge])].name].append(curve)
+        elif x1 == x2 and x1 in (left, right):
+            boundaries["left" if x1 == left else "right"].append(curve)
+        else:
+            elevation = layers.interfaces(middle)[0]
+            z = 0.5 * (z1 + z2)
+            if x1 == x2:  # a step of the ground or of the base
+                i = int(np.argmin(np.abs(layers.x - x1)))
+                ground = sorted((layers.right[i - 1, 0], layers.left[i, 0]))
+                is_surface = ground[0] <= z <= ground[1]
+            else:
+                is_surface = abs(z - elevation[0]) < abs(z - elevation[-1])
+            name = "surface" if is_surface else "base"
+            boundaries[name].append(curve)
+            if name == "base":
+                bottoms[section.strata[owners[edge][0]].name].append(curve)
+    return boundaries, bottoms
+
+
+def _size_field(
+    section: Section,
+    surfaces: dict[int, list[int]],
+    curves: dict[str, list[int]],
+    size: float,
+    sizes: MappingABC[str, float],
+    towards: MappingABC[str, float],
+    scale: float,
+) -> None:
+    """gmsh's size field: the smallest of the stratum's, its neighbour's on a common curve, and the interfaces'."""
+    field = gmsh.model.mesh.field
+    fields = []
+    for k, stratum in enumerate(section.strata):
+        inside = field.add("Constant")
+        field.setNumbers(inside, "SurfacesList", surfaces[k])
+        field.setNumber(inside, "VIn", scale * sizes[stratum.name] if stratum.name in sizes else size)
+        fields.append(inside)
+    for name, wanted in towards.items():
+        distance = field.add("Distance")
+        field.setNumbers(distance, "CurvesList", curves[name])
+        field.setNumber(distance, "Sampling", 200)
+        near = field.add("Threshold")
+        field.setNumber(near, "InField", distance)
+        field.setNumber(near, "SizeMin", scale * wanted)
+        field.setNumber(near, "SizeMax", max(size, scale * wanted))
+        field.setNumber(near, "StopAtDistMax", 1)
+        field.setNumber(near, "DistMin", scale * wanted)
+        field.setNumber(near, "DistMax", GROWTH_REACH * max(size, scale * wanted))
+        fields.append(near)
+    smallest = field.add("Min")
+    field.setNumbers(smallest, "FieldsList", fields)
+    field.setAsBackgroundMesh(smallest)

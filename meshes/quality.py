@@ -1,0 +1,63 @@
+"""How good quadrilaterals are: scaled Jacobian, angles, aspect ratio (Verdict's definitions, Stimpson et al. 2007)."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Quality:
+    """The worst cells of a mesh, and their number.
+
+    ``worst_angle`` (deg) is the corner angle farthest from 90; ``largest_aspect_ratio`` is the longest edge times the
+    perimeter over four times the area, 1 for a square.
+    """
+
+    quadrilaterals: int
+    nodes: int
+    smallest_scaled_jacobian: float
+    worst_angle: float
+    largest_aspect_ratio: float
+
+    def as_dict(self) -> dict[str, float]:
+        return asdict(self)
+
+
+def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The edges that leave every corner forwards and backwards, each (cells, 4, 2)."""
+    corners = points[cells]
+    return np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+
+
+def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Smallest over the four corners of the sine-like Jacobian over its two edge lengths, (cells,).
+
+    Not above zero means a corner that is flat, folded, or a cell that turns clockwise.
+    """
+    ahead, back = corner_vectors(points, cells)
+    jacobian = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    lengths = np.hypot(ahead[..., 0], ahead[..., 1]) * np.hypot(back[..., 0], back[..., 1])
+    return np.min(jacobian / np.where(lengths > 0.0, lengths, np.inf), axis=1)
+
+
+def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Area (m²) of every cell: half the cross product of its diagonals."""
+    corners = points[cells]
+    one, two = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+
+
+def quality(points: np.ndarray, cells: np.ndarray) -> Quality:
+    """The quality of a mesh of quadrilaterals: points (n, 2), cells (m, 4) counter-clockwise."""
+    ahead, back = corner_vectors(points, cells)
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    angles = np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
+    lengths = np.hypot(ahead[..., 0], ahead[..., 1])
+    aspect = lengths.max(axis=1) * lengths.sum(axis=1) / (4.0 * areas(points, cells))
+    return Quality(
+        quadrilaterals=len(cells),
+        nodes=len(points),
+        smallest_scaled_jacobian=float(scaled_jacobians(points, cells).min()),
+        worst_angle=float(angles.flat[np.argmax(np.abs(angles - 90.0))]),
+        largest_aspect_ratio=float(aspect.max()),
+    )

@@ -1,0 +1,102 @@
+"""Quantities as people write them ("1560 tf/m^2", "35 deg", or a plain SI number), and as SI numbers inside."""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any
+
+import pint
+from pydantic import BeforeValidator, PlainSerializer
+
+
+class Quantity(float):
+    """A number in SI units that remembers how it was written, so that a file can be written back unchanged."""
+
+    written: str | float
+
+    def __new__(cls, value: float, written: str | float | None = None) -> "Quantity":
+        number = super().__new__(cls, value)
+        number.written = value if written is None else written
+        return number
+
+    def __reduce__(self) -> tuple[type, tuple[float, str | float]]:
+        return Quantity, (float(self), self.written)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A physical quantity: its name with the article, its SI unit, how one writes it, and its limits in SI units."""
+
+    name: str
+    unit: str
+    example: str
+    minimum: float = -math.inf
+    maximum: float = math.inf
+    minimum_allowed: bool = True
+    limits: str = ""
+
+    @property
+    def expected(self) -> str:
+        return f"expected {self.name}{self.limits}, such as {self.example}"
+
+    def read(self, value: Any) -> Quantity:
+        """The SI number of what was written; raises ValueError that says what was expected."""
+        if isinstance(value, Quantity):
+            number, written = float(value), value.written
+        elif isinstance(value, str):
+            number, written = self._convert(value), value
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            number, written = float(value), value
+        else:
+            raise ValueError(self.expected)
+        if not math.isfinite(number):
+            raise ValueError(f"not a finite number; {self.expected}")
+        too_low = number < self.minimum or (number == self.minimum and not self.minimum_allowed)
+        if too_low or number >= self.maximum:
+            hint = ""
+            if self.unit == "rad" and not isinstance(written, str):
+                hint = f' (a plain number is in radians; did you mean "{written} deg"?)'
+            raise ValueError(f"out of range{hint}; {self.expected}")
+        return Quantity(number, written)
+
+    def _convert(self, text: str) -> float:
+        registry = unit_registry()
+        try:
+            quantity: Any = registry.Quantity(text)
+        except Exception as error:  # pint raises what its tokenizer raises
+            raise ValueError(f"not understood as a number with a unit; {self.expected}") from error
+        if quantity.unitless and self.unit:
+            raise ValueError(f"has no unit; {self.expected}, or a plain number in {self.unit}")
+        same_dimension = quantity.is_compatible_with(registry.Unit(self.unit))
+        angle_for_ratio = not self.unit and not quantity.unitless
+        if not same_dimension or angle_for_ratio:
+            raise ValueError(f"has the wrong dimension ({quantity.units}); {self.expected}")
+        return float(quantity.to(self.unit).magnitude)
+
+
+@cache
+def unit_registry() -> pint.UnitRegistry:
+    """pint's units, which know the tonne-force (tf) of Japanese soil reports."""
+    return pint.UnitRegistry()
+
+
+def _field(kind: Kind) -> Any:
+    return Annotated[
+        float, BeforeValidator(kind.read), PlainSerializer(lambda number: getattr(number, "written", number))
+    ]
+
+
+LENGTH = Kind("a length", "m", '"1.5 m"', minimum=0.0, minimum_allowed=False, limits=" above 0")
+COORDINATE = Kind("a coordinate or depth", "m", '12.5 or "41 ft"')
+STIFFNESS = Kind("a stiffness", "Pa", '"15.3 MPa"', minimum=0.0, minimum_allowed=False, limits=" above 0")
+STRENGTH = Kind("a stress", "Pa", '"10 tf/m^2"', minimum=0.0, limits=" of 0 or more")
+DENSITY = Kind("a density", "kg/m^3", '"1.8 t/m^3"', minimum=0.0, limits=" of 0 or more")
+ANGLE = Kind("an angle", "rad", '"35 deg"', minimum=0.0, maximum=math.pi / 2, limits=" from 0 to below 90 deg")
+POISSON = Kind("a Poisson's ratio", "", "0.33", minimum=0.0, maximum=0.5, limits=" from 0 to below 0.5")
+
+Length = _field(LENGTH)
+Stiffness = _field(STIFFNESS)
+Strength = _field(STRENGTH)
+Density = _field(DENSITY)
+Angle = _field(ANGLE)
+PoissonsRatio = _field(POISSON)

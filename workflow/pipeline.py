@@ -1,0 +1,57 @@
+"""The stages of a run, each from the input to the files it leaves behind."""
+
+import math
+from collections.abc import Iterator
+
+from meshes.quadrilaterals import QuadMesh, generate
+from meshes.section import Section
+from workflow import figures
+from workflow.settings import Input
+from workflow.store import Store
+
+
+def check_stage(run: Input, store: Store) -> None:
+    """Draw the section as it was read."""
+    with store.writing("figures/section.png") as path:
+        figures.draw_section(run, path)
+
+
+def mesh_stage(run: Input, store: Store) -> QuadMesh:
+    """Mesh the section; leaves section.toml, mesh/section.msh, mesh/section.vtu and two pictures.
+
+    Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
+    """
+    with store.writing("mesh/section.msh") as path:
+        mesh = generate(run, run.mesh, path)
+    store.write_text("section.toml", run.to_toml())
+    grid = figures.unstructured(mesh)
+    grid.field_data["section"] = [run.title or run.name]
+    if run.reconstruction:
+        grid.field_data["reconstruction"] = [run.reconstruction_note]
+    with store.writing("mesh/section.vtu") as path:
+        grid.save(path)
+    check_stage(run, store)
+    with store.writing("figures/mesh.png") as path:
+        figures.draw_mesh(run, mesh, path)
+    return mesh
+
+
+def strata_rows(section: Section) -> Iterator[list[str]]:
+    """Every stratum as a person reads it: name, area, thickness, reach, and its parameters."""
+    layers = section.layering
+    at_left, at_right = layers.thickness()
+    for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
+        here = layers.present()[:, k]
+        ends = [*at_left[here, k], *at_right[here, k]]
+        start, end = layers.x[:-1][here].min(), layers.x[1:][here].max()
+        yield [
+            stratum.name,
+            f"{area:.1f}",
+            f"{min(ends):.1f}-{max(ends):.1f}",
+            f"{start:.4g}-{end:.4g}",
+            f"{stratum.youngs_modulus / 1e6:.4g}",
+            f"{stratum.poissons_ratio:g}",
+            f"{stratum.density_ordinary / 1e3:.4g}/{stratum.density_seismic / 1e3:.4g}",
+            f"{stratum.cohesion / 1e3:.4g}",
+            f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation_angle):.3g}",
+        ]
