@@ -55,9 +55,7 @@ def give_way(typing_context: Any) -> Any:
     """Lets another thread have this processor (POSIX sched_yield)."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(ir.IntType(32), []), "sched_yield"
-        )
+        function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(ir.IntType(32), []), "sched_yield")
         return builder.call(function, [])
 
     return types.int32(), generate

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dem.errors import DiscEscaped, DiscTooFast, EnergyImbalance, NotFinite, OverlapTooLarge
+from dem.errors import EscapeError, SpeedError, EnergyBalanceError, NotFiniteError, OverlapError
 from dem.contact import ALLOWED
 from dem.ledger import Ledger
 from dem.model import DiscModel
@@ -16,24 +16,24 @@ def _place(model: DiscModel, disc: int) -> str:
 
 
 def check_finite(model: DiscModel, kept: str) -> None:
-    """Raises NotFinite if a position or velocity is not a number."""
+    """Raises NotFiniteError if a position or velocity is not a number."""
     fine = np.isfinite(model.x) & np.isfinite(model.z) & np.isfinite(model.vx) & np.isfinite(model.vz)
     fine &= np.isfinite(model.vr)
     if not fine.all():
         disc = int(np.argmin(fine))
-        raise NotFinite(
+        raise NotFiniteError(
             f"{_place(model, disc)} has a position or velocity that is no number; {int((~fine).sum())} discs in all. "
             f"Check the input of that disc, or take a smaller step. {kept}"
         )
 
 
 def check_speed(model: DiscModel, dt: float, kept: str) -> None:
-    """Raises DiscTooFast if a disc moves more than a quarter of the smallest radius in one step."""
+    """Raises SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
     speed = np.hypot(model.vx_half, model.vz_half)
     disc = int(np.argmax(speed))
     least = float(model.radius.min())
     if speed[disc] * dt > FASTEST * least:
-        raise DiscTooFast(
+        raise SpeedError(
             f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest radius "
             f"in one step: it could pass another without touching it. Take dt <= "
             f"{FASTEST * least / speed[disc]:.3g} s, or find out what made it so fast. {kept}"
@@ -41,14 +41,14 @@ def check_speed(model: DiscModel, dt: float, kept: str) -> None:
 
 
 def check_overlap(model: DiscModel, kept: str) -> None:
-    """Raises OverlapTooLarge if a pair is deeper in each other than its layers allow."""
+    """Raises OverlapError if a pair is deeper in each other than its layers allow."""
     i, j = model.pair_i, model.pair_j
     mean = 0.5 * (model.radius[i] + model.radius[j])
     share = (2.0 * mean - model.distance()) / mean
     allowed = 2.0 * model.springs.pairs[ALLOWED, model.kind(i, j)]
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
-        raise OverlapTooLarge(
+        raise OverlapError(
             f"{_place(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
             f"allowed are {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`. {kept}"
         )
@@ -57,7 +57,7 @@ def check_overlap(model: DiscModel, kept: str) -> None:
     allowed = 2.0 * model.springs.lines[ALLOWED, model.layer[model.line_disc]]
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
-        raise OverlapTooLarge(
+        raise OverlapError(
             f"{_place(model, int(model.line_disc[c]))} is in rigid line {model.line_id[c]} by {share[c]:.3g} of its radius, "
             f"allowed are {allowed[c]:.3g}. Find out what drove it there, or allow more with `allowed_overlap`. {kept}"
         )
@@ -74,7 +74,7 @@ def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
 
 
 def check_escape(model: DiscModel, kept: str) -> None:
-    """Raises DiscEscaped if the centre of a disc is behind a rigid line, by a radius or more."""
+    """Raises EscapeError if the centre of a disc is behind a rigid line, by a radius or more."""
     if not len(model.lines):
         return
     free = np.flatnonzero(~model.fixed)
@@ -86,18 +86,18 @@ def check_escape(model: DiscModel, kept: str) -> None:
         gone = (before < -r) & (along > begin) & (along < end) & (before > -1e3 * r)
         if gone.any():
             disc = int(free[np.argmax(gone)])
-            raise DiscEscaped(
+            raise EscapeError(
                 f"{_place(model, disc)} is behind rigid line {k}. The boundary did not hold it: take a smaller step, or "
                 f"stiffer springs for the layer beside it. {kept}"
             )
 
 
 def check_balance(model: DiscModel, ledger: Ledger, tolerance: float, kept: str) -> None:
-    """Raises EnergyImbalance if more than `tolerance` of the energy turned over is not accounted for."""
+    """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for."""
     if not abs(ledger.gap) <= tolerance * ledger.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))
-        raise EnergyImbalance(
+        raise EnergyBalanceError(
             f"{ledger.gap:.4g} J/m of {ledger.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); most "
             f"energy of motion has {_place(model, disc)}. Take a smaller step, or allow more with `balance`. {kept}"
         )

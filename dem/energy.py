@@ -83,9 +83,7 @@ def contact_energy(b, d, l, discs, links, scratch, slip_time, wait, floor, share
     )  # fmt: skip
     stiff, pore_stiff = scratch[R_FKS + l], scratch[R_FKPS + l]
     power, slid = losses(kn, over, vn, vt, normal, tangential, shear, trial, kept, stiff)
-    pore_slid, crack = pore_losses(
-        kpn, length, new, distance, vn * slip_time, old, pore_trial, pore_kept, pore_stiff
-    )
+    pore_slid, crack = pore_losses(kpn, length, new, distance, vn * slip_time, old, pore_trial, pore_kept, pore_stiff)
     if over > 0.0:
         out[ELEMENTS] += 0.5 * kn * over * over
     out[ELEMENTS] += 0.5 * kept * kept * stiff

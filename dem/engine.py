@@ -15,7 +15,7 @@ from numba import config
 from dem.barrier import new_barrier
 from dem.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.energy import energies
-from dem.errors import DemError, StepTooLarge
+from dem.errors import DemError, StepTooLargeError
 from dem.layout import Layout
 from dem.ledger import Ledger
 from dem.model import DiscModel
@@ -80,11 +80,13 @@ class Engine:
             raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
 
     def step_of(self, model: DiscModel) -> float:
-        """The time step a run of this model would take (s). Raises StepTooLarge, naming the stable one."""
+        """The time step a run of this model would take (s). Raises StepTooLargeError, naming the stable one."""
         stable = largest_step(model)
         if self.dt == "auto":
             if not np.isfinite(stable.seconds):
-                raise StepTooLarge("no two discs can touch, so there is no stable step to take a share of: give dt in s")
+                raise StepTooLargeError(
+                    "no two discs can touch, so there is no stable step to take a share of: give dt in s"
+                )
             return AUTO_SHARE * stable.seconds
         self._refuse(model, self.dt, stable)
         return self.dt
@@ -92,7 +94,7 @@ class Engine:
     def _refuse(self, model: DiscModel, dt: float, stable: StableStep) -> None:
         if dt > stable.seconds:
             d = stable.disc
-            raise StepTooLarge(
+            raise StepTooLargeError(
                 f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at x = "
                 f"{model.x[d]:.4g} m, z = {model.z[d]:.4g} m sets at t = {model.time:.6g} s. Take dt = 'auto' or less."
             )
@@ -223,7 +225,7 @@ class _Run:
         return ledger
 
     def balance(self) -> Ledger:
-        """The ledger now. Raises EnergyImbalance."""
+        """The ledger now. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
         ledger = engine._ledger(model, self.layout)
         model.turnover = ledger.turnover

@@ -5,25 +5,25 @@ class DemError(RuntimeError):
     """A run of the discs that cannot be trusted from here on."""
 
 
-class StepTooLarge(DemError, ValueError):
+class StepTooLargeError(DemError, ValueError):
     """The time step asked for is above the stable one."""
 
 
-class EnergyImbalance(DemError):
+class EnergyBalanceError(DemError):
     """Energy came from nowhere or went nowhere."""
 
 
-class OverlapTooLarge(DemError):
+class OverlapError(DemError):
     """Two discs, or a disc and a line, are deeper in each other than their layers allow."""
 
 
-class NotFinite(DemError):
+class NotFiniteError(DemError):
     """A position or velocity is NaN or infinite."""
 
 
-class DiscEscaped(DemError):
+class EscapeError(DemError):
     """A disc is behind a rigid line or outside of all that is bounded."""
 
 
-class DiscTooFast(DemError):
+class SpeedError(DemError):
     """A disc moves so far in one step that it could pass another without touching it."""

@@ -43,7 +43,13 @@ class Acceleration:
 
     @classmethod
     def seismic(
-        cls, kh: float, *, kv: float = 0.0, tilt: float = 0.0, ramp: tuple[float, float] | None = None, g: float = 9.80665
+        cls,
+        kh: float,
+        *,
+        kv: float = 0.0,
+        tilt: float = 0.0,
+        ramp: tuple[float, float] | None = None,
+        g: float = 9.80665,
     ) -> "Acceleration":
         """Kh and Kv in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
 
@@ -186,7 +192,11 @@ class DiscModel:
         return self.roll / self.radius
 
     def set_velocity(
-        self, vx: np.ndarray | float, vz: np.ndarray | float, spin: np.ndarray | float = 0.0, where: np.ndarray | None = None
+        self,
+        vx: np.ndarray | float,
+        vz: np.ndarray | float,
+        spin: np.ndarray | float = 0.0,
+        where: np.ndarray | None = None,
     ) -> None:
         """Velocities (m/s, 1/s) of all discs, or of those in the mask `where`, from now on.
 
@@ -233,13 +243,9 @@ class DiscModel:
             setattr(self, name, values[old])
         self.pair_i, self.pair_j = order[i], order[j]
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
-        kept = {
-            (d, k): s for d, k, s in zip(self.line_disc, self.line_id, self.line_shear, strict=True) if s != 0.0
-        }
+        kept = {(d, k): s for d, k, s in zip(self.line_disc, self.line_id, self.line_shear, strict=True) if s != 0.0}
         self.line_disc, self.line_id = order[disc], line
-        self.line_shear = np.array(
-            [kept.get(key, 0.0) for key in zip(self.line_disc, line, strict=True)], dtype=float
-        )
+        self.line_shear = np.array([kept.get(key, 0.0) for key in zip(self.line_disc, line, strict=True)], dtype=float)
 
     def set_pore_springs(self) -> int:
         """Sets a pore spring, free of force, between all discs with D <= alpha (r_i + r_j), eq. (14).
@@ -315,5 +321,9 @@ class DiscModel:
         layers = [LayerSprings(**layer) for layer in json.loads(plain.pop("layers"))]
         gravity = tuple(float(g) for g in plain.pop("gravity"))
         return cls(
-            **values, **plain, gravity=gravity, springs=pair_table(layers, plain["mean"]), acceleration=Acceleration(**series)
+            **values,
+            **plain,
+            gravity=gravity,
+            springs=pair_table(layers, plain["mean"]),
+            acceleration=Acceleration(**series),
         )

@@ -44,7 +44,9 @@ def pack(model: DiscModel) -> Layout:
         model.pore_length, model.shear, model.pore_shear, offset(n), links.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
     flat = links.reshape(-1)
-    lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(len(line_disc)) % LANES
+    lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(
+        len(line_disc)
+    ) % LANES
     flat[lanes + 2 * LANES] = model.line_shear
     silent = chunks * LINK_FIELDS * LANES + 4 * LANES
     incoming, incoming_start, first, last = place_incoming(

@@ -39,7 +39,9 @@ def bound(block, invmass, rim):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def stable_step(x, z, radius, invmass, rim, i, j, kind, length, table, line_disc, line_id, line_kind, lines, line_table):
+def stable_step(
+    x, z, radius, invmass, rim, i, j, kind, length, table, line_disc, line_id, line_kind, lines, line_table
+):
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
     invmass: 1/m or 0 for fixed discs; rim: r^2/I; pairs i, j with column `kind` of `table` and pore length `length`.

@@ -77,8 +77,7 @@ CONSTANT = np.uint64(8 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((8 + CONSTANTS + k) * LANES) for k in range(3))
 SCRATCH = (8 + CONSTANTS + 3) * LANES
 R_KN, R_KS, R_CN, R_CT, R_MU, R_KPN, R_KPS, R_TAN, R_BC, R_BETA, R_ALLOWED, R_FKS, R_FKPS = (
-    np.uint64((8 + k) * LANES)
-    for k in (KN, KS, CN, CT, MU, KPN, KPS, TAN, BC, BETA, ALLOWED, FKS, FKPS)
+    np.uint64((8 + k) * LANES) for k in (KN, KS, CN, CT, MU, KPN, KPS, TAN, BC, BETA, ALLOWED, FKS, FKPS)
 )
 ROW = np.uint64(LANES)
 
@@ -190,9 +189,7 @@ def contact(b, d, l, discs, links, scratch, slip_time, floor, share):  # noqa: E
         length, distance, slip, old_pore, share * normal,
         scratch[R_KPN + l], scratch[R_KPS + l], scratch[R_TAN + l], scratch[R_BC + l], scratch[R_BETA + l],
     )  # fmt: skip
-    power, slid = losses(
-        scratch[R_KN + l], over, vn, vt, normal, tangential, shear, trial, kept, scratch[R_FKS + l]
-    )
+    power, slid = losses(scratch[R_KN + l], over, vn, vt, normal, tangential, shear, trial, kept, scratch[R_FKS + l])
     pore_slid, crack = pore_losses(
         scratch[R_KPN + l], length, new, distance, vn * slip_time,
         old_pore, pore_trial, pore_kept, scratch[R_FKPS + l],
@@ -271,9 +268,7 @@ def line_contact(e, at, layout, lines, line_table, slip_time, floor):
         over, vn, vt, slip, shear, floor,
         line_table[KN, k], line_table[KS, k], line_table[CN, k], line_table[CT, k], line_table[MU, k],
     )  # fmt: skip
-    power, slid = losses(
-        line_table[KN, k], over, vn, vt, normal, tangential, shear, trial, kept, line_table[FKS, k]
-    )
+    power, slid = losses(line_table[KN, k], over, vn, vt, normal, tangential, shear, trial, kept, line_table[FKS, k])
     links[at + SHEAR] = kept
     links[at + FX] = normal * nx + tangential * nz
     links[at + FZ] = normal * nz - tangential * nx
@@ -374,7 +369,9 @@ def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def contacts_of_slice(p, layout, table, lines, line_table, scratch, loaded, slip_time, kick, floor, share, ledger, books):
+def contacts_of_slice(
+    p, layout, table, lines, line_table, scratch, loaded, slip_time, kick, floor, share, ledger, books
+):
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
     b = np.uint64(p) * DISC

@@ -35,9 +35,7 @@ def points(names: list[str], n: int) -> tuple[np.ndarray, ...]:
     principal = np.array([TRIALS[name][1] for name in names])[pick] * random.uniform(0.98, 1.02, size=(n, 1))
     a, b, z = random.permuted(principal, axis=1).T
     mean, half, angle = (a + b) / 2, (a - b) / 2, random.uniform(0, 2 * math.pi, n)
-    stress = np.column_stack(
-        [mean + half * np.cos(angle), mean - half * np.cos(angle), z, half * np.sin(angle)]
-    )
+    stress = np.column_stack([mean + half * np.cos(angle), mean - half * np.cos(angle), z, half * np.sin(angle)])
 
     region = np.empty(n, np.int8)
     mc.update(np.zeros((n, 4)), stress, material, MATERIALS, np.empty((n, 4)), region=region)
