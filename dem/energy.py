@@ -1,7 +1,8 @@
 """Kernel: the energies of the discs at one instant, from the layout that the stepping kernel works on.
 
-The springs' memory is one step behind the positions, and dashpots are booked up to half a step ago; both are brought
-up to the instant here without being changed.
+The kinetic energy is m/2 v(n-1/2) v(n+1/2): of second order like the scheme, and what the scheme keeps exactly. Its
+second velocity takes the forces of this instant. They are taken here, and so is what springs, dashpots and boundaries
+did since the last step, without anything being changed.
 """
 
 import numpy as np
@@ -9,18 +10,22 @@ from numba import njit
 
 from dem.contact import CN, CT, FKS, KN, KS, MU, element, pore
 from dem.layout import (
+    DASH_N,
+    DASH_T,
     DISC,
+    INVMASS,
     LANES,
     LENGTH,
     LINK,
-    INVMASS,
     PORE,
     RADII,
     RIM,
     SHEAR,
-    VRS,
-    VXS,
-    VZS,
+    VR,
+    VX,
+    VZ,
+    WEIGHT,
+    disc_at,
 )
 from dem.stepping import (
     R_BC,
@@ -46,87 +51,118 @@ from dem.stepping import (
     pore_losses,
 )
 
-# Entries of what `energies` returns (J per metre out of plane); the last three came about since the last step.
-TRANSLATION, ROTATION, ELEMENTS, PORES, LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS = range(7)
-ENERGIES = 7
+# Entries of what `energies` returns (J per metre out of plane); the last four came about since the last step.
+TRANSLATION, ROTATION, ELEMENTS, PORES, LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS, LATE_BOUNDARY = range(8)
+ENERGIES = 8
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def kinetic(discs, slices, out):
-    """Adds the kinetic energy of all discs that can move."""
-    for p in range(slices):
-        b = np.uint64(p) * DISC
-        for lane in range(LANES):
-            l = np.uint64(lane)  # noqa: E741
-            vx, vz, vr = discs[b + VXS + l], discs[b + VZS + l], discs[b + VRS + l]
-            if discs[b + INVMASS + l] > 0.0:
-                out[TRANSLATION] += 0.5 * (vx * vx + vz * vz) / discs[b + INVMASS + l]
-            if discs[b + RIM + l] > 0.0:
-                out[ROTATION] += 0.5 * vr * vr / discs[b + RIM + l]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def contact_energy(b, d, l, discs, links, scratch, slip_time, wait, floor, share, out):  # noqa: E741
-    """Adds what the contact in lane l stores, and dissipated since the last step; wait: time since dashpots were booked."""
+def contact_energy(b, d, l, layout, scratch, slip_time, floor, share, out):  # noqa: E741
+    """Adds what the contact in lane l stores, and lost since the last step; returns its force on the partner."""
+    links = layout.links
     radii = links[d + RADII + l]
-    distance, _, _, _, vn, vt, slip = geometry(b, l, discs, scratch, radii, slip_time)
+    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, l, layout.discs, scratch, radii, slip_time)
     over = radii - distance
     kn, kpn = scratch[R_KN + l], scratch[R_KPN + l]
     shear, length, old = links[d + SHEAR + l], links[d + LENGTH + l], links[d + PORE + l]
     normal, tangential, trial, kept = element(
-        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l],
-        scratch[R_MU + l],
-    )  # fmt: skip
+        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l], scratch[R_MU + l]
+    )
     push, pore_trial, pore_kept, new = pore(
         length, distance, slip, old, share * normal, kpn, scratch[R_KPS + l], scratch[R_TAN + l],
         scratch[R_BC + l], scratch[R_BETA + l],
     )  # fmt: skip
-    stiff, pore_stiff = scratch[R_FKS + l], scratch[R_FKPS + l]
-    power, slid = losses(kn, over, vn, vt, normal, tangential, shear, trial, kept, stiff)
-    pore_slid, crack = pore_losses(kpn, length, new, distance, vn * slip_time, old, pore_trial, pore_kept, pore_stiff)
-    if over > 0.0:
-        out[ELEMENTS] += 0.5 * kn * over * over
-    out[ELEMENTS] += 0.5 * kept * kept * stiff
+    spring = kn * over if over > 0.0 else 0.0
+    damped, slid = losses(
+        stretch, slip, normal - spring, tangential - kept, links[d + DASH_N + l], links[d + DASH_T + l], shear, trial,
+        kept, scratch[R_FKS + l],
+    )  # fmt: skip
+    pore_slid, crack = pore_losses(
+        kpn, length, new, distance, stretch, old, pore_trial, pore_kept, scratch[R_FKPS + l]
+    )
+    out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * scratch[R_FKS + l]
     if kpn > 0.0:
         out[PORES] += 0.5 * push * push / kpn
-    out[PORES] += 0.5 * pore_kept * pore_kept * pore_stiff
-    out[LATE_DASHPOT] += power * wait
+    out[PORES] += 0.5 * pore_kept * pore_kept * scratch[R_FKPS + l]
+    out[LATE_DASHPOT] += damped
     out[LATE_SLIDING] += slid + pore_slid
     out[LATE_CRACKS] += crack
+    total, drag = normal + push, tangential + pore_kept
+    return total * nx + drag * nz, total * nz - drag * nx, drag * lever
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def energies(layout, table, lines, line_table, last_dt, floor, share):
-    """The energies of all discs and contacts (ENERGIES,)."""
+def line_energy(e, layout, lines, line_table, slip_time, floor, out):
+    """The same for a disc at a rigid line; returns the force on the disc."""
+    k = layout.line_kind[e]
+    over, nx, nz, vn, vt, slip, stretch = line_geometry(e, layout, lines, slip_time)
+    at = line_lane(e, layout)
+    shear = layout.links[at + SHEAR]
+    kn = line_table[KN, k]
+    normal, tangential, trial, kept = element(
+        over, vn, vt, slip, shear, floor, kn, line_table[KS, k], line_table[CN, k], line_table[CT, k], line_table[MU, k]
+    )
+    spring = kn * over if over > 0.0 else 0.0
+    damped, slid = losses(
+        stretch, slip, normal - spring, tangential - kept, layout.links[at + DASH_N], layout.links[at + DASH_T], shear,
+        trial, kept, line_table[FKS, k],
+    )  # fmt: skip
+    out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * line_table[FKS, k]
+    out[LATE_DASHPOT] += damped
+    out[LATE_SLIDING] += slid
+    return normal * nx + tangential * nz, normal * nz - tangential * nx, tangential
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def kinetic(layout, force, weight_x, weight_z, ax, az, dt, out):
+    """Adds the kinetic energy of all discs that can move, and the work on those that are moved."""
+    discs = layout.discs
+    for p in range(len(layout.chunk_start) - 1):
+        b = np.uint64(p) * DISC
+        for lane in range(LANES):
+            l = np.uint64(lane)  # noqa: E741
+            fx, fz, fr = force[p * LANES + lane]
+            vx, vz, vr = discs[b + VX + l], discs[b + VZ + l], discs[b + VR + l]
+            invmass, rim, weight = discs[b + INVMASS + l], discs[b + RIM + l], discs[b + WEIGHT + l]
+            if invmass > 0.0:
+                next_x = vx + dt * (fx * invmass + weight * weight_x + ax)
+                next_z = vz + dt * (fz * invmass + weight * weight_z + az)
+                out[TRANSLATION] += 0.5 * (vx * next_x + vz * next_z) / invmass
+            else:
+                out[LATE_BOUNDARY] -= 0.5 * dt * (fx * vx + fz * vz + fr * vr)
+            if rim > 0.0:
+                out[ROTATION] += 0.5 * vr * (vr + dt * fr * rim) / rim
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def energies(layout, table, lines, line_table, gravity, ax, az, last_dt, floor, share):
+    """The energies of all discs and contacts (ENERGIES,); ax, az: external acceleration at this instant."""
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1
-    kinetic(layout.discs, slices, out)
     scratch = np.zeros(SCRATCH)
-    wait = 0.5 * last_dt
+    force = np.zeros((slices * LANES, 3))
     for p in range(slices):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             first = np.uint64(chunk) * ROW
             load_constants(layout.chunk_kind[chunk], layout.kinds, first, table, scratch)
             load_partners(layout.partner, first, layout.discs, scratch)
             for lane in range(LANES):
-                contact_energy(
-                    np.uint64(p) * DISC, np.uint64(chunk) * LINK, np.uint64(lane), layout.discs, layout.links,
-                    scratch, last_dt, wait, floor, share, out,
+                fx, fz, fr = contact_energy(
+                    np.uint64(p) * DISC, np.uint64(chunk) * LINK, np.uint64(lane), layout, scratch, last_dt, floor,
+                    share, out,
                 )  # fmt: skip
+                i, j = p * LANES + lane, disc_at(layout.partner[chunk * LANES + lane])
+                force[i, 0] -= fx
+                force[i, 1] -= fz
+                force[i, 2] += fr
+                force[j, 0] += fx
+                force[j, 1] += fz
+                force[j, 2] += fr
     for e in range(len(layout.line_disc)):
-        k = layout.line_kind[e]
-        over, _, _, vn, vt, slip = line_geometry(e, layout, lines, last_dt)
-        shear = layout.links[line_lane(e, layout) + SHEAR]
-        normal, tangential, trial, kept = element(
-            over, vn, vt, slip, shear, floor,
-            line_table[KN, k], line_table[KS, k], line_table[CN, k], line_table[CT, k], line_table[MU, k],
-        )  # fmt: skip
-        power, slid = losses(
-            line_table[KN, k], over, vn, vt, normal, tangential, shear, trial, kept, line_table[FKS, k]
-        )
-        if over > 0.0:
-            out[ELEMENTS] += 0.5 * line_table[KN, k] * over * over
-        out[ELEMENTS] += 0.5 * kept * kept * line_table[FKS, k]
-        out[LATE_DASHPOT] += power * wait
-        out[LATE_SLIDING] += slid
+        fx, fz, fr = line_energy(e, layout, lines, line_table, last_dt, floor, out)
+        i = disc_at(layout.line_disc[e])
+        force[i, 0] += fx
+        force[i, 1] += fz
+        force[i, 2] += fr
+    kinetic(layout, force, gravity[0], gravity[1], ax, az, last_dt, out)
     return out

@@ -144,9 +144,12 @@ class Engine:
         return ledger
 
     def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
+        series = model.acceleration
         found = energies(
-            layout, model.springs.pairs, model.lines, model.springs.lines, model.last_dt, self.floor, self.share
-        )
+            layout, model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity),
+            np.interp(model.time, series.times, series.x), np.interp(model.time, series.times, series.z),
+            model.last_dt, self.floor, self.share,
+        )  # fmt: skip
         return Ledger.of(found, model.books, model.energy_edited, model.turnover)
 
     @property

@@ -38,7 +38,7 @@ def contact_forces(
     slices = len(layout.chunk_start) - 1
     for p in range(slices):
         contacts_of_slice(
-            p, layout, model.springs.pairs, model.lines, model.springs.lines, scratch, -1, model.last_dt, 0.0,
+            p, layout, model.springs.pairs, model.lines, model.springs.lines, scratch, -1, model.last_dt,
             -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" else 0.0, False, np.zeros((slices, LEDGER)),
         )  # fmt: skip
     number = np.empty(len(model), np.int32)

@@ -23,9 +23,9 @@ X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, WEIGHT, X0, Z0, ROLL = (np.uint64
 DISC = np.uint64(DISC_FIELDS * LANES)
 
 # Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
-# and pore spring; force on the partner and rim force.
-LINK_FIELDS = 7
-RADII, LENGTH, SHEAR, PORE, FX, FZ, FR = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
+# and pore spring; force on the partner and rim force; normal and tangential force of the dashpot, for the ledger.
+LINK_FIELDS = 9
+RADII, LENGTH, SHEAR, PORE, FX, FZ, FR, DASH_N, DASH_T = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
 LINK = np.uint64(LINK_FIELDS * LANES)
 
 
@@ -64,6 +64,13 @@ def offset(disc):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def disc_at(place):
+    """Number of the sorted disc whose x lies at `place`."""
+    at = np.int64(place)
+    return (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member, slices):
     """Largest number of times a disc of each slice occurs in `member`; and each entry's turn at its disc."""
     seen = np.zeros(slices * LANES, np.int32)
@@ -81,7 +88,7 @@ def count_slots(member, slices):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear, pore, nobody, links, where, kind):
+def place_links(owner, partner, turn, chunk_start, radii, kinds, memory, nobody, links, where, kind):
     """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
     chunk_kind = np.full(chunk_start[-1], -2, np.int32)
     for c in range(len(owner)):
@@ -90,9 +97,11 @@ def place_links(owner, partner, turn, chunk_start, radii, kinds, lengths, shear,
         lane = i % LANES
         base = chunk * LINK_FIELDS * LANES + lane
         links[base] = radii[i] + radii[partner[c]]
-        links[base + LANES] = lengths[c]
-        links[base + 2 * LANES] = shear[c]
-        links[base + 3 * LANES] = pore[c]
+        links[base + LANES] = memory[0][c]
+        links[base + 2 * LANES] = memory[1][c]
+        links[base + 3 * LANES] = memory[2][c]
+        links[base + 7 * LANES] = memory[3][c]
+        links[base + 8 * LANES] = memory[4][c]
         where[chunk * LANES + lane] = offset(partner[c])
         kind[chunk * LANES + lane] = kinds[c]
         if chunk_kind[chunk] == -2:
@@ -137,20 +146,22 @@ def place_incoming(owner, partner, turn, chunk_start, line_disc, slices, silent,
 def list_links(layout, order, count):
     """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
 
-    Returns owner, partner (numbers of the user), tangential forces of element and pore spring, pore length.
+    Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, normal
+    and tangential force of the dashpot.
     """
     owner = np.empty(count, np.int32)
     other = np.empty(count, np.int32)
+    length = np.empty(count)
     shear = np.empty(count)
     pore = np.empty(count)
-    length = np.empty(count)
+    dash_n = np.empty(count)
+    dash_t = np.empty(count)
     found = 0
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             for lane in range(LANES):
                 i = p * LANES + lane
-                at = np.int64(layout.partner[chunk * LANES + lane])
-                j = (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
+                j = disc_at(layout.partner[chunk * LANES + lane])
                 if i >= len(order) or j >= len(order):
                     continue
                 base = chunk * LINK_FIELDS * LANES + lane
@@ -159,5 +170,7 @@ def list_links(layout, order, count):
                 length[found] = layout.links[base + LANES]
                 shear[found] = layout.links[base + 2 * LANES]
                 pore[found] = layout.links[base + 3 * LANES]
+                dash_n[found] = layout.links[base + 7 * LANES]
+                dash_t[found] = layout.links[base + 8 * LANES]
                 found += 1
-    return owner, other, shear, pore, length
+    return owner, other, length, shear, pore, dash_n, dash_t

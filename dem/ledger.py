@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.energy import (
     ELEMENTS,
+    LATE_BOUNDARY,
     LATE_CRACKS,
     LATE_DASHPOT,
     LATE_SLIDING,
@@ -52,7 +53,7 @@ class Ledger:
             cracks=float(total[CRACKS] + energies[LATE_CRACKS]),
             weight=float(total[WORK_WEIGHT]),
             external=float(total[WORK_EXTERNAL]),
-            boundary=float(total[WORK_BOUNDARY]),
+            boundary=float(total[WORK_BOUNDARY] + energies[LATE_BOUNDARY]),
             edits=edits,
             turnover=turnover,
         )

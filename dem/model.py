@@ -18,6 +18,8 @@ from dem.neighbours import find_lines, find_pairs, share_out, spatial_order
 from dem.springs import LayerSprings, Mean, PairTable, pair_table
 
 LEDGER_COLUMNS = 6
+# what a pair remembers; a new one starts with nothing
+MEMORY = ("pore_length", "shear", "pore_shear", "dash_normal", "dash_shear")
 SORT_EVERY = 16  # lists made between two sortings in space
 
 
@@ -79,9 +81,10 @@ class DiscModel:
     layer (number in the table of springs, -1 for boundary); fixed: keeps its velocity whatever pushes it;
     x_list, z_list: where it was when the neighbour list was made; order: numbers sorted in space.
     Per pair: pair_i, pair_j; shear and pore_shear: tangential forces kept by element and pore spring (N);
-    pore_length: distance at which the pore spring was set (m), negative once cracked, 0 without one.
-    lines (k, 6): point, inward normal, reach along (-nz, nx) of rigid lines; line_disc, line_id, line_shear: discs
-    near them. books (slices, 6): the ledger. last_dt (s): step the half-step velocities belong to, 0 if set by hand.
+    pore_length: distance at which the pore spring was set (m), negative once cracked, 0 without one;
+    dash_normal, dash_shear: what the dashpots exert (N), for the ledger.
+    lines (k, 6): point, inward normal, reach along (-nz, nx) of rigid lines; line_disc, line_id, line_*: discs near
+    them, with the same memory. books (slices, 6): the ledger. last_dt (s): step the half-step velocities belong to, 0 if set by hand.
     """
 
     x: np.ndarray
@@ -107,10 +110,14 @@ class DiscModel:
     shear: np.ndarray
     pore_shear: np.ndarray
     pore_length: np.ndarray
+    dash_normal: np.ndarray
+    dash_shear: np.ndarray
     lines: np.ndarray
     line_disc: np.ndarray
     line_id: np.ndarray
     line_shear: np.ndarray
+    line_dash_normal: np.ndarray
+    line_dash_shear: np.ndarray
     books: np.ndarray
     springs: PairTable
     mean: Mean
@@ -169,9 +176,9 @@ class DiscModel:
             vz_half=np.zeros(n), vr_half=np.zeros(n), radius=radii, mass=np.pi * radii**2 * density,
             weight=effective / density, ease=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), pair_i=np.zeros(0, np.int32), pair_j=np.zeros(0, np.int32),
-            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0),
+            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), dash_normal=np.zeros(0), dash_shear=np.zeros(0),
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
-            line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0),
+            line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0), line_dash_normal=np.zeros(0), line_dash_shear=np.zeros(0),
             books=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean), mean=mean,
             gravity=(float(gravity[0]), float(gravity[1])), acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
@@ -238,14 +245,16 @@ class DiscModel:
             xs, zs, rs, still, factor, skin, number[self.pair_i], number[self.pair_j], self.pore_length
         )
         share_out(i, j, len(self))
-        for name in ("shear", "pore_shear", "pore_length"):
+        for name in MEMORY:
             values = np.append(getattr(self, name), 0.0)
             setattr(self, name, values[old])
         self.pair_i, self.pair_j = order[i], order[j]
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
-        kept = {(d, k): s for d, k, s in zip(self.line_disc, self.line_id, self.line_shear, strict=True) if s != 0.0}
+        kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line
-        self.line_shear = np.array([kept.get(key, 0.0) for key in zip(self.line_disc, line, strict=True)], dtype=float)
+        before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
+        for name in ("line_shear", "line_dash_normal", "line_dash_shear"):
+            setattr(self, name, np.append(getattr(self, name), 0.0)[before])
 
     def set_pore_springs(self) -> int:
         """Sets a pore spring, free of force, between all discs with D <= alpha (r_i + r_j), eq. (14).

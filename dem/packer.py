@@ -13,11 +13,13 @@ from dem.layout import (
     place_incoming,
     place_links,
 )
-from dem.model import DiscModel
+from dem.model import MEMORY, DiscModel
 
 FAR = 1e15  # m: where lanes without a disc are
 # what a run changes: field of the layout and array of the model
 _STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
+
+_LINE_MEMORY = {2: "line_shear", 7: "line_dash_normal", 8: "line_dash_shear"}
 
 
 def pack(model: DiscModel) -> Layout:
@@ -41,13 +43,14 @@ def pack(model: DiscModel) -> Layout:
     kinds = np.zeros(chunks * LANES, np.uint16)
     chunk_kind = place_links(
         owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
-        model.pore_length, model.shear, model.pore_shear, offset(n), links.reshape(-1), partners.reshape(-1), kinds,
+        tuple(getattr(model, name) for name in MEMORY), offset(n), links.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
     flat = links.reshape(-1)
     lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(
         len(line_disc)
     ) % LANES
-    flat[lanes + 2 * LANES] = model.line_shear
+    for field, name in _LINE_MEMORY.items():
+        flat[lanes + field * LANES] = getattr(model, name)
     silent = chunks * LINK_FIELDS * LANES + 4 * LANES
     incoming, incoming_start, first, last = place_incoming(
         owner, partner, turn, chunk_start, line_disc, slices, silent, chunks
@@ -92,9 +95,10 @@ def unpack(layout: Layout, model: DiscModel) -> None:
 
     for field, name in _STATE.items():
         getattr(model, name)[order] = discs[:, field].reshape(-1)[:n]
-    model.pair_i, model.pair_j, model.shear, model.pore_shear, model.pore_length = list_links(
-        layout, order, len(model.pair_i)
-    )
-    chunks = int(layout.chunk_start[-1])
+    model.pair_i, model.pair_j, *memory = list_links(layout, order, len(model.pair_i))
+    for name, values in zip(MEMORY, memory, strict=True):
+        setattr(model, name, values)
     e = np.arange(len(model.line_disc))
-    model.line_shear = layout.links[(chunks + 1 + e // LANES) * (LINK_FIELDS * LANES) + 2 * LANES + e % LANES]
+    lanes = (layout.chunk_start[-1] + 1 + e // LANES) * (LINK_FIELDS * LANES) + e % LANES
+    for field, name in _LINE_MEMORY.items():
+        setattr(model, name, layout.links[lanes + field * LANES])

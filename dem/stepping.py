@@ -36,6 +36,8 @@ from dem.contact import (
 )
 from dem.prefetch import prefetch
 from dem.layout import (
+    DASH_N,
+    DASH_T,
     ROLL,
     DISC,
     DISC_FIELDS,
@@ -123,7 +125,7 @@ def load_partners(partner, first, discs, scratch):
 
 @njit(cache=True, forceinline=True, error_model="numpy")
 def geometry(b, l, discs, scratch, radii, slip_time):  # noqa: E741
-    """Overlap, distance, direction, lever ratio and speeds of the contact in lane l.
+    """Distance, direction, lever ratio, speeds, slip and stretch since the last step of the contact in lane l.
 
     The levers of the tangential force are the distance times r_i/(r_i + r_j): they add up to the distance, so that
     angular momentum is kept and a pair that turns as one body does not slip. One square root, one division.
@@ -143,18 +145,20 @@ def geometry(b, l, discs, scratch, radii, slip_time):  # noqa: E741
     vn = ux * nx + uz * nz
     vt = (uz * nx - ux * nz) - lever * (scratch[VRS + l] + discs[b + VRS + l])
     slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + l] + discs[b + VR + l]))
-    return distance, nx, nz, lever, vn, vt, slip
+    stretch = slip_time * (hx * nx + hz * nz)
+    return distance, nx, nz, lever, vn, vt, slip, stretch
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def losses(kn, over, vn, vt, normal, tangential, old, trial, kept, flexibility):
-    """Power of the dashpots (W), and work of sliding since the last step (J), of an element contact.
+def losses(stretch, slip, dash_n, dash_t, old_dash_n, old_dash_t, old, trial, kept, flexibility):
+    """Work that the dashpots and the sliding of an element contact took since the last step (J).
 
-    Work over a step is the mean force times the displacement, exactly as the motion books it.
+    dash_*: what the dashpots add to the springs' forces, before and now. The work of a step is its displacement times
+    the mean of the forces at its ends: that is what the scheme takes from the kinetic energy v(n-1/2) v(n+1/2) m/2, so
+    the books of linear springs and dashpots close to rounding, whatever the step.
     """
-    spring = kn * over if over > 0.0 else 0.0
-    power = (spring - normal) * vn + (tangential - kept) * vt
-    return power, 0.5 * (old + kept) * (trial - kept) * flexibility
+    damped = 0.5 * ((dash_t + old_dash_t) * slip - (dash_n + old_dash_n) * stretch)
+    return damped, 0.5 * (old + kept) * (trial - kept) * flexibility
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
@@ -169,19 +173,19 @@ def pore_losses(kpn, length, new, distance, stretch, old, trial, kept, flexibili
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def contact(b, d, l, discs, links, scratch, slip_time, floor, share):  # noqa: E741
+def contact(b, d, l, discs, links, scratch, slip_time, floor, share, ledger):  # noqa: E741
     """The contact in lane l: writes forces and memory.
 
-    Returns whether it is too deep, the power of its dashpots (W), and what sliding and cracks cost since the last
-    step (J).
+    Returns whether it is too deep, and what its dashpots, sliding and cracks took since the last step (J).
     """
     radii = links[d + RADII + l]
-    distance, nx, nz, lever, vn, vt, slip = geometry(b, l, discs, scratch, radii, slip_time)
+    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, l, discs, scratch, radii, slip_time)
     over = radii - distance
     shear = links[d + SHEAR + l]
+    kn = scratch[R_KN + l]
     normal, tangential, trial, kept = element(
-        over, vn, vt, slip, shear, floor,
-        scratch[R_KN + l], scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l], scratch[R_MU + l],
+        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l],
+        scratch[R_MU + l],
     )  # fmt: skip
     length = links[d + LENGTH + l]
     old_pore = links[d + PORE + l]
@@ -189,11 +193,22 @@ def contact(b, d, l, discs, links, scratch, slip_time, floor, share):  # noqa: E
         length, distance, slip, old_pore, share * normal,
         scratch[R_KPN + l], scratch[R_KPS + l], scratch[R_TAN + l], scratch[R_BC + l], scratch[R_BETA + l],
     )  # fmt: skip
-    power, slid = losses(scratch[R_KN + l], over, vn, vt, normal, tangential, shear, trial, kept, scratch[R_FKS + l])
-    pore_slid, crack = pore_losses(
-        scratch[R_KPN + l], length, new, distance, vn * slip_time,
-        old_pore, pore_trial, pore_kept, scratch[R_FKPS + l],
-    )  # fmt: skip
+    damped = 0.0
+    slid = 0.0
+    crack = 0.0
+    if ledger:
+        dash_n = normal - (kn * over if over > 0.0 else 0.0)
+        dash_t = tangential - kept
+        damped, slid = losses(
+            stretch, slip, dash_n, dash_t, links[d + DASH_N + l], links[d + DASH_T + l], shear, trial, kept,
+            scratch[R_FKS + l],
+        )  # fmt: skip
+        pore_slid, crack = pore_losses(
+            scratch[R_KPN + l], length, new, distance, stretch, old_pore, pore_trial, pore_kept, scratch[R_FKPS + l]
+        )
+        slid += pore_slid
+        links[d + DASH_N + l] = dash_n
+        links[d + DASH_T + l] = dash_t
     links[d + SHEAR + l] = kept
     links[d + PORE + l] = pore_kept
     if new != length:
@@ -203,7 +218,7 @@ def contact(b, d, l, discs, links, scratch, slip_time, floor, share):  # noqa: E
     links[d + FX + l] = push * nx + drag * nz
     links[d + FZ + l] = push * nz - drag * nx
     links[d + FR + l] = drag * lever
-    return over > scratch[R_ALLOWED + l] * radii, power, slid + pore_slid, crack
+    return over > scratch[R_ALLOWED + l] * radii, damped, slid, crack
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -212,7 +227,7 @@ def contacts(chunk, b, discs, links, scratch, slip_time, floor, share):
     too_deep = False
     for lane in range(LANES):
         deep, _, _, _ = contact(
-            b, np.uint64(chunk) * LINK, np.uint64(lane), discs, links, scratch, slip_time, floor, share
+            b, np.uint64(chunk) * LINK, np.uint64(lane), discs, links, scratch, slip_time, floor, share, False
         )
         too_deep |= deep
     return too_deep
@@ -220,17 +235,17 @@ def contacts(chunk, b, discs, links, scratch, slip_time, floor, share):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contacts_with_losses(chunk, b, discs, links, scratch, slip_time, floor, share):
-    """The same, with the power of the dashpots (W) and the work of sliding and of cracks (J)."""
+    """The same, with what dashpots, sliding and cracks took since the last step (J)."""
     too_deep = False
     damping = 0.0
     sliding = 0.0
     cracks = 0.0
     for lane in range(LANES):
-        deep, power, slid, crack = contact(
-            b, np.uint64(chunk) * LINK, np.uint64(lane), discs, links, scratch, slip_time, floor, share
+        deep, damped, slid, crack = contact(
+            b, np.uint64(chunk) * LINK, np.uint64(lane), discs, links, scratch, slip_time, floor, share, True
         )
         too_deep |= deep
-        damping = add(damping, power)
+        damping = add(damping, damped)
         sliding = add(sliding, slid)
         cracks = add(cracks, crack)
     return too_deep, damping, sliding, cracks
@@ -238,7 +253,7 @@ def contacts_with_losses(chunk, b, discs, links, scratch, slip_time, floor, shar
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def line_geometry(e, layout, lines, slip_time):
-    """Overlap, direction, speeds and slip of a disc at a rigid line; the lever is the disc's radius."""
+    """Overlap, direction, speeds, slip and stretch of a disc at a rigid line; the lever is the disc's radius."""
     disc = np.uint64(layout.line_disc[e])
     discs = layout.discs
     line = lines[layout.line_id[e]]
@@ -251,29 +266,36 @@ def line_geometry(e, layout, lines, slip_time):
     vn = discs[disc + VXS] * nx + discs[disc + VZS] * nz
     vt = discs[disc + VZS] * nx - discs[disc + VXS] * nz - discs[disc + VRS]
     slip = slip_time * (discs[disc + VZ] * nx - discs[disc + VX] * nz - discs[disc + VR])
-    return over, nx, nz, vn, vt, slip
+    stretch = slip_time * (discs[disc + VX] * nx + discs[disc + VZ] * nz)
+    return over, nx, nz, vn, vt, slip, stretch
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def line_contact(e, at, layout, lines, line_table, slip_time, floor):
     """Forces of a rigid line on one disc, written to lane `at`.
 
-    Returns whether it is too deep, the power of the dashpots (W) and the work of sliding since the last step (J).
+    Returns whether it is too deep, and what dashpots and sliding took since the last step (J).
     """
     links = layout.links
     k = layout.line_kind[e]
-    over, nx, nz, vn, vt, slip = line_geometry(e, layout, lines, slip_time)
+    over, nx, nz, vn, vt, slip, stretch = line_geometry(e, layout, lines, slip_time)
     shear = links[at + SHEAR]
     normal, tangential, trial, kept = element(
         over, vn, vt, slip, shear, floor,
         line_table[KN, k], line_table[KS, k], line_table[CN, k], line_table[CT, k], line_table[MU, k],
     )  # fmt: skip
-    power, slid = losses(line_table[KN, k], over, vn, vt, normal, tangential, shear, trial, kept, line_table[FKS, k])
+    dash_n = normal - (line_table[KN, k] * over if over > 0.0 else 0.0)
+    dash_t = tangential - kept
+    damped, slid = losses(
+        stretch, slip, dash_n, dash_t, links[at + DASH_N], links[at + DASH_T], shear, trial, kept, line_table[FKS, k]
+    )
+    links[at + DASH_N] = dash_n
+    links[at + DASH_T] = dash_t
     links[at + SHEAR] = kept
     links[at + FX] = normal * nx + tangential * nz
     links[at + FZ] = normal * nz - tangential * nx
     links[at + FR] = tangential
-    return over > 2.0 * line_table[ALLOWED, k] * layout.line_radius[e], power, slid
+    return over > 2.0 * line_table[ALLOWED, k] * layout.line_radius[e], damped, slid
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -350,7 +372,10 @@ def move(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
-    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J)."""
+    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J).
+
+    ax, az: mean of the external acceleration over the step.
+    """
     b = np.uint64(p) * DISC
     by_weight = 0.0
     by_external = 0.0
@@ -370,7 +395,7 @@ def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def contacts_of_slice(
-    p, layout, table, lines, line_table, scratch, loaded, slip_time, kick, floor, share, ledger, books
+    p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
 ):
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
@@ -388,7 +413,7 @@ def contacts_of_slice(
             deep, damping, slid, cracked = contacts_with_losses(
                 chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share
             )
-            books[p, DASHPOT] += damping * kick
+            books[p, DASHPOT] += damping
             books[p, SLIDING] += slid
             books[p, CRACKS] += cracked
         else:
@@ -398,18 +423,18 @@ def contacts_of_slice(
         deep, damping, slid = line_contact(e, line_lane(e, layout), layout, lines, line_table, slip_time, floor)
         too_deep |= deep
         if ledger:
-            books[p, DASHPOT] += damping * kick
+            books[p, DASHPOT] += damping
             books[p, SLIDING] += slid
     return too_deep, loaded
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def move_slice(p, layout, scratch, kick, dt, weight_x, weight_z, ax, az, reach, ledger, books):
+def move_slice(p, layout, scratch, kick, dt, weight_x, weight_z, ax, az, mean_x, mean_z, reach, ledger, books):
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
     moved = move(p, layout.discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach)
     if ledger:
-        by_weight, by_external, by_boundary = work(p, layout.discs, scratch, kick, dt, weight_x, weight_z, ax, az)
+        by_weight, by_external, by_boundary = work(p, layout.discs, scratch, kick, dt, weight_x, weight_z, mean_x, mean_z)
         books[p, WORK_WEIGHT] += by_weight
         books[p, WORK_EXTERNAL] += by_external
         books[p, WORK_BOUNDARY] += by_boundary
@@ -456,18 +481,20 @@ def advance(
             place += 1
         ax = interpolate(time, times, accelerations[0], place)
         az = interpolate(time, times, accelerations[1], place)
+        mean_x = 0.5 * (ax + interpolate(time + dt, times, accelerations[0], place))
+        mean_z = 0.5 * (az + interpolate(time + dt, times, accelerations[1], place))
         too_deep = False
         moved = False
         ready = begin
         for p in range(begin, end):
             deep, loaded = contacts_of_slice(
-                p, layout, table, lines, line_table, scratch, loaded, slip_time, kick, floor, share, ledger, books
+                p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
             )
             too_deep |= deep
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
                     moved |= move_slice(
-                        ready, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, reach, ledger, books
+                        ready, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger, books
                     )
                 ready += 1
         if threads > 1:
@@ -475,7 +502,7 @@ def advance(
             for p in range(begin, end):
                 if layout.first[p] < begin or layout.last[p] >= end:
                     moved |= move_slice(
-                        p, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, reach, ledger, books
+                        p, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger, books
                     )
         stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
