@@ -116,29 +116,44 @@ def place_links(owner, partner, turn, chunk_start, radii, kinds, memory, nobody,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_incoming(owner, partner, turn, chunk_start, line_disc, slices, silent, chunks):
+def place_incoming(where, chunk_start, line_disc, discs):
     """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
 
-    Also the first and last slice owning a contact of each slice.
+    They come in the order of the lanes, so that a sum over them depends on the layout alone and not on the order in
+    which contacts were listed. Also the first and last slice owning a contact of each slice. discs: how many there are.
     """
+    slices = len(chunk_start) - 1
+    chunks = chunk_start[-1]
     first = np.arange(slices)
     last = np.arange(slices)
-    members = np.empty(len(owner) + len(line_disc), np.int32)
-    for c in range(len(owner)):
-        a, b = owner[c] // LANES, partner[c] // LANES
-        first[b] = min(first[b], a)
-        last[b] = max(last[b], a)
-        members[c] = partner[c]
-    members[len(owner) :] = line_disc
-    slot, start = count_slots(members, slices)
+    seen = np.zeros(slices * LANES, np.int32)
+    for p in range(slices):
+        for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
+            j = disc_at(where[place])
+            if j < discs and p * LANES + place % LANES < discs:
+                seen[j] += 1
+                first[j // LANES] = min(first[j // LANES], p)
+                last[j // LANES] = max(last[j // LANES], p)
+    for e in range(len(line_disc)):
+        seen[line_disc[e]] += 1
+    start = np.zeros(slices + 1, np.int64)
+    for p in range(slices):
+        start[p + 1] = start[p] + seen[p * LANES : (p + 1) * LANES].max()
+    silent = chunks * LINK_FIELDS * LANES + 4 * LANES
     incoming = np.full(start[-1] * LANES, silent, np.uint32)
-    for c in range(len(members)):
-        if c < len(owner):
-            chunk, lane = chunk_start[owner[c] // LANES] + turn[c], owner[c] % LANES
-        else:
-            chunk, lane = chunks + 1 + (c - len(owner)) // LANES, (c - len(owner)) % LANES
-        place = (start[members[c] // LANES] + slot[c]) * LANES + members[c] % LANES
-        incoming[place] = chunk * LINK_FIELDS * LANES + 4 * LANES + lane
+    seen[:] = 0
+    for p in range(slices):
+        for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
+            j = disc_at(where[place])
+            if j < discs and p * LANES + place % LANES < discs:
+                at = (place // LANES * LINK_FIELDS + 4) * LANES + place % LANES
+                incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
+                seen[j] += 1
+    for e in range(len(line_disc)):
+        j = line_disc[e]
+        at = ((chunks + 1 + e // LANES) * LINK_FIELDS + 4) * LANES + e % LANES
+        incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
+        seen[j] += 1
     return incoming, start, first, last
 
 

@@ -51,10 +51,7 @@ def pack(model: DiscModel) -> Layout:
     ) % LANES
     for field, name in _LINE_MEMORY.items():
         flat[lanes + field * LANES] = getattr(model, name)
-    silent = chunks * LINK_FIELDS * LANES + 4 * LANES
-    incoming, incoming_start, first, last = place_incoming(
-        owner, partner, turn, chunk_start, line_disc, slices, silent, chunks
-    )
+    incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
         discs=_discs(model, slices), links=flat, partner=partners.reshape(-1), kinds=kinds, chunk_kind=chunk_kind,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,

@@ -27,6 +27,7 @@ from dem.contact import (
     MU,
     TAN,
 )
+from meshes.section import Stratum
 
 TABLE2_RADIUS = 0.75  # m
 PORE_SHARE = 0.1  # t_n = t_s of eq. (13), Iwashita (1988)
@@ -133,6 +134,17 @@ def from_soil(
         kpn=pore_share * kn, kps=pore_share * ks, density=disc_density, effective_density=disc_effective,
         friction=float(np.tan(friction_angle)), cohesion=radius * cohesion, alpha=alpha, beta=beta,
     )  # fmt: skip
+
+
+def from_strata(strata: Sequence[Stratum], radius: float, **settings: float) -> list[LayerSprings]:
+    """The constants of all strata of a Section, for discs of this (mean) radius; settings as in `from_soil`."""
+    return [
+        from_soil(
+            s.name, s.youngs_modulus, s.poissons_ratio, s.density_seismic, s.density_ordinary, s.cohesion,
+            s.friction_angle, radius, **settings,
+        )
+        for s in strata
+    ]  # fmt: skip
 
 
 def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:
