@@ -62,7 +62,7 @@ def give_way(typing_context: Any) -> Any:
 
 
 @njit(cache=True, nogil=True)
-def wait(barrier, threads):
+def wait(barrier: np.ndarray, threads: int) -> None:
     """Returns when all `threads` have called it."""
     turn = load(barrier, ROUND)
     if fetch_add(barrier, ARRIVED, 1) == threads - 1:

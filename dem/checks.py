@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from dem.errors import EscapeError, SpeedError, EnergyBalanceError, NotFiniteError, OverlapError
 from dem.contact import ALLOWED
+from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError
 from dem.ledger import Ledger
 from dem.model import DiscModel
 
@@ -12,7 +12,10 @@ FASTEST = 0.25  # of a radius, in one step
 
 
 def _place(model: DiscModel, disc: int) -> str:
-    return f"disc {disc} at x = {model.x[disc]:.4g} m, z = {model.z[disc]:.4g} m, t = {model.time:.6g} s (step {model.steps})"
+    return (
+        f"disc {disc} at x = {model.x[disc]:.4g} m, z = {model.z[disc]:.4g} m, "
+        f"t = {model.time:.6g} s (step {model.steps})"
+    )
 
 
 def check_finite(model: DiscModel, kept: str) -> None:
@@ -34,8 +37,8 @@ def check_speed(model: DiscModel, dt: float, kept: str) -> None:
     least = float(model.radius.min())
     if speed[disc] * dt > FASTEST * least:
         raise SpeedError(
-            f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest radius "
-            f"in one step: it could pass another without touching it. Take dt <= "
+            f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
+            f"radius in one step: it could pass another without touching it. Take dt <= "
             f"{FASTEST * least / speed[disc]:.3g} s, or find out what made it so fast. {kept}"
         )
 
@@ -58,8 +61,9 @@ def check_overlap(model: DiscModel, kept: str) -> None:
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
         raise OverlapError(
-            f"{_place(model, int(model.line_disc[c]))} is in rigid line {model.line_id[c]} by {share[c]:.3g} of its radius, "
-            f"allowed are {allowed[c]:.3g}. Find out what drove it there, or allow more with `allowed_overlap`. {kept}"
+            f"{_place(model, int(model.line_disc[c]))} is in rigid line {model.line_id[c]} by {share[c]:.3g} of "
+            f"its radius, allowed are {allowed[c]:.3g}. Find out what drove it "
+            f"there, or allow more with `allowed_overlap`. {kept}"
         )
 
 
@@ -87,8 +91,8 @@ def check_escape(model: DiscModel, kept: str) -> None:
         if gone.any():
             disc = int(free[np.argmax(gone)])
             raise EscapeError(
-                f"{_place(model, disc)} is behind rigid line {k}. The boundary did not hold it: take a smaller step, or "
-                f"stiffer springs for the layer beside it. {kept}"
+                f"{_place(model, disc)} is behind rigid line {k}. The boundary did not hold it: take a smaller step, "
+                f"or stiffer springs for the layer beside it. {kept}"
             )
 
 
@@ -98,6 +102,7 @@ def check_balance(model: DiscModel, ledger: Ledger, tolerance: float, kept: str)
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
         disc = int(np.argmax(speed))
         raise EnergyBalanceError(
-            f"{ledger.gap:.4g} J/m of {ledger.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); most "
-            f"energy of motion has {_place(model, disc)}. Take a smaller step, or allow more with `balance`. {kept}"
+            f"{ledger.gap:.4g} J/m of {ledger.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); "
+            f"most energy of motion has {_place(model, disc)}. Take a smaller step, or allow more "
+            f"with `balance`. {kept}"
         )

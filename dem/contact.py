@@ -6,7 +6,6 @@ tangential force opposes slip. Exchanging i and j changes neither overlap, vn, v
 contact does not know which disc was named first. Units are SI, forces per metre out of plane.
 """
 
-import numpy as np
 from numba import njit
 
 # Rows of the table of pair constants (see springs.PairTable), one column per kind of pair.
@@ -15,14 +14,26 @@ CONSTANTS = 13
 
 
 @njit(forceinline=True, error_model="numpy")
-def clamp(value, limit):
+def clamp(value: float, limit: float) -> float:
     """`value` brought into [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
 
 @njit(forceinline=True, error_model="numpy")
-def element(over, vn, vt, slip, shear, floor, kn, ks, cn, ct, mu):
+def element(
+    over: float,
+    vn: float,
+    vt: float,
+    slip: float,
+    shear: float,
+    floor: float,
+    kn: float,
+    ks: float,
+    cn: float,
+    ct: float,
+    mu: float,
+) -> tuple[float, float, float, float]:
     """Element spring and dashpot, eqs. (1)-(4) with the Coulomb limit of Table 2's friction.
 
     over: overlap (m); vn, vt: speeds (m/s); slip: slip since the last step (m); shear: spring force kept (N).
@@ -42,7 +53,18 @@ def element(over, vn, vt, slip, shear, floor, kn, ks, cn, ct, mu):
 
 
 @njit(forceinline=True, error_model="numpy")
-def pore(length, distance, slip, shear, contact_normal, kpn, kps, tan, bc, beta):
+def pore(
+    length: float,
+    distance: float,
+    slip: float,
+    shear: float,
+    contact_normal: float,
+    kpn: float,
+    kps: float,
+    tan: float,
+    bc: float,
+    beta: float,
+) -> tuple[float, float, float, float]:
     """Pore spring, eqs. (11)-(17): state 1 pulls, pushes and shears; state 2 works only while compressed.
 
     length: distance L at which the spring was set (m), negative once cracked, 0 where there is none.

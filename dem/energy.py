@@ -25,6 +25,7 @@ from dem.layout import (
     VX,
     VZ,
     WEIGHT,
+    Layout,
     disc_at,
 )
 from dem.stepping import (
@@ -57,33 +58,41 @@ ENERGIES = 8
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def contact_energy(b, d, l, layout, scratch, slip_time, floor, share, out):  # noqa: E741
-    """Adds what the contact in lane l stores, and lost since the last step; returns its force on the partner."""
+def contact_energy(
+    b: int,
+    d: int,
+    q: int,
+    layout: Layout,
+    scratch: np.ndarray,
+    slip_time: float,
+    floor: float,
+    share: float,
+    out: np.ndarray,
+) -> tuple[float, float, float]:
+    """Adds what the contact in lane q stores, and lost since the last step; returns its force on the partner."""
     links = layout.links
-    radii = links[d + RADII + l]
-    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, l, layout.discs, scratch, radii, slip_time)
+    radii = links[d + RADII + q]
+    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, q, layout.discs, scratch, radii, slip_time)
     over = radii - distance
-    kn, kpn = scratch[R_KN + l], scratch[R_KPN + l]
-    shear, length, old = links[d + SHEAR + l], links[d + LENGTH + l], links[d + PORE + l]
+    kn, kpn = scratch[R_KN + q], scratch[R_KPN + q]
+    shear, length, old = links[d + SHEAR + q], links[d + LENGTH + q], links[d + PORE + q]
     normal, tangential, trial, kept = element(
-        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l], scratch[R_MU + l]
+        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + q], scratch[R_CN + q], scratch[R_CT + q], scratch[R_MU + q]
     )
     push, pore_trial, pore_kept, new = pore(
-        length, distance, slip, old, share * normal, kpn, scratch[R_KPS + l], scratch[R_TAN + l],
-        scratch[R_BC + l], scratch[R_BETA + l],
+        length, distance, slip, old, share * normal, kpn, scratch[R_KPS + q], scratch[R_TAN + q],
+        scratch[R_BC + q], scratch[R_BETA + q],
     )  # fmt: skip
     spring = kn * over if over > 0.0 else 0.0
     damped, slid = losses(
-        stretch, slip, normal - spring, tangential - kept, links[d + DASH_N + l], links[d + DASH_T + l], shear, trial,
-        kept, scratch[R_FKS + l],
+        stretch, slip, normal - spring, tangential - kept, links[d + DASH_N + q], links[d + DASH_T + q], shear, trial,
+        kept, scratch[R_FKS + q],
     )  # fmt: skip
-    pore_slid, crack = pore_losses(
-        kpn, length, new, distance, stretch, old, pore_trial, pore_kept, scratch[R_FKPS + l]
-    )
-    out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * scratch[R_FKS + l]
+    pore_slid, crack = pore_losses(kpn, length, new, distance, stretch, old, pore_trial, pore_kept, scratch[R_FKPS + q])
+    out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * scratch[R_FKS + q]
     if kpn > 0.0:
         out[PORES] += 0.5 * push * push / kpn
-    out[PORES] += 0.5 * pore_kept * pore_kept * scratch[R_FKPS + l]
+    out[PORES] += 0.5 * pore_kept * pore_kept * scratch[R_FKPS + q]
     out[LATE_DASHPOT] += damped
     out[LATE_SLIDING] += slid + pore_slid
     out[LATE_CRACKS] += crack
@@ -92,7 +101,9 @@ def contact_energy(b, d, l, layout, scratch, slip_time, floor, share, out):  # n
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def line_energy(e, layout, lines, line_table, slip_time, floor, out):
+def line_energy(
+    e: int, layout: Layout, lines: np.ndarray, line_table: np.ndarray, slip_time: float, floor: float, out: np.ndarray
+) -> tuple[float, float, float]:
     """The same for a disc at a rigid line; returns the force on the disc."""
     k = layout.line_kind[e]
     over, nx, nz, vn, vt, slip, stretch = line_geometry(e, layout, lines, slip_time)
@@ -114,16 +125,25 @@ def line_energy(e, layout, lines, line_table, slip_time, floor, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def kinetic(layout, force, weight_x, weight_z, ax, az, dt, out):
+def kinetic(
+    layout: Layout,
+    force: np.ndarray,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+    dt: float,
+    out: np.ndarray,
+) -> None:
     """Adds the kinetic energy of all discs that can move, and the work on those that are moved."""
     discs = layout.discs
     for p in range(len(layout.chunk_start) - 1):
         b = np.uint64(p) * DISC
         for lane in range(LANES):
-            l = np.uint64(lane)  # noqa: E741
+            q = np.uint64(lane)
             fx, fz, fr = force[p * LANES + lane]
-            vx, vz, vr = discs[b + VX + l], discs[b + VZ + l], discs[b + VR + l]
-            invmass, rim, weight = discs[b + INVMASS + l], discs[b + RIM + l], discs[b + WEIGHT + l]
+            vx, vz, vr = discs[b + VX + q], discs[b + VZ + q], discs[b + VR + q]
+            invmass, rim, weight = discs[b + INVMASS + q], discs[b + RIM + q], discs[b + WEIGHT + q]
             if invmass > 0.0:
                 next_x = vx + dt * (fx * invmass + weight * weight_x + ax)
                 next_z = vz + dt * (fz * invmass + weight * weight_z + az)
@@ -135,7 +155,18 @@ def kinetic(layout, force, weight_x, weight_z, ax, az, dt, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def energies(layout, table, lines, line_table, gravity, ax, az, last_dt, floor, share):
+def energies(
+    layout: Layout,
+    table: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+    gravity: np.ndarray,
+    ax: float,
+    az: float,
+    last_dt: float,
+    floor: float,
+    share: float,
+) -> np.ndarray:
     """The energies of all discs and contacts (ENERGIES,); ax, az: external acceleration at this instant."""
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1

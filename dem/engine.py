@@ -1,4 +1,4 @@
-"""The engine: takes a DiscModel through time, makes neighbour lists when they are due, keeps the ledger, stops in words.
+"""The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the ledger, stops in words.
 
 Between two calls of `run` the model is the truth and may be changed in any way; the engine holds nothing but settings.
 """

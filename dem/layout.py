@@ -58,20 +58,20 @@ class Layout(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def offset(disc):
+def offset(disc: int) -> int:
     """Place of the x of sorted disc number `disc` in the array of discs."""
     return (disc // LANES) * (DISC_FIELDS * LANES) + disc % LANES
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def disc_at(place):
+def disc_at(place: int) -> int:
     """Number of the sorted disc whose x lies at `place`."""
-    at = np.int64(place)
+    at = int(place)
     return (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def count_slots(member, slices):
+def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
     """Largest number of times a disc of each slice occurs in `member`; and each entry's turn at its disc."""
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)
@@ -88,7 +88,19 @@ def count_slots(member, slices):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_links(owner, partner, turn, chunk_start, radii, kinds, memory, nobody, links, where, kind):
+def place_links(
+    owner: np.ndarray,
+    partner: np.ndarray,
+    turn: np.ndarray,
+    chunk_start: np.ndarray,
+    radii: np.ndarray,
+    kinds: np.ndarray,
+    memory: tuple[np.ndarray, ...],
+    nobody: int,
+    links: np.ndarray,
+    where: np.ndarray,
+    kind: np.ndarray,
+) -> np.ndarray:
     """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
     chunk_kind = np.full(chunk_start[-1], -2, np.int32)
     for c in range(len(owner)):
@@ -116,7 +128,9 @@ def place_links(owner, partner, turn, chunk_start, radii, kinds, memory, nobody,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def place_incoming(where, chunk_start, line_disc, discs):
+def place_incoming(
+    where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
 
     They come in the order of the lanes, so that a sum over them depends on the layout alone and not on the order in
@@ -158,7 +172,7 @@ def place_incoming(where, chunk_start, line_disc, discs):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def list_links(layout, order, count):
+def list_links(layout: Layout, order: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
 
     Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, normal

@@ -79,6 +79,6 @@ class Ledger:
 
     @property
     def gap(self) -> float:
-        """What is there and what is gone, less all work done: zero for exact arithmetic and an infinitely small step."""
+        """What is there and what is gone, less all work done: zero for a step that is infinitely small."""
         work = self.weight + self.external + self.boundary + self.edits
         return self.kinetic + self.stored + self.dissipated - work

@@ -84,7 +84,8 @@ class DiscModel:
     pore_length: distance at which the pore spring was set (m), negative once cracked, 0 without one;
     dash_normal, dash_shear: what the dashpots exert (N), for the ledger.
     lines (k, 6): point, inward normal, reach along (-nz, nx) of rigid lines; line_disc, line_id, line_*: discs near
-    them, with the same memory. books (slices, 6): the ledger. last_dt (s): step the half-step velocities belong to, 0 if set by hand.
+    them, with the same memory. books (slices, 6): the ledger. last_dt (s): step that the half-step velocities belong
+    to, 0 if set by hand.
     """
 
     x: np.ndarray
@@ -176,9 +177,11 @@ class DiscModel:
             vz_half=np.zeros(n), vr_half=np.zeros(n), radius=radii, mass=np.pi * radii**2 * density,
             weight=effective / density, ease=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), pair_i=np.zeros(0, np.int32), pair_j=np.zeros(0, np.int32),
-            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), dash_normal=np.zeros(0), dash_shear=np.zeros(0),
+            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), dash_normal=np.zeros(0),
+            dash_shear=np.zeros(0),
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
-            line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0), line_dash_normal=np.zeros(0), line_dash_shear=np.zeros(0),
+            line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0),
+            line_dash_normal=np.zeros(0), line_dash_shear=np.zeros(0),
             books=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean), mean=mean,
             gravity=(float(gravity[0]), float(gravity[1])), acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
@@ -328,11 +331,11 @@ class DiscModel:
                      for name, value in file.attrs.items()}  # fmt: skip
             series = {name: file[f"acceleration/{name}"][()] for name in ("times", "x", "z")}
         layers = [LayerSprings(**layer) for layer in json.loads(plain.pop("layers"))]
-        gravity = tuple(float(g) for g in plain.pop("gravity"))
+        gx, gz = plain.pop("gravity")
         return cls(
             **values,
             **plain,
-            gravity=gravity,
+            gravity=(float(gx), float(gz)),
             springs=pair_table(layers, plain["mean"]),
             acceleration=Acceleration(**series),
         )

@@ -11,7 +11,7 @@ from numba import njit
 PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
 
 
-def spatial_order(x, z, spacing):
+def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
     """Numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
     panel = np.floor((x - x.min()) / (PANEL * spacing))
     row = np.floor((z - z.min()) / (spacing * np.sqrt(0.75)) + 0.5)
@@ -19,7 +19,9 @@ def spatial_order(x, z, spacing):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cell_grid(x, z, size):
+def cell_grid(
+    x: np.ndarray, z: np.ndarray, size: float
+) -> tuple[np.ndarray, np.ndarray, int, int, np.ndarray, np.ndarray]:
     """Discs sorted into square cells no smaller than `size` (m), and at most four cells a disc.
 
     Returns (column of each disc, row of each disc, columns, rows, first item of each cell, items).
@@ -49,7 +51,7 @@ def cell_grid(x, z, size):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sort_by_lower(i, j, n):
+def sort_by_lower(i: np.ndarray, j: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Order of pairs by their lower number, and where each number's pairs begin."""
     start = np.zeros(n + 1, np.int32)
     for c in range(len(i)):
@@ -66,7 +68,7 @@ def sort_by_lower(i, j, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def longer(array, size):
+def longer(array: np.ndarray, size: int) -> np.ndarray:
     """A copy with room for `size` entries."""
     grown = np.empty(size, array.dtype)
     grown[: len(array)] = array
@@ -74,7 +76,7 @@ def longer(array, size):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sort_run(begin, end, key, other):
+def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
     """Sorts a short stretch of `key`, and `other` with it: slots then point in one direction along a row of discs."""
     for a in range(begin + 1, end):
         k, o = key[a], other[a]
@@ -86,7 +88,17 @@ def sort_run(begin, end, key, other):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
+def find_pairs(
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    fixed: np.ndarray,
+    factor: float,
+    skin: float,
+    old_i: np.ndarray,
+    old_j: np.ndarray,
+    old_length: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
 
     Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by i; old is
@@ -137,7 +149,7 @@ def find_pairs(x, z, radius, fixed, factor, skin, old_i, old_j, old_length):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def share_out(i, j, n):
+def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
     """Gives every pair to one of its discs, so that few own more than three; swaps it there. Owners come first.
 
     Three is the mean of a triangular lattice; lanes of a slice without a contact are computed in vain. Owners stay near
@@ -153,7 +165,9 @@ def share_out(i, j, n):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_lines(x, z, radius, fixed, skin, lines, depth):
+def find_lines(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
+) -> tuple[np.ndarray, np.ndarray]:
     """(disc, line) of all discs that a rigid line can touch: less than r + skin before it, or behind it."""
     n = 0
     disc = np.empty(64, np.int32)

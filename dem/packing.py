@@ -56,10 +56,7 @@ def lattice_box(columns: int, rows: int, radius: float, above: int = ABOVE) -> P
         count = columns - (row + 1) % 2
         inside = (np.arange(count) + shift) * step
         sides = np.array([-1.0 + shift, count + shift]) * step
-        if row == -1:
-            line = inside
-        else:
-            line = np.concatenate([inside, sides]) if row < rows else sides
+        line = np.concatenate([inside if row < rows else [], sides if row >= 0 else []])
         xs.append(line)
         zs.append(np.full(len(line), row * ROW * step))
         moving = count if 0 <= row < rows else 0
@@ -138,14 +135,14 @@ def random_packing(
             break
     if deepest > overlap * radius:
         raise ValueError(
-            f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean radius "
-            f"after {sweeps} sweeps, {overlap:g} is allowed: ask for more voids, a wider spread, or more sweeps"
+            f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
+            f"radius after {sweeps} sweeps, {overlap:g} is allowed: ask for more voids, a wider spread, or more sweeps"
         )
     return _surrounded(x, z, sizes, outline, stratum_at, above)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def nearest_edge(px, pz, outline):
+def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
     """Distance of a point to the outline, positive inside, and the unit vector that leads inwards from there."""
     n = len(outline)
     best = np.inf
@@ -170,7 +167,9 @@ def nearest_edge(px, pz, outline):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def spread_out(x, z, radius, i, j, outline, sweeps):
+def spread_out(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
+) -> float:
     """Pushes overlapping discs apart, and those too near the outline inwards; returns the deepest overlap seen last."""
     deepest = 0.0
     for _ in range(sweeps):
@@ -200,7 +199,7 @@ def spread_out(x, z, radius, i, j, outline, sweeps):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def clearance(x, z, outline):
+def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Distance of each point to the outline (m), negative outside."""
     out = np.empty(len(x))
     for a in range(len(x)):

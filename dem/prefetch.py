@@ -37,7 +37,7 @@ if config.DISABLE_JIT:
 else:
 
     @njit(cache=True, nogil=True, forceinline=True)
-    def prefetch(array, begin, size):
+    def prefetch(array: np.ndarray, begin: int, size: int) -> None:
         """Fetches array[begin : begin + size] ahead; reaching past the end does no harm."""
         for k in range(0, size, LINE):
             _prefetch(array, begin + np.uint64(k))

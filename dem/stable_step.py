@@ -18,7 +18,7 @@ from dem.contact import CN, CT, KN, KPN, KPS, KS
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def add_block(block, nx, nz, lever, normal, tangential):
+def add_block(block: np.ndarray, nx: float, nz: float, lever: float, normal: float, tangential: float) -> None:
     """Adds a spring along (nx, nz) and one across it, at a lever, to the six entries of a disc's block."""
     block[0] += normal * nx * nx + tangential * nz * nz
     block[1] += normal * nz * nz + tangential * nx * nx
@@ -29,7 +29,7 @@ def add_block(block, nx, nz, lever, normal, tangential):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def bound(block, invmass, rim):
+def bound(block: np.ndarray, invmass: float, rim: float) -> float:
     """Gershgorin's bound of the block's largest eigenvalue over mass; rim: r^2/I with levers in radii."""
     cross = np.sqrt(invmass * rim)
     first = (block[0] + abs(block[2])) * invmass + abs(block[3]) * cross
@@ -40,8 +40,22 @@ def bound(block, invmass, rim):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step(
-    x, z, radius, invmass, rim, i, j, kind, length, table, line_disc, line_id, line_kind, lines, line_table
-):
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    invmass: np.ndarray,
+    rim: np.ndarray,
+    i: np.ndarray,
+    j: np.ndarray,
+    kind: np.ndarray,
+    length: np.ndarray,
+    table: np.ndarray,
+    line_disc: np.ndarray,
+    line_id: np.ndarray,
+    line_kind: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+) -> tuple[float, int]:
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
     invmass: 1/m or 0 for fixed discs; rim: r^2/I; pairs i, j with column `kind` of `table` and pore length `length`.

@@ -34,11 +34,9 @@ from dem.contact import (
     element,
     pore,
 )
-from dem.prefetch import prefetch
 from dem.layout import (
     DASH_N,
     DASH_T,
-    ROLL,
     DISC,
     DISC_FIELDS,
     FR,
@@ -52,6 +50,7 @@ from dem.layout import (
     PORE,
     RADII,
     RIM,
+    ROLL,
     SHEAR,
     VR,
     VRS,
@@ -62,9 +61,11 @@ from dem.layout import (
     WEIGHT,
     X0,
     Z0,
+    Layout,
     X,
     Z,
 )
+from dem.prefetch import prefetch
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -89,13 +90,13 @@ LINE_X, LINE_Z, LINE_NX, LINE_NZ, LINE_FROM, LINE_TO = range(6)
 
 
 @njit(cache=True, forceinline=True, error_model="numpy", fastmath={"reassoc"})
-def add(total, value):
+def add(total: float, value: float) -> float:
     """A sum whose order the compiler may choose; for the ledger, never for the motion."""
     return total + value
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_constants(kind, kinds, first, table, scratch):
+def load_constants(kind: int, kinds: np.ndarray, first: int, table: np.ndarray, scratch: np.ndarray) -> None:
     """The constants of 64 contacts, in rows: all of one kind, or run by run of one kind where `kind` is -1."""
     lane = 0
     while lane < LANES:
@@ -109,13 +110,13 @@ def load_constants(kind, kinds, first, table, scratch):
         for row in range(CONSTANTS):
             value = table[row, column]
             base = CONSTANT + np.uint64(row) * ROW
-            for l in range(lane, end):  # noqa: E741
-                scratch[base + np.uint64(l)] = value
+            for q in range(lane, end):
+                scratch[base + np.uint64(q)] = value
         lane = end
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_partners(partner, first, discs, scratch):
+def load_partners(partner: np.ndarray, first: int, discs: np.ndarray, scratch: np.ndarray) -> None:
     """Position and velocities of 64 partners, in rows."""
     for lane in range(LANES):
         disc = np.uint64(partner[first + np.uint64(lane)])
@@ -124,33 +125,46 @@ def load_partners(partner, first, discs, scratch):
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def geometry(b, l, discs, scratch, radii, slip_time):  # noqa: E741
-    """Distance, direction, lever ratio, speeds, slip and stretch since the last step of the contact in lane l.
+def geometry(
+    b: int, q: int, discs: np.ndarray, scratch: np.ndarray, radii: float, slip_time: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Distance, direction, lever ratio, speeds, slip and stretch since the last step of the contact in lane q.
 
     The levers of the tangential force are the distance times r_i/(r_i + r_j): they add up to the distance, so that
     angular momentum is kept and a pair that turns as one body does not slip. One square root, one division.
     """
-    dx = scratch[X + l] - discs[b + X + l]
-    dz = scratch[Z + l] - discs[b + Z + l]
+    dx = scratch[X + q] - discs[b + X + q]
+    dz = scratch[Z + q] - discs[b + Z + q]
     square = dx * dx + dz * dz
     distance = math.sqrt(square)
     inverse = 1.0 / (distance * radii)
     lever = square * inverse
     nx = dx * (inverse * radii)
     nz = dz * (inverse * radii)
-    ux = scratch[VXS + l] - discs[b + VXS + l]
-    uz = scratch[VZS + l] - discs[b + VZS + l]
-    hx = scratch[VX + l] - discs[b + VX + l]
-    hz = scratch[VZ + l] - discs[b + VZ + l]
+    ux = scratch[VXS + q] - discs[b + VXS + q]
+    uz = scratch[VZS + q] - discs[b + VZS + q]
+    hx = scratch[VX + q] - discs[b + VX + q]
+    hz = scratch[VZ + q] - discs[b + VZ + q]
     vn = ux * nx + uz * nz
-    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + l] + discs[b + VRS + l])
-    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + l] + discs[b + VR + l]))
+    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + discs[b + VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + discs[b + VR + q]))
     stretch = slip_time * (hx * nx + hz * nz)
     return distance, nx, nz, lever, vn, vt, slip, stretch
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def losses(stretch, slip, dash_n, dash_t, old_dash_n, old_dash_t, old, trial, kept, flexibility):
+def losses(
+    stretch: float,
+    slip: float,
+    dash_n: float,
+    dash_t: float,
+    old_dash_n: float,
+    old_dash_t: float,
+    old: float,
+    trial: float,
+    kept: float,
+    flexibility: float,
+) -> tuple[float, float]:
     """Work that the dashpots and the sliding of an element contact took since the last step (J).
 
     dash_*: what the dashpots add to the springs' forces, before and now. The work of a step is its displacement times
@@ -162,7 +176,17 @@ def losses(stretch, slip, dash_n, dash_t, old_dash_n, old_dash_t, old, trial, ke
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def pore_losses(kpn, length, new, distance, stretch, old, trial, kept, flexibility):
+def pore_losses(
+    kpn: float,
+    length: float,
+    new: float,
+    distance: float,
+    stretch: float,
+    old: float,
+    trial: float,
+    kept: float,
+    flexibility: float,
+) -> tuple[float, float]:
     """Work of sliding of a cracked pore spring, and energy a crack sets free, since the last step (J)."""
     lost = 0.5 * (old + kept) * (trial - kept) * flexibility
     pull = distance - abs(new)
@@ -173,25 +197,36 @@ def pore_losses(kpn, length, new, distance, stretch, old, trial, kept, flexibili
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def contact(b, d, l, discs, links, scratch, slip_time, floor, share, ledger):  # noqa: E741
-    """The contact in lane l: writes forces and memory.
+def contact(
+    b: int,
+    d: int,
+    q: int,
+    discs: np.ndarray,
+    links: np.ndarray,
+    scratch: np.ndarray,
+    slip_time: float,
+    floor: float,
+    share: float,
+    ledger: bool,
+) -> tuple[bool, float, float, float]:
+    """The contact in lane q: writes forces and memory.
 
     Returns whether it is too deep, and what its dashpots, sliding and cracks took since the last step (J).
     """
-    radii = links[d + RADII + l]
-    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, l, discs, scratch, radii, slip_time)
+    radii = links[d + RADII + q]
+    distance, nx, nz, lever, vn, vt, slip, stretch = geometry(b, q, discs, scratch, radii, slip_time)
     over = radii - distance
-    shear = links[d + SHEAR + l]
-    kn = scratch[R_KN + l]
+    shear = links[d + SHEAR + q]
+    kn = scratch[R_KN + q]
     normal, tangential, trial, kept = element(
-        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + l], scratch[R_CN + l], scratch[R_CT + l],
-        scratch[R_MU + l],
+        over, vn, vt, slip, shear, floor, kn, scratch[R_KS + q], scratch[R_CN + q], scratch[R_CT + q],
+        scratch[R_MU + q],
     )  # fmt: skip
-    length = links[d + LENGTH + l]
-    old_pore = links[d + PORE + l]
+    length = links[d + LENGTH + q]
+    old_pore = links[d + PORE + q]
     pore_normal, pore_trial, pore_kept, new = pore(
         length, distance, slip, old_pore, share * normal,
-        scratch[R_KPN + l], scratch[R_KPS + l], scratch[R_TAN + l], scratch[R_BC + l], scratch[R_BETA + l],
+        scratch[R_KPN + q], scratch[R_KPS + q], scratch[R_TAN + q], scratch[R_BC + q], scratch[R_BETA + q],
     )  # fmt: skip
     damped = 0.0
     slid = 0.0
@@ -200,29 +235,38 @@ def contact(b, d, l, discs, links, scratch, slip_time, floor, share, ledger):  #
         dash_n = normal - (kn * over if over > 0.0 else 0.0)
         dash_t = tangential - kept
         damped, slid = losses(
-            stretch, slip, dash_n, dash_t, links[d + DASH_N + l], links[d + DASH_T + l], shear, trial, kept,
-            scratch[R_FKS + l],
+            stretch, slip, dash_n, dash_t, links[d + DASH_N + q], links[d + DASH_T + q], shear, trial, kept,
+            scratch[R_FKS + q],
         )  # fmt: skip
         pore_slid, crack = pore_losses(
-            scratch[R_KPN + l], length, new, distance, stretch, old_pore, pore_trial, pore_kept, scratch[R_FKPS + l]
+            scratch[R_KPN + q], length, new, distance, stretch, old_pore, pore_trial, pore_kept, scratch[R_FKPS + q]
         )
         slid += pore_slid
-        links[d + DASH_N + l] = dash_n
-        links[d + DASH_T + l] = dash_t
-    links[d + SHEAR + l] = kept
-    links[d + PORE + l] = pore_kept
+        links[d + DASH_N + q] = dash_n
+        links[d + DASH_T + q] = dash_t
+    links[d + SHEAR + q] = kept
+    links[d + PORE + q] = pore_kept
     if new != length:
-        links[d + LENGTH + l] = new
+        links[d + LENGTH + q] = new
     push = normal + pore_normal
     drag = tangential + pore_kept
-    links[d + FX + l] = push * nx + drag * nz
-    links[d + FZ + l] = push * nz - drag * nx
-    links[d + FR + l] = drag * lever
-    return over > scratch[R_ALLOWED + l] * radii, damped, slid, crack
+    links[d + FX + q] = push * nx + drag * nz
+    links[d + FZ + q] = push * nz - drag * nx
+    links[d + FR + q] = drag * lever
+    return over > scratch[R_ALLOWED + q] * radii, damped, slid, crack
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def contacts(chunk, b, discs, links, scratch, slip_time, floor, share):
+def contacts(
+    chunk: int,
+    b: int,
+    discs: np.ndarray,
+    links: np.ndarray,
+    scratch: np.ndarray,
+    slip_time: float,
+    floor: float,
+    share: float,
+) -> bool:
     """Forces and memory of one chunk of contacts; True if an overlap is larger than allowed."""
     too_deep = False
     for lane in range(LANES):
@@ -234,7 +278,16 @@ def contacts(chunk, b, discs, links, scratch, slip_time, floor, share):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def contacts_with_losses(chunk, b, discs, links, scratch, slip_time, floor, share):
+def contacts_with_losses(
+    chunk: int,
+    b: int,
+    discs: np.ndarray,
+    links: np.ndarray,
+    scratch: np.ndarray,
+    slip_time: float,
+    floor: float,
+    share: float,
+) -> tuple[bool, float, float, float]:
     """The same, with what dashpots, sliding and cracks took since the last step (J)."""
     too_deep = False
     damping = 0.0
@@ -252,7 +305,9 @@ def contacts_with_losses(chunk, b, discs, links, scratch, slip_time, floor, shar
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def line_geometry(e, layout, lines, slip_time):
+def line_geometry(
+    e: int, layout: Layout, lines: np.ndarray, slip_time: float
+) -> tuple[float, float, float, float, float, float, float]:
     """Overlap, direction, speeds, slip and stretch of a disc at a rigid line; the lever is the disc's radius."""
     disc = np.uint64(layout.line_disc[e])
     discs = layout.discs
@@ -271,7 +326,9 @@ def line_geometry(e, layout, lines, slip_time):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def line_contact(e, at, layout, lines, line_table, slip_time, floor):
+def line_contact(
+    e: int, at: np.uint64, layout: Layout, lines: np.ndarray, line_table: np.ndarray, slip_time: float, floor: float
+) -> tuple[bool, float, float]:
     """Forces of a rigid line on one disc, written to lane `at`.
 
     Returns whether it is too deep, and what dashpots and sliding took since the last step (J).
@@ -299,14 +356,14 @@ def line_contact(e, at, layout, lines, line_table, slip_time, floor):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def line_lane(e, layout):
+def line_lane(e: int, layout: Layout) -> np.uint64:
     """Where the forces of disc e at a rigid line lie in links: behind the chunks and the silent lane."""
     tail = np.uint64(layout.chunk_start[-1] + 1)
     return (tail + np.uint64(e // LANES)) * LINK + np.uint64(e % LANES)
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def sum_forces(p, layout, scratch):
+def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     links = layout.links
     own = np.uint64(layout.chunk_start[p])
@@ -314,27 +371,38 @@ def sum_forces(p, layout, scratch):
     others = np.uint64(layout.incoming_start[p])
     count = layout.incoming_start[p + 1] - layout.incoming_start[p]
     for lane in range(LANES):
-        l = np.uint64(lane)  # noqa: E741
+        q = np.uint64(lane)
         fx = 0.0
         fz = 0.0
         fr = 0.0
         for k in range(owned):
-            at = (own + np.uint64(k)) * LINK + l
+            at = (own + np.uint64(k)) * LINK + q
             fx -= links[at + FX]
             fz -= links[at + FZ]
             fr += links[at + FR]
         for k in range(count):
-            at = np.uint64(layout.incoming[(others + np.uint64(k)) * ROW + l])
+            at = np.uint64(layout.incoming[(others + np.uint64(k)) * ROW + q])
             fx += links[at]
             fz += links[at + ROW]
             fr += links[at + ROW + ROW]
-        scratch[SUM_X + l] = fx
-        scratch[SUM_Z + l] = fz
-        scratch[SUM_R + l] = fr
+        scratch[SUM_X + q] = fx
+        scratch[SUM_Z + q] = fz
+        scratch[SUM_R + q] = fr
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def move(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach):
+def move(
+    p: int,
+    discs: np.ndarray,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+    reach: float,
+) -> bool:
     """One step of the 64 discs of slice p; True if one has moved further than sqrt(reach) since the list was made.
 
     kick: time (s) between the velocities kept and the new ones; weight_*: gravity, ax, az: external acceleration.
@@ -343,35 +411,45 @@ def move(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach):
     half = 0.5 * dt
     moved = False
     for lane in range(LANES):
-        l = np.uint64(lane)  # noqa: E741
-        invmass = discs[b + INVMASS + l]
-        weight = discs[b + WEIGHT + l]
+        q = np.uint64(lane)
+        invmass = discs[b + INVMASS + q]
+        weight = discs[b + WEIGHT + q]
         free = 1.0 if invmass > 0.0 else 0.0
-        accel_x = scratch[SUM_X + l] * invmass + free * (weight * weight_x + ax)
-        accel_z = scratch[SUM_Z + l] * invmass + free * (weight * weight_z + az)
-        accel_r = scratch[SUM_R + l] * discs[b + RIM + l]
-        vx = discs[b + VX + l] + kick * accel_x
-        vz = discs[b + VZ + l] + kick * accel_z
-        vr = discs[b + VR + l] + kick * accel_r
-        x = discs[b + X + l] + dt * vx
-        z = discs[b + Z + l] + dt * vz
-        discs[b + VX + l] = vx
-        discs[b + VZ + l] = vz
-        discs[b + VR + l] = vr
-        discs[b + VXS + l] = vx + half * accel_x
-        discs[b + VZS + l] = vz + half * accel_z
-        discs[b + VRS + l] = vr + half * accel_r
-        discs[b + X + l] = x
-        discs[b + Z + l] = z
-        discs[b + ROLL + l] += dt * vr
-        dx = x - discs[b + X0 + l]
-        dz = z - discs[b + Z0 + l]
+        accel_x = scratch[SUM_X + q] * invmass + free * (weight * weight_x + ax)
+        accel_z = scratch[SUM_Z + q] * invmass + free * (weight * weight_z + az)
+        accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
+        vx = discs[b + VX + q] + kick * accel_x
+        vz = discs[b + VZ + q] + kick * accel_z
+        vr = discs[b + VR + q] + kick * accel_r
+        x = discs[b + X + q] + dt * vx
+        z = discs[b + Z + q] + dt * vz
+        discs[b + VX + q] = vx
+        discs[b + VZ + q] = vz
+        discs[b + VR + q] = vr
+        discs[b + VXS + q] = vx + half * accel_x
+        discs[b + VZS + q] = vz + half * accel_z
+        discs[b + VRS + q] = vr + half * accel_r
+        discs[b + X + q] = x
+        discs[b + Z + q] = z
+        discs[b + ROLL + q] += dt * vr
+        dx = x - discs[b + X0 + q]
+        dz = z - discs[b + Z0 + q]
         moved |= not (dx * dx + dz * dz <= reach)
     return moved
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
+def work(
+    p: int,
+    discs: np.ndarray,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+) -> tuple[float, float, float]:
     """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J).
 
     ax, az: mean of the external acceleration over the step.
@@ -381,22 +459,33 @@ def work(p, discs, scratch, kick, dt, weight_x, weight_z, ax, az):
     by_external = 0.0
     by_boundary = 0.0
     for lane in range(LANES):
-        l = np.uint64(lane)  # noqa: E741
-        invmass = discs[b + INVMASS + l]
+        q = np.uint64(lane)
+        invmass = discs[b + INVMASS + q]
         mass = 1.0 / invmass if invmass > 0.0 else 0.0
-        vx = discs[b + VX + l]
-        vz = discs[b + VZ + l]
-        by_weight = add(by_weight, mass * discs[b + WEIGHT + l] * (weight_x * vx + weight_z * vz))
+        vx = discs[b + VX + q]
+        vz = discs[b + VZ + q]
+        by_weight = add(by_weight, mass * discs[b + WEIGHT + q] * (weight_x * vx + weight_z * vz))
         by_external = add(by_external, mass * (ax * vx + az * vz))
-        driven = scratch[SUM_X + l] * vx + scratch[SUM_Z + l] * vz + scratch[SUM_R + l] * discs[b + VR + l]
+        driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * discs[b + VR + q]
         by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     return by_weight * dt, by_external * dt, by_boundary * kick
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def contacts_of_slice(
-    p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
-):
+    p: int,
+    layout: Layout,
+    table: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+    scratch: np.ndarray,
+    loaded: int,
+    slip_time: float,
+    floor: float,
+    share: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> tuple[bool, int]:
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
     b = np.uint64(p) * DISC
@@ -429,12 +518,29 @@ def contacts_of_slice(
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def move_slice(p, layout, scratch, kick, dt, weight_x, weight_z, ax, az, mean_x, mean_z, reach, ledger, books):
+def move_slice(
+    p: int,
+    layout: Layout,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+    mean_x: float,
+    mean_z: float,
+    reach: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
     moved = move(p, layout.discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach)
     if ledger:
-        by_weight, by_external, by_boundary = work(p, layout.discs, scratch, kick, dt, weight_x, weight_z, mean_x, mean_z)
+        by_weight, by_external, by_boundary = work(
+            p, layout.discs, scratch, kick, dt, weight_x, weight_z, mean_x, mean_z
+        )
         books[p, WORK_WEIGHT] += by_weight
         books[p, WORK_EXTERNAL] += by_external
         books[p, WORK_BOUNDARY] += by_boundary
@@ -442,7 +548,7 @@ def move_slice(p, layout, scratch, kick, dt, weight_x, weight_z, ax, az, mean_x,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def interpolate(time, times, values, place):
+def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
     """Linear interpolation of a series, constant outside it; `place`: an interval at or before that of `time`."""
     if time <= times[0]:
         return values[0]
@@ -456,9 +562,27 @@ def interpolate(time, times, values, place):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
-    thread, threads, barrier, stops, steps, dt, last_dt, time, layout, table, lines, line_table,
-    gravity, times, accelerations, reach, floor, share, ledger, books,
-):  # fmt: skip
+    thread: int,
+    threads: int,
+    barrier: np.ndarray,
+    stops: np.ndarray,
+    steps: int,
+    dt: float,
+    last_dt: float,
+    time: float,
+    layout: Layout,
+    table: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+    gravity: np.ndarray,
+    times: np.ndarray,
+    accelerations: np.ndarray,
+    reach: float,
+    floor: float,
+    share: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> tuple[int, float, int]:
     """Takes up to `steps` steps of `dt`; each of `threads` threads calls it with its own number.
 
     stops (2, threads): what each thread found in a step. last_dt: the step before (0 after velocities were set).
@@ -494,7 +618,20 @@ def advance(
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
                     moved |= move_slice(
-                        ready, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger, books
+                        ready,
+                        layout,
+                        scratch,
+                        kick,
+                        dt,
+                        gravity[0],
+                        gravity[1],
+                        ax,
+                        az,
+                        mean_x,
+                        mean_z,
+                        reach,
+                        ledger,
+                        books,
                     )
                 ready += 1
         if threads > 1:
@@ -502,7 +639,20 @@ def advance(
             for p in range(begin, end):
                 if layout.first[p] < begin or layout.last[p] >= end:
                     moved |= move_slice(
-                        p, layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger, books
+                        p,
+                        layout,
+                        scratch,
+                        kick,
+                        dt,
+                        gravity[0],
+                        gravity[1],
+                        ax,
+                        az,
+                        mean_x,
+                        mean_z,
+                        reach,
+                        ledger,
+                        books,
                     )
         stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:

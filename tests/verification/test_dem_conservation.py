@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.dem_cases import BARE, KN, SOIL, box, order, random_discs
 
 from dem.engine import Engine, largest_step
 from dem.model import Acceleration, DiscModel
+from tests.dem_cases import BARE, KN, SOIL, box, order, random_discs
 
 ELASTIC = replace(BARE, ks=0.4 * KN, kpn=0.1 * KN, kps=0.04 * KN, friction=1e12, cohesion=1e12, beta=5.0)
 

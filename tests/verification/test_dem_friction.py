@@ -1,13 +1,14 @@
-"""Sliding, rolling and standing discs against their closed forms (verification.md)."""
+"""Sliding, rolling and standing discs against their closed forms."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, order
 
+from dem.contact import CN, MU
 from dem.engine import Engine
 from dem.model import Acceleration, DiscModel, tilted_gravity
+from tests.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, order
 
 SUNK = MASS * GRAVITY / KN  # overlap that carries the weight on a level floor
 ROUGH = replace(BARE, ks=0.5 * KN, cn=np.sqrt(MASS * KN), ct=0.5 * np.sqrt(MASS * KN))
@@ -70,19 +71,18 @@ def test_block_on_incline_under_kh(tilt: float, friction: float, kh: float) -> N
         assert model.vx[0] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize(("at_disc", "at_floor", "stands"), [(0.28, 0.1, True), (0.26, 0.1, False), (0.28, 0.085, False)])
+@pytest.mark.parametrize(
+    ("at_disc", "at_floor", "stands"), [(0.28, 0.1, True), (0.26, 0.1, False), (0.28, 0.085, False)]
+)
 def test_one_disc_on_two(at_disc: float, at_floor: float, stands: bool) -> None:
-    """N = W/2; stands for mu >= tan 15 deg at the disc contacts and a third of that at the floor.
-
-    The discs' friction is their layer's, the floor's that of a second layer through a row of blocks fixed below.
-    """
+    """N = W/2; stands for mu >= tan 15 deg at the disc contacts and a third of that at the floor."""
     # top disc rests in the mouth of two that touch: contact normals 60 deg up, weight W each
     discs = replace(ROUGH, friction=at_disc, name="discs")
     x = np.array([-RADIUS, RADIUS, 0.0])
     z = np.array([RADIUS, RADIUS, RADIUS * (1.0 + np.sqrt(3.0))])
     model = DiscModel.create(x, z, RADIUS, [discs], lines=FLOOR, gravity=(0.0, -GRAVITY))
     lines = model.springs.lines.copy()
-    lines[4] = at_floor
+    lines[MU] = at_floor
     model.springs = replace(model.springs, lines=lines)
     Engine(dt=1e-4).run(model, 3.0)
     apart = model.x[1] - model.x[0] - 2.0 * RADIUS
@@ -99,7 +99,7 @@ def test_rolling_converges_with_the_step() -> None:
     ends = []
     for dt in (8e-4, 4e-4, 2e-4, 1e-4):
         model = on_floor(0.3, beta)
-        model.springs.lines[3] = 0.0
+        model.springs.lines[CN] = 0.0
         Engine(dt=dt, balance=1e-2).run(model, 0.08)
         ends.append(model.x[0])
     assert order(np.diff(ends)) > 1.7

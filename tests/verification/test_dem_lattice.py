@@ -1,14 +1,14 @@
-"""The triangular lattice, chain and column against their closed forms (verification.md)."""
+"""The triangular lattice, chain and column against their closed forms."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, trace
 
 from dem.engine import Engine, largest_step
 from dem.forces import contact_forces, resultants, stress
 from dem.model import DiscModel
+from tests.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, trace
 
 SPACING = 2.0 * RADIUS * (1.0 - 1e-6)  # everything touches
 

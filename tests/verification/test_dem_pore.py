@@ -1,4 +1,4 @@
-"""Pore springs: set, pulled, pushed, sheared, cracked in both ways at the right step, and what a cracked one still does.
+"""Pore springs: set, pulled, pushed, sheared, cracked both ways at the right step, and what a cracked one does.
 
 Discs so heavy that they keep their velocity are moved past each other, so that distance and slip are known.
 """
@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.dem_cases import MASS, RADIUS, SOIL, trace
 
 from dem.engine import Engine
 from dem.forces import contact_forces
 from dem.model import DiscModel
 from dem.springs import LayerSprings
+from tests.dem_cases import MASS, RADIUS, SOIL, trace
 
 HEAVY = replace(SOIL, density=1e16, effective_density=0.0, cn=0.0, ct=0.0, allowed_overlap=2.0)
 LENGTH = 2.1 * RADIUS  # set with a gap: the element springs do not touch
