@@ -84,6 +84,11 @@ def held(ks: float, cn: float = 0.0) -> DiscModel:
     return model
 
 
+def bustle(model: DiscModel) -> float:
+    """Sum of the squares of all speeds."""
+    return float(np.sum(model.vx**2 + model.vz**2 + model.vr**2))
+
+
 @pytest.mark.parametrize(("ks", "damping"), [(0.1, 0.0), (0.5, 0.0), (1.0, 0.0), (0.3, 0.5)])
 def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Motion stays small up to the step the engine allows, and grows without end beyond what the closed form allows."""
@@ -96,13 +101,13 @@ def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch)
     assert allowed <= closed_form * (1.0 + 1e-5)
     if ks > 3.0 / 11.0 and damping == 0.0:
         assert allowed == pytest.approx(closed_form, rel=1e-5)  # rotation sets it, and the bound is exact
-    before = Engine(dt=0.99 * allowed).measure(model).kinetic
+    before = bustle(model)
     Engine(dt=0.99 * allowed, balance=np.inf).run(model, steps=3000)
-    assert Engine(dt=allowed).measure(model).kinetic < 30.0 * before
+    assert bustle(model) < 30.0 * before
     model = held(ks * KN, cn)
     monkeypatch.setattr(Engine, "_refuse", lambda *_: None)
     Engine(dt=1.03 * closed_form, ledger=False).run(model, steps=1500)
-    assert not Engine(dt=allowed).measure(model).kinetic < 1e3 * before
+    assert not bustle(model) < 1e3 * before
 
 
 def test_column_settles_under_its_weight() -> None:
