@@ -10,9 +10,9 @@ from numba import njit
 
 from dem.contact import CN, CT, FKS, KN, KS, MU, element, pore
 from dem.layout import (
-    DASH_N,
-    DASH_T,
     DISC,
+    FX,
+    FZ,
     INVMASS,
     LANES,
     LENGTH,
@@ -43,6 +43,7 @@ from dem.stepping import (
     R_TAN,
     ROW,
     SCRATCH,
+    dashpots_before,
     geometry,
     line_geometry,
     line_lane,
@@ -84,10 +85,12 @@ def contact_energy(
         scratch[R_BC + q], scratch[R_BETA + q],
     )  # fmt: skip
     spring = kn * over if over > 0.0 else 0.0
+    old_n, old_t = dashpots_before(
+        links[d + FX + q], links[d + FZ + q], nx, nz, kn, over, kpn, length, distance, stretch, shear + old
+    )
     damped, slid = losses(
-        stretch, slip, normal - spring, tangential - kept, links[d + DASH_N + q], links[d + DASH_T + q], shear, trial,
-        kept, scratch[R_FKS + q],
-    )  # fmt: skip
+        stretch, slip, normal - spring, tangential - kept, old_n, old_t, shear, trial, kept, scratch[R_FKS + q]
+    )
     pore_slid, crack = pore_losses(kpn, length, new, distance, stretch, old, pore_trial, pore_kept, scratch[R_FKPS + q])
     out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * scratch[R_FKS + q]
     if kpn > 0.0:
@@ -114,10 +117,12 @@ def line_energy(
         over, vn, vt, slip, shear, floor, kn, line_table[KS, k], line_table[CN, k], line_table[CT, k], line_table[MU, k]
     )
     spring = kn * over if over > 0.0 else 0.0
+    old_n, old_t = dashpots_before(
+        layout.links[at + FX], layout.links[at + FZ], nx, nz, kn, over, 0.0, 0.0, 0.0, stretch, shear
+    )
     damped, slid = losses(
-        stretch, slip, normal - spring, tangential - kept, layout.links[at + DASH_N], layout.links[at + DASH_T], shear,
-        trial, kept, line_table[FKS, k],
-    )  # fmt: skip
+        stretch, slip, normal - spring, tangential - kept, old_n, old_t, shear, trial, kept, line_table[FKS, k]
+    )
     out[ELEMENTS] += 0.5 * spring * spring / kn + 0.5 * kept * kept * line_table[FKS, k]
     out[LATE_DASHPOT] += damped
     out[LATE_SLIDING] += slid

@@ -23,9 +23,9 @@ X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, WEIGHT, X0, Z0, ROLL = (np.uint64
 DISC = np.uint64(DISC_FIELDS * LANES)
 
 # Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
-# and pore spring; force on the partner and rim force; normal and tangential force of the dashpot, for the ledger.
-LINK_FIELDS = 9
-RADII, LENGTH, SHEAR, PORE, FX, FZ, FR, DASH_N, DASH_T = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
+# and pore spring; force on the partner and rim force.
+LINK_FIELDS = 7
+RADII, LENGTH, SHEAR, PORE, FX, FZ, FR = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
 LINK = np.uint64(LINK_FIELDS * LANES)
 
 
@@ -112,8 +112,8 @@ def place_links(
         links[base + LANES] = memory[0][c]
         links[base + 2 * LANES] = memory[1][c]
         links[base + 3 * LANES] = memory[2][c]
-        links[base + 7 * LANES] = memory[3][c]
-        links[base + 8 * LANES] = memory[4][c]
+        links[base + 4 * LANES] = memory[3][c]
+        links[base + 5 * LANES] = memory[4][c]
         where[chunk * LANES + lane] = offset(partner[c])
         kind[chunk * LANES + lane] = kinds[c]
         if chunk_kind[chunk] == -2:
@@ -175,16 +175,16 @@ def place_incoming(
 def list_links(layout: Layout, order: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
 
-    Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, normal
-    and tangential force of the dashpot.
+    Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, force on
+    the partner.
     """
     owner = np.empty(count, np.int32)
     other = np.empty(count, np.int32)
     length = np.empty(count)
     shear = np.empty(count)
     pore = np.empty(count)
-    dash_n = np.empty(count)
-    dash_t = np.empty(count)
+    force_x = np.empty(count)
+    force_z = np.empty(count)
     found = 0
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
@@ -199,7 +199,7 @@ def list_links(layout: Layout, order: np.ndarray, count: int) -> tuple[np.ndarra
                 length[found] = layout.links[base + LANES]
                 shear[found] = layout.links[base + 2 * LANES]
                 pore[found] = layout.links[base + 3 * LANES]
-                dash_n[found] = layout.links[base + 7 * LANES]
-                dash_t[found] = layout.links[base + 8 * LANES]
+                force_x[found] = layout.links[base + 4 * LANES]
+                force_z[found] = layout.links[base + 5 * LANES]
                 found += 1
-    return owner, other, length, shear, pore, dash_n, dash_t
+    return owner, other, length, shear, pore, force_x, force_z

@@ -13,13 +13,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from dem.contact import KPS, KS
+from dem.contact import KN, KPN, KPS, KS
 from dem.neighbours import find_lines, find_pairs, share_out, spatial_order
 from dem.springs import LayerSprings, Mean, PairTable, pair_table
 
 LEDGER_COLUMNS = 6
 # what a pair remembers; a new one starts with nothing
-MEMORY = ("pore_length", "shear", "pore_shear", "dash_normal", "dash_shear")
+MEMORY = ("pore_length", "shear", "pore_shear", "force_x", "force_z")
 SORT_EVERY = 16  # lists made between two sortings in space
 
 
@@ -82,7 +82,8 @@ class DiscModel:
     x_list, z_list: where it was when the neighbour list was made; order: numbers sorted in space.
     Per pair: pair_i, pair_j; shear and pore_shear: tangential forces kept by element and pore spring (N);
     pore_length: distance at which the pore spring was set (m), negative once cracked, 0 without one;
-    dash_normal, dash_shear: what the dashpots exert (N), for the ledger.
+    force_x, force_z: force on pair_j in the last step (N), for the
+    ledger.
     lines (k, 6): point, inward normal, reach along (-nz, nx) of rigid lines; line_disc, line_id, line_*: discs near
     them, with the same memory. books (slices, 6): the ledger. last_dt (s): step that the half-step velocities belong
     to, 0 if set by hand.
@@ -111,14 +112,14 @@ class DiscModel:
     shear: np.ndarray
     pore_shear: np.ndarray
     pore_length: np.ndarray
-    dash_normal: np.ndarray
-    dash_shear: np.ndarray
+    force_x: np.ndarray
+    force_z: np.ndarray
     lines: np.ndarray
     line_disc: np.ndarray
     line_id: np.ndarray
     line_shear: np.ndarray
-    line_dash_normal: np.ndarray
-    line_dash_shear: np.ndarray
+    line_force_x: np.ndarray
+    line_force_z: np.ndarray
     books: np.ndarray
     springs: PairTable
     mean: Mean
@@ -177,11 +178,11 @@ class DiscModel:
             vz_half=np.zeros(n), vr_half=np.zeros(n), radius=radii, mass=np.pi * radii**2 * density,
             weight=effective / density, ease=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), pair_i=np.zeros(0, np.int32), pair_j=np.zeros(0, np.int32),
-            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), dash_normal=np.zeros(0),
-            dash_shear=np.zeros(0),
+            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), force_x=np.zeros(0),
+            force_z=np.zeros(0),
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
             line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0),
-            line_dash_normal=np.zeros(0), line_dash_shear=np.zeros(0),
+            line_force_x=np.zeros(0), line_force_z=np.zeros(0),
             books=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean), mean=mean,
             gravity=(float(gravity[0]), float(gravity[1])), acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
@@ -251,12 +252,16 @@ class DiscModel:
         for name in MEMORY:
             values = np.append(getattr(self, name), 0.0)
             setattr(self, name, values[old])
+        # a pair may have changed its owner
+        turned = np.append(self.pair_i, -1)[old] == order[j]
+        self.force_x[turned] *= -1.0
+        self.force_z[turned] *= -1.0
         self.pair_i, self.pair_j = order[i], order[j]
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line
         before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
-        for name in ("line_shear", "line_dash_normal", "line_dash_shear"):
+        for name in ("line_shear", "line_force_x", "line_force_z"):
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
 
     def set_pore_springs(self) -> int:
@@ -283,8 +288,10 @@ class DiscModel:
         if layers is not None:
             chosen = np.isin(self.layer[self.pair_i], layers) | np.isin(self.layer[self.pair_j], layers)
         chosen &= self.pore_length != 0.0
+        before = self._spring_forces()
         self.pore_length[chosen] = 0.0
         self.pore_shear[chosen] = 0.0
+        self._change_forces(before)
         return int(chosen.sum())
 
     def set_springs(self, layers: Sequence[LayerSprings]) -> None:
@@ -295,6 +302,7 @@ class DiscModel:
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
         new = pair_table(layers, self.mean)
+        before = self._spring_forces()
         kind = self.kind(self.pair_i, self.pair_j)
         line_kind = self.layer[self.line_disc]
         for values, row, columns, old_table, new_table in (
@@ -302,9 +310,28 @@ class DiscModel:
             (self.pore_shear, KPS, kind, self.springs.pairs, new.pairs),
             (self.line_shear, KS, line_kind, self.springs.lines, new.lines),
         ):
-            before, after = old_table[row, columns], new_table[row, columns]
-            values *= np.divide(after, before, out=np.zeros(len(values)), where=before > 0.0)
+            old, given = old_table[row, columns], new_table[row, columns]
+            values *= np.divide(given, old, out=np.zeros(len(values)), where=old > 0.0)
         self.springs = new
+        self._change_forces(before)
+
+    def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
+        constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
+        distance = self.distance()
+        over = self.radius[self.pair_i] + self.radius[self.pair_j] - distance
+        pore = constants[KPN] * (np.abs(self.pore_length) - distance)
+        pore = np.where(self.pore_length > 0.0, pore, np.maximum(pore, 0.0))
+        return constants[KN] * np.maximum(over, 0.0) + pore, self.shear + self.pore_shear
+
+    def _change_forces(self, before: tuple[np.ndarray, np.ndarray]) -> None:
+        """Lets the forces of the last step be those of the springs as they now are, for the means of the ledger."""
+        normal, tangential = (a - b for a, b in zip(self._spring_forces(), before, strict=True))
+        distance = self.distance()
+        nx = (self.x[self.pair_j] - self.x[self.pair_i]) / distance
+        nz = (self.z[self.pair_j] - self.z[self.pair_i]) / distance
+        self.force_x += normal * nx + tangential * nz
+        self.force_z += normal * nz - tangential * nx
 
     def save(self, path: Path | str) -> None:
         """Checkpoint: all of it into one HDF5 file, written beside and moved into place so that none is ever half."""

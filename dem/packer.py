@@ -19,7 +19,7 @@ FAR = 1e15  # m: where lanes without a disc are
 # what a run changes: field of the layout and array of the model
 _STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
 
-_LINE_MEMORY = {2: "line_shear", 7: "line_dash_normal", 8: "line_dash_shear"}
+_LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 
 
 def pack(model: DiscModel) -> Layout:

@@ -35,8 +35,6 @@ from dem.contact import (
     pore,
 )
 from dem.layout import (
-    DASH_N,
-    DASH_T,
     DISC,
     DISC_FIELDS,
     FR,
@@ -153,6 +151,31 @@ def geometry(
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
+def dashpots_before(
+    fx: float,
+    fz: float,
+    nx: float,
+    nz: float,
+    kn: float,
+    over: float,
+    kpn: float,
+    length: float,
+    distance: float,
+    stretch: float,
+    shear: float,
+) -> tuple[float, float]:
+    """Normal and tangential force of the dashpots in the last step: all the force there was, less that of springs.
+
+    fx, fz: force on the partner then; over, distance: now, and longer by `stretch` since; shear: of both springs then.
+    """
+    over_then = over + stretch
+    spring = kn * over_then if over_then > 0.0 else 0.0
+    push = kpn * (abs(length) - distance + stretch)
+    push = push if (length > 0.0) | (push > 0.0) else 0.0
+    return (fx * nx + fz * nz) - spring - push, (fx * nz - fz * nx) - shear
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
 def losses(
     stretch: float,
     slip: float,
@@ -234,16 +257,15 @@ def contact(
     if ledger:
         dash_n = normal - (kn * over if over > 0.0 else 0.0)
         dash_t = tangential - kept
-        damped, slid = losses(
-            stretch, slip, dash_n, dash_t, links[d + DASH_N + q], links[d + DASH_T + q], shear, trial, kept,
-            scratch[R_FKS + q],
+        old_n, old_t = dashpots_before(
+            links[d + FX + q], links[d + FZ + q], nx, nz, kn, over, scratch[R_KPN + q], length, distance, stretch,
+            shear + old_pore,
         )  # fmt: skip
+        damped, slid = losses(stretch, slip, dash_n, dash_t, old_n, old_t, shear, trial, kept, scratch[R_FKS + q])
         pore_slid, crack = pore_losses(
             scratch[R_KPN + q], length, new, distance, stretch, old_pore, pore_trial, pore_kept, scratch[R_FKPS + q]
         )
         slid += pore_slid
-        links[d + DASH_N + q] = dash_n
-        links[d + DASH_T + q] = dash_t
     links[d + SHEAR + q] = kept
     links[d + PORE + q] = pore_kept
     if new != length:
@@ -343,11 +365,10 @@ def line_contact(
     )  # fmt: skip
     dash_n = normal - (line_table[KN, k] * over if over > 0.0 else 0.0)
     dash_t = tangential - kept
-    damped, slid = losses(
-        stretch, slip, dash_n, dash_t, links[at + DASH_N], links[at + DASH_T], shear, trial, kept, line_table[FKS, k]
+    old_n, old_t = dashpots_before(
+        links[at + FX], links[at + FZ], nx, nz, line_table[KN, k], over, 0.0, 0.0, 0.0, stretch, shear
     )
-    links[at + DASH_N] = dash_n
-    links[at + DASH_T] = dash_t
+    damped, slid = losses(stretch, slip, dash_n, dash_t, old_n, old_t, shear, trial, kept, line_table[FKS, k])
     links[at + SHEAR] = kept
     links[at + FX] = normal * nx + tangential * nz
     links[at + FZ] = normal * nz - tangential * nx

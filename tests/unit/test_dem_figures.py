@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from tests.dem_cases import box
 
 from dem.engine import Engine
 from dem.model import DiscModel
+from tests.dem_cases import box
 from workflow import dem_figures
 
 
