@@ -19,7 +19,7 @@ from dem.errors import DemError, StepTooLargeError
 from dem.layout import Layout
 from dem.ledger import Ledger
 from dem.model import DiscModel
-from dem.packer import pack, unpack
+from dem.packer import pack, release, unpack
 from dem.stable_step import stable_step
 from dem.stepping import DONE, MOVED, OVERLAP, advance
 
@@ -178,13 +178,21 @@ class _Run:
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
         self.pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
-        self.layout = pack(model)
+        self.layout: Layout | None = pack(model)
+        self.ahead = False  # whether the layout knows more than the model
         self.begin_books()
 
     def close(self) -> None:
-        """Lets the threads go."""
+        """Brings the model up to date, whatever happened, and lets the threads go."""
+        self.update()
         if self.pool is not None:
             self.pool.shutdown()
+
+    def update(self) -> None:
+        """Writes back into the model what the kernel has changed."""
+        if self.ahead and self.layout is not None:
+            unpack(self.layout, self.model)
+            self.ahead = False
 
     def begin_books(self) -> None:
         """What the model holds more or less than after its last run came with changes made in between."""
@@ -192,7 +200,7 @@ class _Run:
             self.model.energy_known = float("nan")
             return
         model = self.model
-        ledger = self.engine._ledger(model, self.layout)
+        ledger = self.engine._ledger(model, self.layout or pack(model))
         if np.isnan(model.energy_known):
             model.energy_edited += ledger.gap
         else:
@@ -207,19 +215,20 @@ class _Run:
         while model.steps < end:
             reason = self.call_kernel(min(call, end - model.steps))
             if reason != DONE:
-                unpack(self.layout, model)
+                self.update()
                 check_finite(model, engine.kept)
                 check_speed(model, self.dt, engine.kept)
                 check_escape(model, engine.kept)
             if reason == OVERLAP:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
+                self.layout = None  # two of them at once would be the most memory ever needed
                 model.make_list()
                 engine._refuse(model, self.dt, largest_step(model))
                 self.layout = pack(model)
             elif engine.ledger:
                 ledger = self.balance()
-        unpack(self.layout, model)
+        self.update()
         check_finite(model, engine.kept)
         check_escape(model, engine.kept)
         if engine.ledger:
@@ -230,12 +239,12 @@ class _Run:
     def balance(self) -> Ledger:
         """The ledger now. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
-        ledger = engine._ledger(model, self.layout)
+        ledger = engine._ledger(model, self.layout or pack(model))
         model.turnover = ledger.turnover
         try:
             check_balance(model, ledger, engine.balance, engine.kept)
         except DemError:
-            unpack(self.layout, model)
+            self.update()
             raise
         return ledger
 
@@ -245,10 +254,13 @@ class _Run:
         barrier = new_barrier()
         stops = np.zeros((2, self.threads), np.int64)
         series = model.acceleration
+        layout = self.layout or pack(model)
+        release(model)
+        self.ahead = True
 
         def work(thread: int) -> tuple[int, float, int]:
             return advance(
-                thread, self.threads, barrier, stops, steps, self.dt, model.last_dt, model.time, self.layout,
+                thread, self.threads, barrier, stops, steps, self.dt, model.last_dt, model.time, layout,
                 model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity), series.times,
                 np.array([series.x, series.z]), (0.5 * model.skin) ** 2, engine.floor, engine.share, engine.ledger,
                 model.books,

@@ -172,12 +172,17 @@ def place_incoming(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def list_links(layout: Layout, order: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
+def list_links(layout: Layout, order: np.ndarray) -> tuple[np.ndarray, ...]:
     """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
 
     Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, force on
     the partner.
     """
+    discs = len(order)
+    count = 0
+    for p in range(len(layout.chunk_start) - 1):
+        for place in range(layout.chunk_start[p] * LANES, layout.chunk_start[p + 1] * LANES):
+            count += p * LANES + place % LANES < discs and disc_at(layout.partner[place]) < discs
     owner = np.empty(count, np.int32)
     other = np.empty(count, np.int32)
     length = np.empty(count)
@@ -191,7 +196,7 @@ def list_links(layout: Layout, order: np.ndarray, count: int) -> tuple[np.ndarra
             for lane in range(LANES):
                 i = p * LANES + lane
                 j = disc_at(layout.partner[chunk * LANES + lane])
-                if i >= len(order) or j >= len(order):
+                if i >= discs or j >= discs:
                     continue
                 base = chunk * LINK_FIELDS * LANES + lane
                 owner[found] = order[i]

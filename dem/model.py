@@ -222,10 +222,8 @@ class DiscModel:
 
     def kind(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
         """Column of the table of springs for pairs of discs."""
-        boundary = self.springs.size - 1
-        a = np.where(self.layer[i] < 0, boundary, self.layer[i])
-        b = np.where(self.layer[j] < 0, boundary, self.layer[j])
-        return a * self.springs.size + b
+        code = np.where(self.layer < 0, self.springs.size - 1, self.layer).astype(np.uint16)
+        return code[i] * np.uint16(self.springs.size) + code[j]
 
     def distance(self) -> np.ndarray:
         """Distance of the centres of all listed pairs (m)."""

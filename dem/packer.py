@@ -85,6 +85,13 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     return discs.reshape(-1)
 
 
+def release(model: DiscModel) -> None:
+    """Frees the model's pairs while a layout holds them; `unpack` brings them back."""
+    model.pair_i = model.pair_j = np.zeros(0, np.int32)
+    for name in MEMORY:
+        setattr(model, name, np.zeros(0))
+
+
 def unpack(layout: Layout, model: DiscModel) -> None:
     """Writes what a run has changed back into the model."""
     n, order = len(model), model.order
@@ -92,7 +99,7 @@ def unpack(layout: Layout, model: DiscModel) -> None:
 
     for field, name in _STATE.items():
         getattr(model, name)[order] = discs[:, field].reshape(-1)[:n]
-    model.pair_i, model.pair_j, *memory = list_links(layout, order, len(model.pair_i))
+    model.pair_i, model.pair_j, *memory = list_links(layout, order)
     for name, values in zip(MEMORY, memory, strict=True):
         setattr(model, name, values)
     e = np.arange(len(model.line_disc))
