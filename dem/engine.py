@@ -18,8 +18,9 @@ from dem.energy import energies
 from dem.errors import DemError, StepTooLargeError
 from dem.layout import Layout
 from dem.ledger import Ledger
+from dem.memory import give_back_large_arrays
 from dem.model import DiscModel
-from dem.packer import pack, release, unpack
+from dem.packer import pack, unpack
 from dem.stable_step import stable_step
 from dem.stepping import DONE, MOVED, OVERLAP, advance
 
@@ -175,11 +176,12 @@ class _Run:
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
+        give_back_large_arrays()
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
         self.pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
-        self.layout: Layout | None = pack(model)
-        self.ahead = False  # whether the layout knows more than the model
+        self.layout: Layout | None = None  # while there is one, the model has no pairs
+        self.pack()
         self.begin_books()
 
     def close(self) -> None:
@@ -188,11 +190,17 @@ class _Run:
         if self.pool is not None:
             self.pool.shutdown()
 
+    def pack(self) -> Layout:
+        """The layout, made from the model if there is none."""
+        if self.layout is None:
+            self.layout = pack(self.model, keep_pairs=False)
+        return self.layout
+
     def update(self) -> None:
-        """Writes back into the model what the kernel has changed."""
-        if self.ahead and self.layout is not None:
+        """Makes the model whole again; the layout goes."""
+        if self.layout is not None:
             unpack(self.layout, self.model)
-            self.ahead = False
+            self.layout = None
 
     def begin_books(self) -> None:
         """What the model holds more or less than after its last run came with changes made in between."""
@@ -200,7 +208,7 @@ class _Run:
             self.model.energy_known = float("nan")
             return
         model = self.model
-        ledger = self.engine._ledger(model, self.layout or pack(model))
+        ledger = self.engine._ledger(model, self.pack())
         if np.isnan(model.energy_known):
             model.energy_edited += ledger.gap
         else:
@@ -222,24 +230,23 @@ class _Run:
             if reason == OVERLAP:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
-                self.layout = None  # two of them at once would be the most memory ever needed
                 model.make_list()
                 engine._refuse(model, self.dt, largest_step(model))
-                self.layout = pack(model)
-            elif engine.ledger:
+            elif engine.ledger and model.steps < end:
                 ledger = self.balance()
+        if engine.ledger:
+            ledger = self.balance()
         self.update()
         check_finite(model, engine.kept)
         check_escape(model, engine.kept)
-        if engine.ledger:
-            ledger = self.balance()
+        if ledger is not None:
             model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
         return ledger
 
     def balance(self) -> Ledger:
         """The ledger now. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
-        ledger = engine._ledger(model, self.layout or pack(model))
+        ledger = engine._ledger(model, self.pack())
         model.turnover = ledger.turnover
         try:
             check_balance(model, ledger, engine.balance, engine.kept)
@@ -254,9 +261,7 @@ class _Run:
         barrier = new_barrier()
         stops = np.zeros((2, self.threads), np.int64)
         series = model.acceleration
-        layout = self.layout or pack(model)
-        release(model)
-        self.ahead = True
+        layout = self.pack()
 
         def work(thread: int) -> tuple[int, float, int]:
             return advance(

@@ -22,8 +22,12 @@ _STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: 
 _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 
 
-def pack(model: DiscModel) -> Layout:
-    """The model as the stepping kernel wants it; the same model always gives the same layout."""
+def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
+    """The model as the stepping kernel wants it; the same model always gives the same layout.
+
+    keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
+    twice.
+    """
     n = len(model)
     slices = n // LANES + 1
     order = model.order
@@ -45,6 +49,11 @@ def pack(model: DiscModel) -> Layout:
         owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
         tuple(getattr(model, name) for name in MEMORY), offset(n), links.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
+    del owner, partner, turn
+    if not keep_pairs:
+        model.pair_i = model.pair_j = np.zeros(0, np.int32)
+        for name in MEMORY:
+            setattr(model, name, np.zeros(0))
     flat = links.reshape(-1)
     lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(
         len(line_disc)
@@ -83,13 +92,6 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     for field in (0, 1, 11, 12):
         discs[-1, field, empty] = FAR * (1.0 + empty)
     return discs.reshape(-1)
-
-
-def release(model: DiscModel) -> None:
-    """Frees the model's pairs while a layout holds them; `unpack` brings them back."""
-    model.pair_i = model.pair_j = np.zeros(0, np.int32)
-    for name in MEMORY:
-        setattr(model, name, np.zeros(0))
 
 
 def unpack(layout: Layout, model: DiscModel) -> None:
