@@ -17,12 +17,12 @@ The trial stress x goes to one of these parts of the surface:
     LEFT_CORNER   f = 0, s1 = s2 = T       RIGHT_CORNER    f = 0, s1 = T, s2 = s3
 
 With D the elastic stiffness of principal stresses and C = D^-1, the return to a plane of normal n and flow m
-is s = x - D m f(x)/(n D m), and that to a line of direction a through s0 is s = s0 + a (b C (x - s0))/(b C
-a), where b is normal to the flow of both planes (Clausen, Damkilde & Andersen 2006, Int. J. Numer. Meth.
-Engng 66, 1036; 2007, Computers & Structures 85, 1795). The edge is the one met first as the plastic
-multiplier grows (Sysala, Cermak & Ligursky 2017, ZAMM 97, 1502). With psi = 0 the flow keeps the mean stress,
-so that a trial whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does what
-falls behind it with psi > 0.
+is s = x - D m f(x)/(n D m); that to a line of direction a through s0 is s = s0 + a (b C (x - s0))/(b C a),
+where b is normal to the flow of both planes (Clausen, Damkilde & Andersen 2006, Int. J. Numer. Meth. Engng
+66, 1036; 2007, Computers & Structures 85, 1795). The edge is the one met first as the plastic multiplier
+grows (Sysala, Cermak & Ligursky 2017, ZAMM 97, 1502). With psi = 0 the flow keeps the mean stress, so that a
+trial whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does what falls behind
+it with psi > 0.
 """
 
 import math
@@ -57,9 +57,7 @@ COLUMNS = RANK_ONE + 6 * SHEAR_TENSION
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _shear_return(
-    x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int
-) -> Returned:
+def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int) -> Returned:
     """Principal stresses on the Mohr-Coulomb surface without cut-off, and the region."""
     sin, strength = table[m, SIN_PHI], table[m, STRENGTH]
     s1 = x1 - f * table[m, FLOW_1]
@@ -100,9 +98,7 @@ def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Flo
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _shear_tension_return(
-    x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int
-) -> Returned:
+def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
     """Principal stresses where both surfaces meet, and the region."""
     T, minor = table[m, TENSION], table[m, MINOR_AT_TENSION]
     s2 = x2 - table[m, POISSON] * (x1 + x3 - T - minor)
@@ -153,11 +149,11 @@ def _write_tangent(
     """Consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
 
     e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the
-    stress of a unit shear between the in-plane principal axes, whose stiffness is G' = G (sa - sb)/(xa - xb)
-    since they turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for
-    Plasticity, app. A). `ratio` is that quotient, or negative where the trial values coincide: then G' is the
-    limit, which the principal tangent gives. `cos` and `sin` are those of twice the angle from x to the
-    in-plane major axis.
+    stress of a unit shear between the in-plane principal axes. Its stiffness is G' = G (sa - sb)/(xa - xb),
+    since the axes turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for
+    Plasticity, app. A). `ratio` is that quotient, or negative where the trial values coincide: there p q is
+    alike in both axes and the last term vanishes, the law being isotropic. `cos` and `sin` are those of twice
+    the angle from x to the in-plane major axis.
     """
     lame, shear = table[m, LAME], table[m, SHEAR]
     e = 1.0 if region in (ELASTIC, SHEAR_PLANE, TENSION_PLANE) else 0.0
@@ -166,7 +162,7 @@ def _write_tangent(
         k = RANK_ONE + 6 * (region - 1)
         pa, pb, pz = _from_order(table[m, k], table[m, k + 1], table[m, k + 2], place)
         qa, qb, qz = _from_order(table[m, k + 3], table[m, k + 4], table[m, k + 5], place)
-    turn = shear * (ratio - e) if ratio >= 0.0 else 0.25 * (pa - pb) * (qa - qb)
+    turn = shear * (ratio - e) if ratio >= 0.0 else 0.0
 
     p_mean, p_half, q_mean, q_half = 0.5 * (pa + pb), 0.5 * (pa - pb), 0.5 * (qa + qb), 0.5 * (qa - qb)
     pxx, pyy, pxy = p_mean + p_half * cos, p_mean - p_half * cos, p_half * sin

@@ -16,7 +16,7 @@ from meshes.polyline import Line, limits
 SNAP = 1e-6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layering:
     """Interfaces over the intervals between breakpoints: ``left`` and ``right`` are (intervals, interfaces)."""
 
@@ -139,21 +139,35 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) ->
 
     problems = []
     interfaces = [ground]
+    reach = np.minimum(floor, ground)
     for k, (line, points) in enumerate(zip(lines, raw, strict=True)):
         top = interfaces[-1]
         spans = ((x[:-1] >= points[0, 0]) & (x[1:] <= points[-1, 0]))[:, None]
         bottom = np.where(spans, np.minimum(line, ground), top)
         problems += _above(bottom, top, x, snap, f"the bottom of stratum {k + 1} rises above its top")
-        problems += _above(floor, bottom, x, snap, f"the bottom of stratum {k + 1} lies below the base")
-        interfaces.append(np.minimum(bottom, top))
+        problems += _above(reach, bottom, x, snap, f"the bottom of stratum {k + 1} lies below the base")
+        interfaces.append(np.minimum(np.maximum(bottom, reach), top))
     problems += _above(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
     problems += _above(floor, ground, x, snap, "the base rises above the ground surface")
+    if not problems:
+        problems += _apart(ground, floor, x, snap)
 
     stack = _snapped_z(np.stack(interfaces, axis=-1), snap)
     layers = Layering(x=x, left=stack[:, 0, :], right=stack[:, 1, :], strata=len(lines))
     if not problems:
-        problems = [f"stratum {k + 1} has no thickness anywhere" for k in np.flatnonzero(layers.areas() <= 0.0)]
+        thin = f"has no thickness anywhere (less than {snap:g} m, a millionth of the section's width, is none)"
+        problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
     return layers, problems
+
+
+def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
+    """A sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
+    x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
+    snap = SNAP * (x_right - x_left)
+    surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
+    x = np.union1d(surface[:, 0], points[:, 0])
+    ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
+    return _above(elevation, ground, x, snap, f"{what} rises above the ground surface")
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
@@ -218,6 +232,20 @@ def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what
     return [
         f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {x[wrong[0]]:g} "
         f"and {x[wrong[-1] + 1]:g} m)"
+    ]
+
+
+def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
+    """A sentence if the section falls apart: where the base meets the ground, or steps past a step of the ground."""
+    lowest, highest = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    for end in (0, 1):
+        at = slice(end, len(x) - 1 + end)
+        lowest[at] = np.minimum(lowest[at], ground[:, end])
+        highest[at] = np.maximum(highest[at], floor[:, end])
+    wrong = np.flatnonzero(lowest - highest <= snap)
+    return [
+        f"the section has no height at x = {x[b]:g} m; expected the base to be below the ground on both sides of it"
+        for b in wrong[:1]
     ]
 
 

@@ -10,7 +10,7 @@ from meshes.errors import InputError
 from meshes.section import Section
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mapping:
     """Blocks of columns by bands of rows: ``x`` (blocks + 1,), the ``left`` and ``right`` elevations of the bands'
     borders (blocks, bands + 1), and the ``stratum`` in every band of every block (blocks, bands)."""
@@ -67,21 +67,36 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
     return count
 
 
-def build_mapped(section: Section, columns: int | None, rows: int | None, refine: int) -> None:
+def divisions(blocks: Mapping, columns: int | None, rows: int | None, size: float | None) -> tuple[int, int]:
+    """Columns and rows as asked for; else from ``size`` (m); else 12 rows or one for each layer, and columns that
+    make the cells half as wide again as high."""
+    widths, thickness = np.diff(blocks.x), _thickness(blocks)
+    if size is not None:
+        rows = rows or max(round(thickness.sum() / size), len(thickness))
+        columns = columns or max(round(widths.sum() / size), len(widths))
+    rows = rows or max(12, len(thickness))
+    return columns or max(round(widths.sum() / (1.5 * thickness.sum() / rows)), len(widths)), rows
+
+
+def _thickness(blocks: Mapping) -> np.ndarray:
+    """Mean thickness (m) of every band."""
+    borders = 0.5 * (blocks.left + blocks.right)
+    return np.average(borders[:, :-1] - borders[:, 1:], axis=0, weights=np.diff(blocks.x))
+
+
+def build_mapped(section: Section, columns: int | None, rows: int | None, size: float | None, refine: int) -> None:
     """Mesh the section in the current gmsh model as columns by rows, each cell divided ``refine`` x ``refine``.
 
-    Columns go to the blocks by their widths, rows to the bands by their mean thickness. Raises InputError if
-    the section cannot be mapped or has more kinks than columns or more layers than rows.
+    What is not given of columns and rows follows from ``size`` (m) or a default. Columns go to the blocks by their
+    widths, rows to the bands by their mean thickness. Raises InputError if the section cannot be mapped or has more
+    kinks than columns or more layers than rows.
     """
     blocks = mapping(section)
     if isinstance(blocks, str):
         wish = 'expected the same layers all along, or method = "free"'
         raise InputError(section.name, [f'mesh, method = "mapped": not possible, {blocks}; {wish}'])
-    widths = np.diff(blocks.x)
-    borders = 0.5 * (blocks.left + blocks.right)
-    thickness = np.average(borders[:, :-1] - borders[:, 1:], axis=0, weights=widths)
-    rows = rows or max(12, len(thickness))
-    columns = columns or max(round(widths.sum() / (1.5 * thickness.sum() / rows)), len(widths))
+    widths, thickness = np.diff(blocks.x), _thickness(blocks)
+    columns, rows = divisions(blocks, columns, rows, size)
     problems = [
         f"mesh, {key} = {have}: expected at least {need}, one for each {what}"
         for key, have, need, what in (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, model_validator
+from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, model_validator
 
 from meshes.quantity import COORDINATE, Quantity
 
@@ -49,6 +49,8 @@ def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
             )
         if i > 1 and x[i] == x[i - 1] == x[i - 2]:
             problems.append(f"three points at x = {x[i]:g} m: expected at most two, which make a vertical step")
+    if not problems and x[0] == x[-1]:
+        problems.append(f"all points at x = {x[0]:g} m: expected a line from left to right")
     if not problems and (x[0] == x[1] or x[-1] == x[-2]):
         problems.append("a vertical step at the end of the line: expected it to run on horizontally from there")
     return problems
@@ -64,8 +66,8 @@ def _written(value: Any) -> Any:
     return getattr(value, "written", value)
 
 
-Polyline = Annotated[Points, BeforeValidator(read_points), PlainSerializer(_written)]
-PolylineOrLevel = Annotated[Any, BeforeValidator(_read_points_or_level), PlainSerializer(_written)]
+Polyline = Annotated[Points, PlainValidator(read_points), PlainSerializer(_written)]
+PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSerializer(_written)]
 
 
 class Line(BaseModel):

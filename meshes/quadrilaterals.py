@@ -1,5 +1,7 @@
 """gmsh: mapped or free meshes of a section, all quadrilaterals, with named strata and boundaries."""
 
+import errno
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,13 +14,16 @@ import numpy as np
 from pydantic import Field
 
 from meshes.errors import InputError
-from meshes.free import ALGORITHMS, build_free
-from meshes.mapped import build_mapped, mapping
+from meshes.free import ALGORITHMS, GROWTH_REACH, build_free
+from meshes.mapped import build_mapped, divisions, mapping
 from meshes.quality import Quality, areas, quality, scaled_jacobians
 from meshes.quantity import Length
 from meshes.section import BOUNDARIES, Model, Section
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
+
+# More quadrilaterals than this need more memory than most machines have (gmsh alone takes about 1 kB for each).
+MOST_QUADRILATERALS = 5_000_000
 
 
 class MeshSettings(Model):
@@ -40,15 +45,57 @@ class MeshSettings(Model):
         """What does not fit the section, one sentence each."""
         names = [stratum.name for stratum in section.strata]
         known = {"sizes": names, "towards": [*names, "surface", "base"]}
-        return [
+        problems = [
             f'mesh, {table}: there is no "{name}"; expected one of {", ".join(known[table])}'
             for table in known
             for name in getattr(self, table)
             if name not in known[table]
         ]
+        counted, graded = bool(self.columns or self.rows), bool(self.sizes or self.towards)
+        if self.method == "free" and counted:
+            problems.append('mesh, columns and rows: expected none with method = "free", which goes by size')
+        if graded and (self.method == "mapped" or counted):
+            problems.append('mesh, sizes and towards: expected none with columns and rows; they need method = "free"')
+        if self.size and self.columns and self.rows:
+            problems.append("mesh, size: expected either a size or both columns and rows")
+        largest = float(np.ptp(section.outline(), axis=0).max())
+        if self.size and self.size > largest:
+            problems.append(f"mesh, size = {self.size:g} m: expected at most the section's own size, {largest:g} m")
+        if not problems and (count := self.expected_quadrilaterals(section)) > MOST_QUADRILATERALS:
+            problems.append(
+                f"mesh: sizes and refine would make about {count:.1g} quadrilaterals; expected at most "
+                f"{MOST_QUADRILATERALS:,}"
+            )
+        return problems
+
+    def method_for(self, section: Section) -> Literal["mapped", "free"]:
+        """The method as set; for "auto", mapped if columns or rows are set or if the layers allow it."""
+        if self.method != "auto":
+            return self.method
+        if self.sizes or self.towards:
+            return "free"
+        return "mapped" if self.columns or self.rows or not isinstance(mapping(section), str) else "free"
+
+    def expected_quadrilaterals(self, section: Section) -> float:
+        """About how many quadrilaterals a mesh will have; 0 where mapping will be refused anyhow."""
+        if self.method_for(section) == "mapped":
+            blocks = mapping(section)
+            if isinstance(blocks, str):
+                return 0.0
+            columns, rows = divisions(blocks, self.columns, self.rows, self.size)
+            return float(columns) * rows * self.refine**2
+        size = default_size(section, self)
+        wanted = [min(self.sizes.get(stratum.name, size), size) for stratum in section.strata]
+        count = float((section.layering.areas() / np.square(wanted)).sum())
+        left, right = section.extent
+        for name, near in self.towards.items():
+            # On one side of a line of length L the size grows from s to S over GROWTH_REACH S: GROWTH_REACH L / s
+            sides = 1.0 if name in ("surface", "base") else 2.0
+            count += sides * GROWTH_REACH * (right - left) / near if near < size else 0.0
+        return count * self.refine**2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QuadMesh:
     """Quadrilaterals of a section: ``points`` (n, 2) in m, ``cells`` (m, 4) counter-clockwise.
 
@@ -83,9 +130,7 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
     problems = settings.problems(section)
     if problems:
         raise InputError(section.name, problems)
-    method = settings.method
-    if method == "auto":
-        method = "mapped" if not isinstance(mapping(section), str) else "free"
+    method = settings.method_for(section)
     failure: BadMeshError | None = None
     for algorithm in ALGORITHMS if method == "free" else (0,):
         try:
@@ -101,7 +146,7 @@ def _build(section: Section, settings: MeshSettings, method: str, algorithm: int
     with model(section.name):
         try:
             if method == "mapped":
-                build_mapped(section, settings.columns, settings.rows, settings.refine)
+                build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
             else:
                 size = default_size(section, settings)
                 build_free(section, size, settings.sizes, settings.towards, settings.refine, algorithm)
@@ -113,8 +158,7 @@ def _build(section: Section, settings: MeshSettings, method: str, algorithm: int
         check(mesh)
         if path is not None:
             gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-            gmsh.write(str(path))
-            _append_note(Path(path), section)
+            _write(Path(path), section)
     return mesh
 
 
@@ -146,8 +190,8 @@ def read(path: Path | str) -> QuadMesh:
     if not path.is_file():
         raise InputError(str(path), ["there is no such file"])
     try:
-        raw = meshio.read(path)
-    except Exception as error:  # meshio raises many kinds for a file that is no mesh
+        raw = meshio.gmsh.read(path)  # meshio.read would leave the program where it cannot read
+    except Exception as error:  # it raises many kinds for a file that is no mesh
         raise InputError(str(path), [f"is not a gmsh file that can be read: {error}"]) from None
     groups: dict[int, dict[int, str]] = {1: {}, 2: {}}
     for name, (tag, dimension) in raw.field_data.items():
@@ -227,8 +271,18 @@ def _group_nodes(dimension: int, name: str, element_type: int, corners: int) -> 
     return np.empty((0, corners), dtype=np.uint64)
 
 
-def _append_note(path: Path, section: Section) -> None:
-    """Say in the gmsh file, too, that a section is a reconstruction."""
-    if section.reconstruction:
-        with path.open("a", encoding="utf-8") as file:
-            file.write(f"$Comments\nReconstruction. {section.reconstruction_note}\n$EndComments\n")
+def _write(path: Path, section: Section) -> None:
+    """Write the gmsh file, which says, too, if a section is a reconstruction.
+
+    Raises OSError if the disk did not take all of it: gmsh itself would not say so.
+    """
+    path.touch()  # gmsh does not say why a file cannot be written, this does
+    gmsh.write(str(path))
+    end = b"$EndElements\n"
+    with path.open("rb+") as file:
+        file.seek(-min(len(end), path.stat().st_size), os.SEEK_END)
+        if file.read() != end:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        if section.reconstruction:
+            note = " ".join(section.reconstruction_note.replace("$", "").split())
+            file.write(f"$Comments\nReconstruction. {note}\n$EndComments\n".encode())

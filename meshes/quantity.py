@@ -1,12 +1,17 @@
 """Quantities as people write them ("1560 tf/m^2", "35 deg", or a plain SI number), and as SI numbers inside."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any
 
 import pint
-from pydantic import BeforeValidator, PlainSerializer
+from pydantic import PlainSerializer, PlainValidator
+
+# A number, then a unit. Not a sum, a product or a power of numbers; and no comma, which is a decimal point to some
+# and nothing to others.
+NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)\b)\s*(\D?[^,]{0,40}?)\s*")
 
 
 class Quantity(float):
@@ -46,7 +51,10 @@ class Kind:
         elif isinstance(value, str):
             number, written = self._convert(value), value
         elif isinstance(value, int | float) and not isinstance(value, bool):
-            number, written = float(value), value
+            try:
+                number, written = float(value), value
+            except OverflowError:  # a whole number of more than 308 digits
+                number, written = math.inf, math.inf
         else:
             raise ValueError(self.expected)
         if not math.isfinite(number):
@@ -61,8 +69,11 @@ class Kind:
 
     def _convert(self, text: str) -> float:
         registry = unit_registry()
+        parts = NUMBER_AND_UNIT.fullmatch(text)
+        if not parts or re.search(r"\d{3}|(\^|\*\*)[^/*]*(\^|\*\*)", parts[2]):
+            raise ValueError(f"not understood as a number with a unit; {self.expected}")
         try:
-            quantity: Any = registry.Quantity(text)
+            quantity: Any = registry.Quantity(float(parts[1]), registry.parse_units(parts[2]))
         except Exception as error:  # pint raises what its tokenizer raises
             raise ValueError(f"not understood as a number with a unit; {self.expected}") from error
         if quantity.unitless and self.unit:
@@ -81,13 +92,17 @@ def unit_registry() -> pint.UnitRegistry:
 
 
 def _field(kind: Kind) -> Any:
+    # Not BeforeValidator: pydantic's own reading of a float would forget how it was written.
     return Annotated[
-        float, BeforeValidator(kind.read), PlainSerializer(lambda number: getattr(number, "written", number))
+        float, PlainValidator(kind.read), PlainSerializer(lambda number: getattr(number, "written", number))
     ]
 
 
 LENGTH = Kind("a length", "m", '"1.5 m"', minimum=0.0, minimum_allowed=False, limits=" above 0")
-COORDINATE = Kind("a coordinate or depth", "m", '12.5 or "41 ft"')
+# Beyond 10,000 km nothing is a section on the Earth, and the last digit of a number is coarser than a layer's contact.
+COORDINATE = Kind(
+    "a coordinate or depth", "m", '12.5 or "41 ft"', minimum=-1e7, maximum=1e7, limits=" within 10,000 km of zero"
+)
 STIFFNESS = Kind("a stiffness", "Pa", '"15.3 MPa"', minimum=0.0, minimum_allowed=False, limits=" above 0")
 STRENGTH = Kind("a stress", "Pa", '"10 tf/m^2"', minimum=0.0, limits=" of 0 or more")
 DENSITY = Kind("a density", "kg/m^3", '"1.8 t/m^3"', minimum=0.0, limits=" of 0 or more")

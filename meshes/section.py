@@ -6,15 +6,15 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 import tomli_w
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
 from meshes.errors import InputError
-from meshes.layering import Layering, layering
+from meshes.layering import Layering, above_ground, layering
 from meshes.polyline import Line, Polyline
 from meshes.quantity import Angle, Density, PoissonsRatio, Stiffness, Strength
 
@@ -23,17 +23,38 @@ BOUNDARIES = ("surface", "base", "left", "right")
 # Tables that stand in the same file and belong to those who mesh, solve and draw.
 SETTINGS_TABLES = ("mesh", "fem", "dem", "slide", "figures")
 
+# The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
+# the pen, and neither a mesh nor a picture comes of it.
+NARROWEST, LONGEST = 1e-3, 1000.0
+
+# What pydantic calls by Python's names.
+PLAIN_WORDS = {
+    "model_type": "expected a table of keys and values",
+    "dict_type": "expected a table of keys and values",
+    "tuple_type": "expected a list",
+    "too_short": "expected at least one",
+    "string_type": "expected text",
+    "string_pattern_mismatch": "expected another spelling",
+    "bool_type": "expected true or false",
+    "int_type": "expected a whole number",
+}
+
+# A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
+NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
+
 
 class Model(BaseModel):
     """What every part of an input has in common: no unknown keys, no change after reading."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Stratum(Model):
     """A layer of one soil, with its parameters in SI units."""
 
-    name: str = Field(description="a name of its own, such as '4 Asd'", min_length=1, pattern=r'^[^"\n]*$')
+    name: str = Field(
+        description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
+    )
     description: str = ""
     bottom: Line | None = Field(
         default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
@@ -49,7 +70,9 @@ class Stratum(Model):
     cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
-    liquefies_in: tuple[int, ...] = Field(default=(), description="the cases it liquefies in, such as [1, 2, 3]")
+    liquefies_in: tuple[Annotated[StrictInt, Field(ge=1)], ...] = Field(
+        default=(), description="the cases it liquefies in, such as [1, 2, 3]"
+    )
 
     @property
     def liquefiable(self) -> bool:
@@ -65,8 +88,8 @@ class Stratum(Model):
             problems.append(
                 "density_seismic below density_ordinary: expected the saturated density to be the larger one"
             )
-        if any(case < 1 for case in self.liquefies_in):
-            problems.append("liquefies_in: expected case numbers from 1")
+        if len(set(self.liquefies_in)) < len(self.liquefies_in):
+            problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -79,9 +102,12 @@ class Section(Model):
     where its bottom line ends, where that line meets the one above, or where it comes out of the ground.
     """
 
-    name: str = Field(description="a short name that can name a folder", pattern=r"^[A-Za-z0-9][\w.-]*$")
+    name: str = Field(
+        description="a name that can be a folder's: up to 80 letters, digits and . _ -, such as s13",
+        pattern=r"^[A-Za-z0-9][\w.-]{0,79}$",
+    )
     title: str = ""
-    reconstruction: bool = False
+    reconstruction: StrictBool = False
     reconstruction_note: str = ""
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
@@ -93,7 +119,7 @@ class Section(Model):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         problems = list(_naming_problems([stratum.name for stratum in self.strata]))
-        if self.reconstruction and not self.reconstruction_note:
+        if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += _geometry_problems(self.surface, self.base, self.water_table, bottoms)
@@ -144,6 +170,7 @@ class Section(Model):
             return cls.model_validate(known)
         except ValidationError as error:
             problems = [text for entry in error.errors() for text in _sentences(entry, known, cls)]
+            problems = list(dict.fromkeys(problems))
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
             if not any(entry["loc"] == () for entry in error.errors()):
                 problems += _problems_of_the_rest(known)
@@ -162,7 +189,7 @@ def read_toml(path: Path | str) -> dict[str, Any]:
     """What a TOML file holds; raises InputError if there is none or it is not TOML."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # some editors on Windows begin a file with a mark
     except FileNotFoundError:
         raise InputError(str(path), ["there is no such file"]) from None
     except (OSError, UnicodeDecodeError) as error:
@@ -172,6 +199,8 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(path), [f"is not TOML: {error}"]) from None
+    except RecursionError:
+        raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None
 
 
 def _naming_problems(names: Sequence[str]) -> Iterator[str]:
@@ -185,6 +214,9 @@ def _naming_problems(names: Sequence[str]) -> Iterator[str]:
 def _geometry_problems(surface: Any, base: Line, water_table: Line | None, bottoms: Sequence[Line | None]) -> list[str]:
     ground = np.array(surface, dtype=float)
     left, right = float(ground[0, 0]), float(ground[-1, 0])
+    width = right - left
+    if width < NARROWEST:
+        return [f"surface: the section is {width:g} m wide; expected at least {NARROWEST:g} m"]
     problems = []
     lines = [(f"strata {k}, bottom", line) for k, line in enumerate(bottoms, start=1)]
     for key, line in [("base", base), ("water_table", water_table), *lines]:
@@ -204,7 +236,18 @@ def _geometry_problems(surface: Any, base: Line, water_table: Line | None, botto
             problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
     if problems:
         return problems
-    return [f"geometry: {text}" for text in layering(ground, base, bottoms)[1]]
+    layers, faults = layering(ground, base, bottoms)
+    outline = layers.outline()
+    height = float(np.ptp(outline[:, 1]))
+    if not width / LONGEST <= height <= width * LONGEST:
+        faults.append(
+            f"the section is {width:g} m wide and {height:g} m high; expected one to be no more than {LONGEST:g} "
+            "times the other"
+        )
+    if water_table is not None:
+        # Usually another datum; and standing water has no weight in this model.
+        faults += above_ground(ground, water_table, "the water table")
+    return [f"geometry: {text}" for text in faults]
 
 
 def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
@@ -237,9 +280,14 @@ def _sentences(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterab
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
     shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
+    if error["type"] == "too_short" and len(error["input"]) > 0:
+        return []  # none of the entries is sound, and each has its own sentence
     if error["type"] == "value_error":
         return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
     expected = _description(error["loc"], model)
+    plain = PLAIN_WORDS.get(error["type"])
+    if plain:
+        return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
     message = error["msg"][0].lower() + error["msg"][1:]
     return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
 

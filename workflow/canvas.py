@@ -1,16 +1,23 @@
 """The look that all pictures share: the ground rendered by pyvista, its frame in metres drawn round it.
 
-A picture shows true proportions. pyvista renders without a screen; matplotlib sets the axes, legend and notes.
+A picture shows true proportions, and a flat section once more with its heights exaggerated. pyvista renders without
+a screen; matplotlib sets the axes, legend and notes.
 """
 
 import os
-from collections.abc import Callable
+import textwrap
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib import font_manager, rcParams
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -21,8 +28,19 @@ import pyvista as pv
 
 WIDTH = 1600  # px
 DPI = 160
+LEFT, RIGHT = 0.062, 0.985  # sides of the views, as shares of the width
+VIEW_WIDTH = round((RIGHT - LEFT) * WIDTH)
 INK = "#26323a"
 WATER = "#1f6fb2"
+
+# The tallest view, and the flattest that can be read, as height over width.
+TALLEST, FLATTEST = 0.8, 0.1
+EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+TITLE_CHARACTERS, LEGEND_CHARACTERS = 95, 150
+
+# Names may be Japanese: fonts that have the characters, where the machine has such a font.
+EAST_ASIAN = ("Noto Sans CJK JP", "Noto Sans JP", "IPAexGothic", "IPAGothic", "TakaoPGothic", "WenQuanYi Zen Hei")
+rcParams["font.family"] = ["DejaVu Sans", *sorted(set(EAST_ASIAN) & set(font_manager.get_font_names()))]
 
 # Soils by their place in the section; read against black lines and white paper, and by the colour-blind.
 SOILS = (
@@ -32,8 +50,9 @@ SOILS = (
 
 
 def soil_colour(index: int) -> str:
-    """The colour of the stratum with this index."""
-    return SOILS[index % len(SOILS)]
+    """The colour of the stratum with this index; beyond the twelfth they come again, darker."""
+    again, place = divmod(index, len(SOILS))
+    return to_hex(np.array(to_rgb(SOILS[place])) * 0.72**again)
 
 
 @dataclass(frozen=True)
@@ -50,24 +69,43 @@ class Window:
         """A window round points (n, 2) with a margin as a share of the width."""
         (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
         gap = margin * (right - left)
-        return cls(left - gap, right + gap, bottom - gap, top + gap)
+        above = min(gap, 0.1 * (top - bottom))
+        return cls(left - gap, right + gap, bottom - above, top + above)
 
     @property
     def proportion(self) -> float:
         """Height over width."""
         return (self.top - self.bottom) / (self.right - self.left)
 
+    def exaggerations(self) -> list[int]:
+        """By how much to exaggerate the heights in each view: 1, and more in a second one if all is too flat."""
+        if self.proportion >= FLATTEST:
+            return [1]
+        return [1, next((much for much in EXAGGERATIONS if much * self.proportion >= FLATTEST), EXAGGERATIONS[-1])]
 
-def render(window: Window, draw: Callable[[pv.Plotter], object], width: int = 2 * WIDTH) -> np.ndarray:
-    """What ``draw`` puts into a plotter, seen straight on, as an image (height, width, 3) of exactly the window."""
-    plotter = pv.Plotter(off_screen=True, window_size=[width, max(2, round(width * window.proportion))])
+
+def render(
+    window: Window,
+    draw: Callable[[pv.Plotter], object],
+    width: int = round((RIGHT - LEFT) * WIDTH),
+    exaggeration: int = 1,
+) -> np.ndarray:
+    """What ``draw`` puts into a plotter, seen straight on, as an image (height, width, 3) of exactly the window.
+
+    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image.
+    """
+    proportion = exaggeration * window.proportion
+    width = max(2, round(width * min(1.0, TALLEST / proportion)))
+    plotter = pv.Plotter(off_screen=True, window_size=[width, max(2, round(width * proportion))])
     try:
         plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
         draw(plotter)
-        x, z = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
+        plotter.set_scale(yscale=exaggeration, render=False)
+        x, z = 0.5 * (window.left + window.right), 0.5 * exaggeration * (window.bottom + window.top)
         plotter.camera_position = [(x, z, 1.0), (x, z, 0.0), (0.0, 1.0, 0.0)]
         plotter.camera.parallel_projection = True
-        plotter.camera.parallel_scale = 0.5 * (window.top - window.bottom)
+        plotter.camera.parallel_scale = 0.5 * exaggeration * (window.top - window.bottom)
         plotter.camera.clipping_range = (0.1, 10.0)
         return np.asarray(plotter.screenshot(return_img=True))
     finally:
@@ -79,17 +117,20 @@ class Sheet:
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
         """``heights`` are the heights of the views over their width; ``legend_rows`` leaves room below them."""
-        left, right, head, below, between = 0.062, 0.985, 0.58, 0.45, 0.72
+        left, right, head, below, between = LEFT, RIGHT, 0.58, 0.45, 0.72
         inches = WIDTH / DPI
-        panels = [height * (right - left) * inches for height in heights]
+        title = textwrap.fill(title, TITLE_CHARACTERS)
+        head += 0.2 * title.count("\n")
+        panels = [min(height, TALLEST) * (right - left) * inches for height in heights]
         foot_room = 0.2 + 0.16 * foot.count("\n") if foot else 0.05
         legend_room = 0.21 * legend_rows
         total = head + sum(panels) + between * (len(panels) - 1) + below + legend_room + foot_room
         self.figure = Figure(figsize=(inches, total), dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
-        self.figure.text(left, 1.0 - 0.14 / total, title, fontsize=11, weight="bold", color=INK, va="top")
+        style: dict[str, Any] = {"color": INK, "parse_math": False}
+        self.figure.text(left, 1.0 - 0.14 / total, title, fontsize=11, weight="bold", va="top", **style)
         if foot:
-            self.figure.text(left, 0.09 / total, foot, fontsize=7, color=INK, va="bottom")
+            self.figure.text(left, 0.09 / total, foot, fontsize=7, va="bottom", **style)
         self.legend_at = (left, (foot_room + legend_room) / total)
         self.views: list[Axes] = []
         top = total - head
@@ -98,26 +139,44 @@ class Sheet:
             self.views.append(self.figure.add_axes(box))
             top -= panel + between
 
-    def show(self, view: int, image: np.ndarray, window: Window, title: str = "") -> Axes:
+    def show(self, view: int, image: np.ndarray, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
         """Put a rendered image into a view, with axes in metres."""
         axes = self.views[view]
-        axes.imshow(image, extent=(window.left, window.right, window.bottom, window.top), aspect="equal")
+        extent = (window.left, window.right, window.bottom, window.top)
+        axes.imshow(image, extent=extent, aspect=exaggeration, interpolation="nearest")
+        axes.set_autoscale_on(False)
+        axes.set_anchor("W")
+        box = axes.get_position()
+        high = box.height * self.figure.get_figheight()
+        wide = min(1.0, TALLEST / (exaggeration * window.proportion))
         axes.set_xlabel("distance x (m)", fontsize=8, labelpad=1, color=INK)
-        axes.set_ylabel("elevation (m)", fontsize=8, labelpad=2, color=INK)
-        axes.yaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10], integer=True))
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=12, steps=[1, 2, 2.5, 5, 10]))
+        if high > 0.7:
+            axes.set_ylabel("elevation (m)", fontsize=8, labelpad=2, color=INK)
+        axes.yaxis.set_major_locator(MaxNLocator(nbins=int(np.clip(high / 0.2, 1, 6)), steps=[1, 2, 5, 10]))
+        axes.xaxis.set_major_locator(MaxNLocator(nbins=max(1, round(12 * wide)), steps=[1, 2, 2.5, 5, 10]))
+        axes.ticklabel_format(style="plain", useOffset=False)
         axes.tick_params(labelsize=8, colors=INK, right=True, top=False, length=3)
         if title:
-            axes.set_title(title, fontsize=9, loc="left", color=INK, pad=3)
+            axes.set_title(title, fontsize=9, loc="left", color=INK, pad=3, parse_math=False)
         return axes
 
-    def legend(self, handles: list[object], columns: int) -> None:
+    def legend(self, handles: Sequence[Artist], columns: int) -> None:
         """One legend under the views."""
-        self.figure.legend(
+        legend = self.figure.legend(
             handles=handles, loc="upper left", bbox_to_anchor=self.legend_at, ncols=columns, fontsize=7.5,
             frameon=False, borderaxespad=0.0, handlelength=2.2, columnspacing=1.4, labelcolor=INK,
         )  # fmt: skip
+        for text in legend.get_texts():
+            text.set_parse_math(False)
 
     def save(self, path: Path | str) -> None:
         """Write the picture as a PNG."""
-        self.figure.savefig(path, format="png")
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Glyph .* missing")  # drawn as a box
+            self.figure.savefig(path, format="png")
+
+
+def legend_columns(handles: Sequence[Artist]) -> int:
+    """How many columns of a legend fit side by side: three, or fewer where labels are long."""
+    longest = max(len(str(handle.get_label()).encode()) for handle in handles)
+    return int(np.clip(LEGEND_CHARACTERS // (longest + 6), 1, 3))

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.box import SIMPLE_HEAD
@@ -11,12 +11,17 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from fem import dolfinx_api
+from fem.errors import UnstableError
 from meshes.errors import InputError
-from meshes.quadrilaterals import BadMeshError, QuadMesh
+from meshes.quadrilaterals import BadMeshError, QuadMesh, generate
 from meshes.section import Section
 from workflow import pipeline
 from workflow.settings import Input
 from workflow.store import Store
+
+if TYPE_CHECKING:  # it loads PETSc, which a section and its mesh can do without
+    from fem.path import Walk
 
 DONE, BAD_INPUT, NO_ANSWER, STOPPED = 0, 2, 3, 130
 
@@ -41,6 +46,10 @@ Columns = Annotated[int | None, typer.Option(help="Columns of a mapped mesh.")]
 Rows = Annotated[int | None, typer.Option(help="Rows of a mapped mesh.")]
 
 
+class NoAnswerError(RuntimeError):
+    """A stage that ended without an answer; what it found is written."""
+
+
 @app.callback()
 def root() -> None:
     """Keep subcommands even while there is one."""
@@ -58,8 +67,12 @@ def check(section: SectionFile, folder: Out = None) -> None:
 
 @app.command("run")
 def run_all(section: SectionFile, folder: Out = None) -> None:
-    """The whole workflow, as far as it exists: the mesh."""
-    mesh(section, folder)
+    """The whole workflow, as far as it exists: mesh and FEM."""
+    run = Input.load(section)
+    store = _store(run, folder)
+    _show_strata(run)
+    pipeline.mesh_figures(run, pipeline.mesh_stage(run, store), store)
+    _run_fem(run, store)
 
 
 @app.command()
@@ -76,7 +89,78 @@ def mesh(
     run = Input.load(section, {"mesh": _mesh_options(refine, size, free, columns, rows)})
     store = _store(run, folder)
     _show_strata(run)
-    _show_mesh(pipeline.mesh_stage(run, store), store)
+    quads = pipeline.mesh_stage(run, store)
+    pipeline.mesh_figures(run, quads, store)
+    _show_mesh(quads, store)
+
+
+@app.command()
+def fem(
+    section: SectionFile,
+    folder: Out = None,
+    kh: Annotated[
+        list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
+    ] = None,
+    sides: Annotated[str | None, typer.Option(help="roller, fixed or tied.")] = None,
+    element: Annotated[str | None, typer.Option(help="quadratic, reduced or bilinear.")] = None,
+    direction: Annotated[str | None, typer.Option(help="downhill or uphill.")] = None,
+    vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
+    associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
+    safety_factor: Annotated[
+        bool, typer.Option("--safety-factor", help="Factors of safety too, at Kh = 0 and at every --kh.")
+    ] = False,
+    refine: Refine = None,
+    size: Size = None,
+    free: Free = False,
+) -> None:
+    """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
+    options = {
+        "kh": kh,
+        "sides": sides,
+        "element": element,
+        "direction": direction,
+        "vertical": vertical,
+        "flow": "associated" if associated else None,
+    }
+    run = Input.load(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options})
+    if safety_factor and not run.fem.safety_factor_at:
+        settings = run.fem.model_copy(update={"safety_factor_at": (0.0, *run.fem.kh)})
+        run = run.model_copy(update={"fem": settings})
+    _run_fem(run, _store(run, folder))
+
+
+def _run_fem(run: Input, store: Store) -> None:
+    dolfinx_api.require()
+    from mpi4py import MPI
+
+    from workflow.fem_stage import fem_stage
+
+    comm = MPI.COMM_WORLD
+    first = comm.rank == 0
+    out.quiet = err.quiet = not first
+    with err.status("FEM: gravity") as status:
+
+        def progress(what: str, walk: "Walk") -> None:
+            step = walk.steps[-1]
+            status.update(
+                f"FEM: step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
+                f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic"
+            )
+
+        quads = pipeline.mesh_stage(run, store) if first else generate(run, run.mesh)
+        _show_mesh(quads, store)
+        result, factors = fem_stage(run, quads, store if first else None, comm, progress)
+    out.print(f"Critical Kh = [bold]{result.kc:.4f}[/], at most {result.upper:.4f}: {result.verdict}, {result.reason}.")
+    if result.remedy:
+        out.print(f"To improve on this: {result.remedy}.")
+    for factor in factors:
+        out.print(
+            f"Factor of safety at Kh = {factor.kh:g}: [bold]{factor.factor:.3f}[/], at most {factor.upper:.3f}: "
+            f"{factor.verdict}, {factor.reason}."
+        )
+    out.print(f"Results and pictures are in {store.folder}/", soft_wrap=True)
+    if result.verdict == "undecided":
+        raise NoAnswerError(f"the path ended undecided: {result.reason}; {result.remedy}")
 
 
 def _mesh_options(
@@ -134,11 +218,14 @@ def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) 
     except InputError as error:
         err.print(escape(str(error)), style="red", soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except BadMeshError as error:
-        err.print(escape(f"No usable mesh: {error}"), style="red", soft_wrap=True)
+    except (BadMeshError, UnstableError, NoAnswerError) as error:
+        what = "No usable mesh" if isinstance(error, BadMeshError) else "No answer"
+        err.print(escape(f"{what}: {error}"), style="red", soft_wrap=True)
         sys.exit(NO_ANSWER)
-    except KeyboardInterrupt:
-        err.print("Stopped.", style="yellow")
+    except (KeyboardInterrupt, SystemExit) as stop:
+        if isinstance(stop, SystemExit) and stop.code != STOPPED:
+            raise
+        err.print("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
         sys.exit(STOPPED)
 
 

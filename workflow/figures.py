@@ -1,17 +1,21 @@
 """Pictures of the ground and of its mesh."""
 
 import textwrap
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import pyvista as pv
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
+from vtkmodules.vtkCommonCore import vtkStringArray
 
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section
-from workflow.canvas import INK, WATER, Sheet, Window, render, soil_colour
+from workflow.canvas import INK, LEGEND_CHARACTERS, WATER, WIDTH, Sheet, Window, legend_columns, render, soil_colour
 
 HATCH = "...."
 FOOT_CHARACTERS = 190
@@ -44,20 +48,16 @@ def draw_section(section: Section, path: Path) -> None:
         for k, surface in surfaces(section):
             plotter.add_mesh(surface, color=soil_colour(k), lighting=False)
 
-    columns = 3
-    handles = _legend_of(section)
-    rows = -(-len(handles) // columns)
-    sheet = Sheet(f"{section.title or section.name}: layers", [window.proportion], foot(section), rows)
-    axes = sheet.show(0, render(window, draw), window)
-    for k, stratum in enumerate(section.strata):
-        for polygon in section.layering.polygons(k):
-            closed = np.vstack([polygon, polygon[:1]])
+    sheet = _sheet(section, f"{section.title or section.name}: layers", window, _legend_of(section))
+    for axes in _show(sheet, window, draw):
+        for k, stratum in enumerate(section.strata):
             hatch = HATCH if stratum.liquefiable else None
-            axes.add_patch(PathPatch(Outline(closed), facecolor="none", edgecolor=INK, linewidth=0.6, hatch=hatch))
-    water = section.water_points()
-    if water is not None:
-        axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
-    sheet.legend(handles, columns)
+            for polygon in section.layering.polygons(k):
+                closed = Outline(np.vstack([polygon, polygon[:1]]))
+                axes.add_patch(PathPatch(closed, facecolor="none", edgecolor=INK, linewidth=0.6, hatch=hatch))
+        water = section.water_points()
+        if water is not None:
+            axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
     sheet.save(path)
 
 
@@ -66,9 +66,6 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     window = Window.around(mesh.points)
     grid = unstructured(mesh)
     colours = [soil_colour(k) for k in range(len(mesh.strata))]
-    columns = 3
-    handles = _legend_of(section, water=False)
-    rows = -(-len(handles) // columns)
     quality = mesh.quality()
     title = (
         f"{section.title or section.name}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes "
@@ -78,18 +75,39 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
         f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"
     )
-    sheet = Sheet(title, [window.proportion], foot(section), rows)
     line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
+    # Where cells are but a few pixels, full lines would hide the colours.
+    pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
+    opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
 
     def draw(plotter: pv.Plotter) -> None:
         plotter.add_mesh(
             grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
-            show_edges=True, edge_color=INK, line_width=line_width, show_scalar_bar=False,
+            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
         )  # fmt: skip
 
-    sheet.show(0, render(window, draw), window, subtitle)
-    sheet.legend(handles, columns)
+    sheet = _sheet(section, title, window, _legend_of(section, water=False))
+    _show(sheet, window, draw, subtitle)
     sheet.save(path)
+
+
+def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) -> Sheet:
+    """A sheet with a view for every exaggeration of the window, its legend and the note on a reconstruction."""
+    columns = legend_columns(handles)
+    heights = [much * window.proportion for much in window.exaggerations()]
+    sheet = Sheet(title, heights, foot(section), -(-len(handles) // columns))
+    sheet.legend(handles, columns)
+    return sheet
+
+
+def _show(sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], title: str = "") -> list[Axes]:
+    """Render into every view of a sheet; the title goes to the first, and each says what its heights are."""
+    views = []
+    for view, much in enumerate(window.exaggerations()):
+        heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
+        text = f"{heights}; {title}" if title and view == 0 else heights
+        views.append(sheet.show(view, render(window, draw, exaggeration=much), window, text, much))
+    return views
 
 
 def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
@@ -97,16 +115,27 @@ def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
     points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
     grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
-    grid.field_data["strata"] = list(mesh.strata)
+    add_texts(grid, "strata", mesh.strata)
     return grid
 
 
-def _legend_of(section: Section, water: bool = True) -> list[object]:
-    handles: list[object] = []
+def add_texts(grid: pv.UnstructuredGrid, name: str, texts: Sequence[str]) -> None:
+    """Texts as a named field array; pyvista's own way takes ASCII only."""
+    array = vtkStringArray()
+    array.SetName(name)
+    for text in texts:
+        array.InsertNextValue(text)
+    grid.GetFieldData().AddArray(array)
+
+
+def _legend_of(section: Section, water: bool = True) -> list[Artist]:
+    handles: list[Artist] = []
     for k, stratum in enumerate(section.strata):
         label = stratum.name + (f": {stratum.description}" if stratum.description else "")
         if stratum.liquefiable:
             label += " (liquefiable)"
+        label = textwrap.shorten(label, LEGEND_CHARACTERS - 10, placeholder=" ...")
+        label = " " + label if label.startswith("_") else label  # matplotlib hides labels that begin with _
         hatch = HATCH if stratum.liquefiable and water else None
         handles.append(Patch(facecolor=soil_colour(k), edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
     if water and section.water_table is not None:

@@ -17,7 +17,7 @@ def check_stage(run: Input, store: Store) -> None:
 
 
 def mesh_stage(run: Input, store: Store) -> QuadMesh:
-    """Mesh the section; leaves section.toml, mesh/section.msh, mesh/section.vtu and two pictures.
+    """Mesh the section; leaves section.toml, mesh/section.msh and mesh/section.vtu.
 
     Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
     """
@@ -25,15 +25,18 @@ def mesh_stage(run: Input, store: Store) -> QuadMesh:
         mesh = generate(run, run.mesh, path)
     store.write_text("section.toml", run.to_toml())
     grid = figures.unstructured(mesh)
-    grid.field_data["section"] = [run.title or run.name]
+    figures.add_texts(grid, "section", [run.title or run.name])
     if run.reconstruction:
-        grid.field_data["reconstruction"] = [run.reconstruction_note]
-    with store.writing("mesh/section.vtu") as path:
-        grid.save(path)
+        figures.add_texts(grid, "reconstruction", [run.reconstruction_note])
+    store.write_grid("mesh/section.vtu", grid)
+    return mesh
+
+
+def mesh_figures(run: Input, mesh: QuadMesh, store: Store) -> None:
+    """Draw the section and its mesh."""
     check_stage(run, store)
     with store.writing("figures/mesh.png") as path:
         figures.draw_mesh(run, mesh, path)
-    return mesh
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:

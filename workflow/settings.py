@@ -1,4 +1,4 @@
-"""The whole input of a run: a section, and how to mesh it."""
+"""The whole input of a run: a section, and how to mesh it and compute with it."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -6,14 +6,19 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from fem.settings import FemSettings
 from meshes.quadrilaterals import MeshSettings
 from meshes.section import Section, read_toml
+
+# Options of the command line that take the place of other settings in the file.
+REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
 
 class Input(Section):
     """A section with the settings of the stages, one TOML table each."""
 
-    mesh: MeshSettings = Field(default=MeshSettings(), description="how to mesh, a table [mesh]")
+    mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
+    fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
@@ -32,5 +37,7 @@ class Input(Section):
         for table, values in (overrides or {}).items():
             given = {key: value for key, value in values.items() if value is not None}
             if given and isinstance(data.get(table, {}), dict):
-                data[table] = {**data.get(table, {}), **given}
+                replaced = {other for key in given for other in REPLACES.get((table, key), ())}
+                kept = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
+                data[table] = {**kept, **given}
         return cls.parse(data, str(path))

@@ -1,9 +1,12 @@
 """The folder of a run: every file is written beside its place and then moved there whole."""
 
+import errno
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+import pyvista as pv
 
 from meshes.errors import InputError
 
@@ -29,7 +32,16 @@ class Store:
         except OSError as error:
             raise InputError(str(target), [f"cannot be written: {error.strerror or error}"]) from error
         finally:
-            beside.unlink(missing_ok=True)
+            with suppress(OSError):
+                beside.unlink()
+
+    def write_grid(self, name: str, grid: pv.UnstructuredGrid) -> Path:
+        """Write a VTK file; returns its path."""
+        with self.writing(name) as path:
+            grid.save(path)
+            if not path.read_bytes().rstrip().endswith(b"</VTKFile>"):  # VTK prints that the disk is full, and goes on
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        return self.folder / name
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a text file; returns its path."""

@@ -90,7 +90,8 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
     """Rows of one size, in a process of its own so that its memory is its own."""
     Engine(dt=DT, balance=math.inf).run(model_of(500, True), steps=10)  # compiled, or read from the cache
     before = resident()
-    rows = []
+    rows: list[Row] = []
+    held = 0.0
     for variant, bonded, ledger in (
         ("bonded", True, False),
         ("bonded, ledger", True, True),
@@ -99,13 +100,14 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         model = model_of(elements, bonded)
         free = int((~model.fixed).sum())
         steps = max(20, int(4e7 / free))
-        held = (resident() - before) / len(model)
         for count in threads:
             run = _Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
             run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
             seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps
             run.close()
+            if not rows:
+                held = (resident() - before) / len(model)  # what the first model and its run took
             rows.append(row("noshiro", variant, free, count, free / seconds / 1e6, held))
         if variant == "bonded":
             rebuild = best(lambda model=model: new_list(model), time.process_time, 3)

@@ -1,0 +1,95 @@
+"""Kernels of one Newton iteration: strains from displacements, forces from stresses, element stiffness matrices."""
+
+import numba as nb
+import numpy as np
+
+
+@nb.njit(cache=True, nogil=True)
+def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
+    """Strain (nc * nq, 4) at every point: B u, with ``matrix`` (nc, nq, 4, nd) and ``dofs`` (nc, nd)."""
+    cells, points, _, entries = matrix.shape
+    for cell in range(cells):
+        for point in range(points):
+            row = cell * points + point
+            for i in range(4):
+                total = 0.0
+                for a in range(entries):
+                    total += matrix[cell, point, i, a] * displacement[dofs[cell, a]]
+                out[row, i] = total
+
+
+@nb.njit(cache=True, nogil=True)
+def internal_forces(
+    matrix: np.ndarray, weights: np.ndarray, dofs: np.ndarray, stress: np.ndarray, out: np.ndarray
+) -> None:
+    """Nodal forces ∫ Bᵀσ dA (N/m), ``stress`` (nc * nq, 4) in Pa, added into ``out`` after it is set to zero."""
+    cells, points, _, entries = matrix.shape
+    out[:] = 0.0
+    for cell in range(cells):
+        for a in range(entries):
+            total = 0.0
+            for point in range(points):
+                row = cell * points + point
+                part = 0.0
+                for i in range(4):
+                    part += matrix[cell, point, i, a] * stress[row, i]
+                total += part * weights[cell, point]
+            out[dofs[cell, a]] += total
+
+
+@nb.njit(cache=True, nogil=True)
+def _leave_out(matrix: np.ndarray, free: np.ndarray, dofs: np.ndarray) -> None:
+    """Set rows and columns of an element matrix that are not ``free`` to zero."""
+    for a in range(len(dofs)):
+        if not free[dofs[a]]:
+            matrix[a, :] = 0.0
+            matrix[:, a] = 0.0
+
+
+@nb.njit(cache=True, nogil=True)
+def element_stiffness(
+    matrix: np.ndarray,
+    weights: np.ndarray,
+    tangent: np.ndarray,
+    more: np.ndarray,
+    free: np.ndarray,
+    dofs: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """∫ BᵀCB dA of every cell, and ``more`` (nc or 0, nd, nd), into ``out`` (nc, nd, nd).
+
+    Rows and columns that are not ``free`` are left zero.
+    """
+    cells, points, _, entries = matrix.shape
+    product = np.empty((4, entries))
+    for cell in range(cells):
+        out[cell] = 0.0
+        if len(more):
+            out[cell] += more[cell]
+        for point in range(points):
+            row = cell * points + point
+            weight = weights[cell, point]
+            for i in range(4):
+                for b in range(entries):
+                    total = 0.0
+                    for j in range(4):
+                        total += tangent[row, i, j] * matrix[cell, point, j, b]
+                    product[i, b] = weight * total
+            for a in range(entries):
+                for b in range(entries):
+                    total = 0.0
+                    for i in range(4):
+                        total += matrix[cell, point, i, a] * product[i, b]
+                    out[cell, a, b] += total
+        _leave_out(out[cell], free, dofs[cell])
+
+
+@nb.njit(cache=True, nogil=True)
+def add_forces(stiffness: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
+    """Add the nodal forces K u of element matrices ``stiffness`` (nc, nd, nd) to ``out``."""
+    for cell in range(len(stiffness)):
+        for a in range(dofs.shape[1]):
+            total = 0.0
+            for b in range(dofs.shape[1]):
+                total += stiffness[cell, a, b] * displacement[dofs[cell, b]]
+            out[dofs[cell, a]] += total

@@ -1,0 +1,105 @@
+"""Every difference between dolfinx 0.5 (bookworm), 0.9 (trixie) and 0.11 (sid), in one place."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from meshes.errors import InputError
+
+OLDEST = (0, 5)
+HOW_TO_GET_IT = (
+    "on Debian and Ubuntu: apt-get install python3-dolfinx, with a virtual environment that sees it "
+    "(make setup does both); elsewhere: conda install -c conda-forge fenics-dolfinx"
+)
+
+# gmsh numbers the corners of a quadrilateral round it, dolfinx along the axes of the reference square.
+TENSOR_ORDER = np.array([0, 1, 3, 2])
+# Corners of the reference square in dolfinx's order, and the corners of its four edges.
+REFERENCE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+REFERENCE_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
+
+
+def require() -> None:
+    """Raise InputError, with how to get it, unless dolfinx is there and new enough."""
+    try:
+        import dolfinx
+    except ImportError as error:
+        raise InputError("dolfinx", [f"cannot be imported ({error}); {HOW_TO_GET_IT}"]) from None
+    version = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+    if version < OLDEST:
+        raise InputError(
+            "dolfinx", [f"version {dolfinx.__version__} is too old; expected 0.5 or newer; {HOW_TO_GET_IT}"]
+        )
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """This rank's share of a mesh and of a scalar space on it.
+
+    ``cell`` (nc,) are the cells' numbers in the mesh as given, ``corners`` (nc, 4) their nodes there in dolfinx's
+    order, ``nodes`` (nc, nodes of an element) the global numbers of the space's nodes, ``total`` their number.
+    """
+
+    cell: np.ndarray
+    corners: np.ndarray
+    nodes: np.ndarray
+    total: int
+    owned: int
+
+
+def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) -> Distribution:
+    """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in gmsh's order, and number a space's nodes.
+
+    The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
+    """
+    from dolfinx import fem, mesh
+
+    if comm.rank == 0:
+        given, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
+    else:
+        given, x = np.empty((0, 4), dtype=np.int64), np.empty((0, 2))
+    try:
+        import basix.ufl  # from dolfinx 0.7 on
+        import ufl
+
+        domain = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
+        grid = mesh.create_mesh(comm, cells=given, x=x, e=domain)
+        space = fem.functionspace(grid, _element(degree, basix.ufl.element))
+    except ImportError:
+        import ufl
+
+        grid = mesh.create_mesh(comm, given, x, ufl.Mesh(ufl.VectorElement("Lagrange", "quadrilateral", 1)))
+        space = fem.FunctionSpace(grid, ufl.FiniteElement("Lagrange", "quadrilateral", degree))
+    owned_cells = grid.topology.index_map(2).size_local
+    index_map = space.dofmap.index_map
+    local = _rows(space.dofmap.list)[:owned_cells]
+    geometry = _rows(grid.geometry.dofmap)[:owned_cells]
+    return Distribution(
+        cell=np.asarray(grid.topology.original_cell_index)[:owned_cells],
+        corners=np.asarray(grid.geometry.input_global_indices)[geometry],
+        nodes=index_map.local_to_global(np.ascontiguousarray(local.ravel(), dtype=np.int32)).reshape(local.shape),
+        total=int(index_map.size_global),
+        owned=int(index_map.size_local),
+    )
+
+
+def tabulate(degree: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shape functions (points, nodes) and their reference gradients (points, nodes, 2) at reference points."""
+    import basix
+
+    table = _element(degree, basix.create_element).tabulate(1, points)[..., 0]
+    return table[0], np.moveaxis(table[1:], 0, -1)
+
+
+def _element(degree: int, create: Any) -> Any:
+    import basix
+
+    return create(basix.ElementFamily.P, basix.CellType.quadrilateral, degree, basix.LagrangeVariant.gll_warped)
+
+
+def _rows(table: Any) -> np.ndarray:
+    """A dofmap's table as an array (cells, entries); dolfinx had adjacency lists of equal rows up to 0.6."""
+    if hasattr(table, "array"):
+        return np.asarray(table.array).reshape(table.num_nodes, -1)
+    return np.asarray(table)

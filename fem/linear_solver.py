@@ -1,0 +1,135 @@
+"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised by MUMPS."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from petsc4py import PETSc
+
+from fem import assembly, condensation
+from fem.discretisation import Discretisation
+
+# More entries in a row than any vertex of a reasonable mesh gives (eight biquadratic cells round it give 98).
+ROW_ENTRIES = 130
+
+
+class SingularMatrixError(ArithmeticError):
+    """The stiffness matrix could not be factorised: there is a mechanism, or a part that nothing holds."""
+
+
+class Exchange:
+    """Between the components that this rank owns and those its cells need; on one rank the same in another order."""
+
+    def __init__(self, d: Discretisation) -> None:
+        self._owned = PETSc.Vec().createMPI((d.owned, d.size), comm=d.comm)
+        self._local = PETSc.Vec().createSeq(len(d.global_dofs))
+        needed = PETSc.IS().createGeneral(d.global_dofs, comm=PETSc.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(self._owned, needed, self._local, None)
+        self.first, self.last = self._owned.getOwnershipRange()
+        self._comm = d.comm
+
+    def to_local(self, owned: np.ndarray) -> np.ndarray:
+        """Values where the cells need them, from the values of the owned components."""
+        self._owned.array[:] = owned
+        self._scatter.scatter(self._owned, self._local)
+        return self._local.array.copy()
+
+    def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
+        """Contributions of all ranks added up for the owned components."""
+        self._local.array[:] = local
+        self._owned.set(0.0)
+        self._scatter.scatter(
+            self._local, self._owned, addv=PETSc.InsertMode.ADD_VALUES, mode=PETSc.ScatterMode.REVERSE
+        )
+        return self._owned.array.copy()
+
+    def dot(self, a: np.ndarray, b: np.ndarray) -> float:
+        """The scalar product of two vectors, over all ranks."""
+        return float(self._comm.allreduce(float(a @ b)))
+
+    def norm(self, a: np.ndarray) -> float:
+        return float(np.sqrt(self.dot(a, a)))
+
+    def owned_part(self, everything: np.ndarray) -> np.ndarray:
+        """This rank's part of a vector over all components."""
+        return everything[self.first : self.last]
+
+    def gather(self, owned: np.ndarray) -> np.ndarray:
+        """The whole vector, on every rank."""
+        return np.concatenate(self._comm.allgather(owned))
+
+
+class LinearSolver:
+    """K x = b with rows and columns of the held components replaced by those of the unit matrix.
+
+    Components inside a cell are condensed before the matrix is set, where they stand as held, and found afterwards.
+    """
+
+    def __init__(self, d: Discretisation, exchange: Exchange) -> None:
+        self._grid, self._exchange = d, exchange
+        border = d.dofs.shape[1] - d.inside
+        self._rows = d.global_dofs[d.dofs[:, :border]].astype(PETSc.IntType)
+        self._inside = d.global_dofs[d.dofs[:, border:]].ravel()
+        self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
+        self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
+        self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
+        self._matrix.setPreallocationNNZ((ROW_ENTRIES, ROW_ENTRIES))
+        self._ksp = PETSc.KSP().create(d.comm)
+        self._ksp.setType(PETSc.KSP.Type.PREONLY)
+        pc = self._ksp.getPC()
+        pc.setType(PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        self._ksp.setErrorIfNotConverged(False)
+        self._x, self._b = self._matrix.createVecs()
+
+    def factorise(self, tangent: np.ndarray, more: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and ``more`` (nc or 0, nd, nd), and factorise it.
+
+        ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
+        Raises SingularMatrixError.
+        """
+        d = self._grid
+        assembly.element_stiffness(d.matrix, d.weights, tangent, more, free, d.dofs, self._elements)
+        if d.inside:
+            condensation.condense(self._elements, self._inverse)
+            if not np.all(np.isfinite(self._inverse)):
+                raise SingularMatrixError("a cell has no stiffness inside")
+        border = self._rows.shape[1]
+        block = np.ascontiguousarray(self._elements[:, :border, :border]).reshape(len(self._rows), -1)
+        ones = np.concatenate([held, self._inside]).astype(PETSc.IntType)[:, None]
+        self._matrix.zeroEntries()
+        self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.setValuesRCV(ones, ones, np.ones(ones.shape), addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.assemble()
+        with _as_singular():
+            self._ksp.setOperators(self._matrix)
+            self._ksp.setUp()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
+        d, exchange = self._grid, self._exchange
+        self._b.array[:] = right
+        if d.inside:
+            force = exchange.to_local(right)
+            change = np.empty_like(force)
+            condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
+            self._b.array[:] += exchange.sum_to_owned(change)
+        with _as_singular():
+            self._ksp.solve(self._b, self._x)
+        x = self._x.array.copy()
+        if d.inside:
+            local = exchange.to_local(x)
+            condensation.expand(self._elements, self._inverse, d.dofs, force, local)
+            own = self._inside - exchange.first
+            x[own] = local[d.dofs[:, -d.inside :].ravel()]
+        if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
+            raise SingularMatrixError("the stiffness matrix is singular")
+        return x
+
+
+@contextmanager
+def _as_singular() -> Iterator[None]:
+    try:
+        yield
+    except PETSc.Error as error:
+        raise SingularMatrixError(f"the stiffness matrix could not be factorised ({error})") from error

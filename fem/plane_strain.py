@@ -1,0 +1,190 @@
+"""Elastoplastic plane strain of a meshed section: its state, its forces, its stiffness.
+
+Stress is positive in tension; components [xx, yy, zz, xy], y upwards; Pa, m, N per metre out of plane.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fem import assembly, mohr_coulomb, viscoplastic
+from fem.discretisation import Discretisation, discretise, tied
+from fem.linear_solver import Exchange, LinearSolver
+from fem.settings import Element
+from meshes.errors import InputError
+from meshes.quadrilaterals import QuadMesh
+from meshes.section import Section, Stratum
+
+# Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
+ELASTIC_SHARE = 1e-6
+# Share of the elastic stiffness that resists, over one step, strain that the quadrature points do not see.
+UNSEEN_SHARE = 1e-4
+
+
+class PlaneStrain:
+    """Displacement and stress of a section, with the last accepted state of equilibrium to step from.
+
+    Vectors are the components that this rank owns, x and y of a node in turn.
+    """
+
+    def __init__(
+        self, mesh: QuadMesh, strata: Sequence[Stratum], element: Element, comm: Any, threads: int = 1
+    ) -> None:
+        self.strata = tuple(strata)
+        self.threads = threads
+        self._take(discretise(mesh, element, comm))
+        self.material = np.repeat(self.grid.stratum, self.grid.points_per_cell).astype(np.int64)
+        self.use_strength(1.0)
+        self._elastic = self.elastic_stiffness()
+        points = self.grid.weights.size
+        self.displacement = np.zeros(self.exchange.last - self.exchange.first)
+        self.stress = np.zeros((points, 4))
+        self.strain = np.zeros((points, 4))
+        self.plastic_strain = np.zeros((points, 4))
+        self.region = np.zeros(points, dtype=np.int8)
+        self._trial = np.zeros((points, 4))
+        self._tangent = np.zeros((points, 4, 4))
+        self._plastic = np.zeros((points, 4))
+        self._strain = np.zeros((points, 4))
+        self.overstress = 0.0
+        self._passive = np.zeros(0, dtype=np.int64)
+        self.hold({})
+
+    def _take(self, grid: Discretisation) -> None:
+        """Work with a discretisation from now on."""
+        self.grid = grid
+        self.exchange = Exchange(grid)
+        self._solver = LinearSolver(grid, self.exchange)
+        self._forces = np.zeros(len(grid.global_dofs))
+        shear = np.array([s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio)) for s in self.strata])
+        self._unseen = UNSEEN_SHARE * shear[grid.stratum[: len(grid.unseen)], None, None] * grid.unseen
+
+    def use_strength(self, factor: float) -> None:
+        """Divide cohesion and tan φ of every stratum by ``factor``; ψ stays as it is unless φ falls below it."""
+        friction = np.arctan(np.tan([s.friction_angle for s in self.strata]) / factor)
+        self.table = mohr_coulomb.table(
+            young=[s.youngs_modulus for s in self.strata],
+            poisson=[s.poissons_ratio for s in self.strata],
+            cohesion=[s.cohesion / factor for s in self.strata],
+            friction=friction,
+            dilation=np.minimum([s.dilation_angle for s in self.strata], friction),
+        )
+
+    def hold(self, components: dict[str, str]) -> None:
+        """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""
+        held = np.zeros(self.grid.size, dtype=bool)
+        held[2 * self._passive] = held[2 * self._passive + 1] = True
+        for name, axes in components.items():
+            for axis in axes:
+                held[2 * self.grid.sides[name] + "xy".index(axis)] = True
+        self.hold_components(held)
+
+    def hold_components(self, held: np.ndarray) -> None:
+        """Hold the components marked in ``held`` (all components, the same on every rank)."""
+        self.free = ~self.exchange.owned_part(held)
+        self._free_local = ~held[self.grid.global_dofs]
+        self._held_owned = self.exchange.first + np.flatnonzero(~self.free)
+
+    def tie(self, one: str, other: str, section: Section) -> None:
+        """Let the nodes of boundary ``other`` move like those of ``one``, with the base held.
+
+        Raises InputError unless the two have the same layers at the same heights, up to a shift.
+        """
+        grid = self.grid
+        masters, slaves = (
+            nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[one], grid.sides[other])
+        )
+        here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
+        if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
+            wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
+            raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
+        self.tie_nodes(masters, slaves)
+        self.hold({"base": "xy"})
+
+    def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
+        """Let nodes (global numbers) move like others; ``hold`` has to be called anew."""
+        self._take(tied(self.grid, masters, slaves))
+        self._passive = np.concatenate([self._passive, slaves])
+
+    def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
+        """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
+        per_area = np.asarray(density, dtype=float)[self.grid.stratum]
+        nodal = np.einsum("c,cq,qn->cn", per_area, self.grid.weights, self.grid.shapes)
+        local = np.zeros(len(self.grid.global_dofs))
+        for axis, value in enumerate(acceleration):
+            np.add.at(local, self.grid.dofs[:, axis::2], value * nodal)
+        return self.exchange.sum_to_owned(local)
+
+    def internal_force(self, increment: np.ndarray, tangent: bool = True) -> np.ndarray:
+        """Nodal forces of the stress that a displacement increment from the accepted state leads to.
+
+        Keeps that stress, and its tangent if asked for, until the next call or ``accept``.
+        """
+        local = self.exchange.to_local(increment)
+        assembly.strains(self.grid.matrix, self.grid.dofs, local, self._strain)
+        mohr_coulomb.update(
+            self._strain, self.stress, self.material, self.table, self._trial,
+            tangent=self._tangent if tangent else None,
+            plastic_strain_increment=self._plastic, region=self.region, threads=self.threads,
+        )  # fmt: skip
+        if self.overstress > 0.0:
+            viscoplastic.add_overstress(
+                self.overstress, self._strain, self.stress, self.material, self._elastic,
+                self._trial, self._tangent if tangent else self._tangent[:0], self._plastic,
+            )  # fmt: skip
+        self._assemble(self._trial)
+        assembly.add_forces(self._unseen, self.grid.dofs, local, self._forces)
+        return self.exchange.sum_to_owned(self._forces)
+
+    def forces_of(self, stress: np.ndarray) -> np.ndarray:
+        """Nodal forces (N/m) of a stress (points, 4)."""
+        self._assemble(stress)
+        return self.exchange.sum_to_owned(self._forces)
+
+    def _assemble(self, stress: np.ndarray) -> None:
+        assembly.internal_forces(self.grid.matrix, self.grid.weights, self.grid.dofs, stress, self._forces)
+
+    def factorise(self) -> None:
+        """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
+        if self.overstress < ELASTIC_SHARE:
+            self._tangent += ELASTIC_SHARE * self._elastic[self.material]
+        self._solver.factorise(self._tangent, self._unseen, self._free_local, self._held_owned)
+
+    def solve(self, force: np.ndarray) -> np.ndarray:
+        """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
+        return self._solver.solve(np.where(self.free, force, 0.0))
+
+    def elastic_stiffness(self) -> np.ndarray:
+        """Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""
+        laws = np.zeros((len(self.strata), 4, 4))
+        for law, s in zip(laws, self.strata, strict=True):
+            shear = s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio))
+            law[:3, :3] = 2.0 * shear * s.poissons_ratio / (1.0 - 2.0 * s.poissons_ratio)
+            law[range(4), range(4)] += [2.0 * shear] * 3 + [shear]
+        return laws
+
+    def accept(self, increment: np.ndarray) -> None:
+        """Make the state of the last ``internal_force`` the one to step from."""
+        self.displacement = self.displacement + increment
+        self.stress[:] = self._trial
+        self.strain += self._strain
+        self.plastic_strain += self._plastic
+
+    def state(self) -> tuple[np.ndarray, ...]:
+        """A copy of the accepted state, for ``restore``."""
+        return tuple(a.copy() for a in (self.displacement, self.stress, self.strain, self.plastic_strain))
+
+    def restore(self, state: tuple[np.ndarray, ...]) -> None:
+        """Go back to a state."""
+        self.displacement = state[0].copy()
+        self.stress[:], self.strain[:], self.plastic_strain[:] = state[1:]
+
+    def use_elastic_tangent(self) -> None:
+        """Make Hooke's law the tangent of the next ``factorise``."""
+        self._tangent[:] = self._elastic[self.material]
+
+    def plastic_share(self) -> float:
+        """Share of the quadrature points that the last stress update found at yield."""
+        count = self.grid.comm.allreduce(np.array([np.count_nonzero(self.region), self.region.size], dtype=float))
+        return float(count[0] / count[1])

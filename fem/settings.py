@@ -1,0 +1,44 @@
+"""How to look for the critical seismic coefficient."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from meshes.section import Model
+
+Element = Literal["quadratic", "reduced", "bilinear"]
+Sides = Literal["roller", "fixed", "tied"]
+
+
+class FemSettings(Model):
+    """Settings of the finite element analysis, a table [fem]."""
+
+    element: Element = Field(
+        default="quadratic",
+        description='"quadratic" (9 nodes), "reduced" (9 nodes, for dilating ground) or "bilinear" (4 nodes)',
+    )
+    sides: Sides = Field(
+        default="roller",
+        description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
+    )
+    direction: Literal["downhill", "uphill"] = Field(default="downhill", description="where the ground is pushed")
+    vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
+    flow: Literal["section", "associated"] = Field(
+        default="section", description='dilation angle as the strata say, or "associated": equal to the friction angle'
+    )
+    kh: tuple[float, ...] = Field(
+        default=(0.2, 0.25, 0.3), description="seismic coefficients whose fields are kept, such as [0.2, 0.3]"
+    )
+    kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")
+    first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of the seismic coefficient")
+    tolerance: float = Field(default=1e-6, ge=1e-12, le=1e-3, description="unbalanced force over the weight")
+    relaxation: float = Field(
+        default=0.002,
+        ge=0.0,
+        le=0.1,
+        description="displacement over which overstress decays, in elastic displacements; used where ψ < φ",
+    )
+    safety_factor_at: tuple[float, ...] = Field(
+        default=(), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
+    )
+    threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")

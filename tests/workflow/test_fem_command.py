@@ -1,0 +1,140 @@
+"""`noshiro fem` as a person types it: what it leaves behind, what it refuses, and that it runs under mpirun."""
+
+import builtins
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pyvista as pv
+import tomli_w
+from matplotlib.image import imread
+
+from tests.sections import slope
+from workflow.cli import main
+
+SMALL = ("--element", "bilinear", "--size", "3 m")
+
+
+def run(*arguments: object) -> int:
+    """The exit code of the command, in this process."""
+    try:
+        main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    return 0
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    """The small slope as a file, with changes of its only stratum."""
+    data = slope()
+    data["strata"][0].update(changes)
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert run("fem", written(tmp_path), "--out", out, "--kh", "0.1", "--kh", "5.0", *SMALL) == 0
+    told = capsys.readouterr().out
+    answer = json.loads((out / "fem/critical.json").read_text())
+    assert f"Critical Kh = {answer['kc']:.4f}" in told
+    assert answer["verdict"] in ("plateau", "peak")
+    assert 0.1 < answer["kc"] == answer["kc_lower"] <= answer["kc_upper"] < 5.0
+    assert answer["kc"] <= max(step["factor"] for step in answer["curve"]) <= answer["kc_upper"]
+    tolerance = answer["settings"]["tolerance"]
+    assert all(step["residual"] <= tolerance for step in answer["curve"])
+    past = {state["kh"]: state["past_equilibrium"] for state in answer["states"]}
+    assert past[0.1] is False
+    assert past[5.0] is True
+
+    collection = pv.PVDReader(str(out / "fem/fields.pvd"))
+    assert collection.time_values[0] == 0.1
+    assert all(time < 5.0 for time in collection.time_values)
+    fields = collection.read()[0]
+    assert set(fields.cell_data) >= {"stratum", "safety_factor", "stress_xx_yy_zz_xy_Pa", "plastic_shear_strain"}
+    assert "displacement_m" in fields.point_data
+    for name in ("fem_kh_0.100", "fem_kh_5.000", "fem_plateau", "fem_curve"):
+        assert imread(out / f"figures/{name}.png").shape[1] == 1600
+    assert not list(out.rglob(".*"))
+
+
+def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed")
+    assert run("fem", written(tmp_path), "--out", out, *options, *SMALL) == 0
+    answer = json.loads((out / "fem/critical.json").read_text())
+    still, shaken = answer["safety_factors"]
+    assert still["kh"] == 0.0
+    assert still["factor"] > shaken["factor"] > 1.0
+    assert answer["kc"] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--sides", "loose"), "fem, sides = 'loose'"),
+        (("--element", "cubic"), "fem, element = 'cubic'"),
+        (("--vertical", "2"), "fem, vertical = 2.0"),
+        (("--kh", "nan"), "fem, kh"),
+        (("--sides", "tied"), 'sides = "tied": the left and right sides differ'),
+    ],
+)
+def test_settings_that_cannot_be(
+    arguments: tuple[str, ...], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("fem", written(tmp_path), "--out", tmp_path / "out", *SMALL, *arguments) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_stratum_without_strength_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, cohesion=0.0, friction_angle="0 deg")
+    assert run("fem", path, "--out", tmp_path / "out", *SMALL) == 2
+    assert "cohesion and friction angle are both 0" in capsys.readouterr().err
+
+
+def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, cohesion="0.1 kPa", friction_angle="0 deg")
+    assert run("fem", path, "--out", tmp_path / "out", *SMALL) == 3
+    assert "fails under its own weight" in capsys.readouterr().err
+
+
+def test_without_dolfinx_it_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ordinary = builtins.__import__
+
+    def importing(name: str, *more: Any) -> Any:
+        if name.split(".")[0] == "dolfinx":
+            raise ImportError("No module named 'dolfinx'")
+        return ordinary(name, *more)
+
+    monkeypatch.setattr(builtins, "__import__", importing)
+    assert run("fem", written(tmp_path), "--out", tmp_path / "out", *SMALL) == 2
+    told = capsys.readouterr().err
+    assert "apt-get install python3-dolfinx" in told
+    assert "conda install" in told
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
+def test_two_processes_find_the_same_and_one_writes(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    # This process is an MPI program of its own by now, and mpirun would take its variables for its parent's.
+    outside_mpi = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI_", "PMIX_"))}
+    answers = []
+    for number in (1, 2):
+        out = tmp_path / f"out{number}"
+        command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(number), sys.executable, "-m"]
+        done = subprocess.run(
+            [*command, "workflow.cli", "fem", str(path), "--out", str(out), "--kh", "0.1", *SMALL],
+            capture_output=True, text=True, timeout=180, stdin=subprocess.DEVNULL, check=True,
+            cwd=Path(__file__).parents[2], env=outside_mpi,
+        )  # fmt: skip
+        assert done.stdout.count("Critical Kh") == 1
+        answers.append(json.loads((out / "fem/critical.json").read_text()))
+    assert answers[1]["kc"] == pytest.approx(answers[0]["kc"], rel=1e-6)

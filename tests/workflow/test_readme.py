@@ -1,0 +1,27 @@
+"""What the README shows works as shown."""
+
+import re
+import tomllib
+from pathlib import Path
+
+from meshes.quadrilaterals import generate
+from tests.sections import assert_conforming
+from workflow.settings import Input
+
+TOP = Path(__file__).parents[2]
+README = (TOP / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_section_and_the_mesh_settings_of_the_readme() -> None:
+    section, settings = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
+    used = Input.parse({**tomllib.loads(section), **tomllib.loads(settings)})
+    mesh = generate(used, used.mesh)
+    assert mesh.method == "free"
+    assert_conforming(mesh, used)
+    assert used.layering.x.tolist() == [0.0, 20.0, 40.0, 44.0, 60.0, 70.0]
+
+
+def test_pictures_are_there_and_small() -> None:
+    pictures = [TOP / name for name in re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)]
+    assert len(pictures) == 2
+    assert sum(path.stat().st_size for path in pictures) < 300_000

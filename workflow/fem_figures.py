@@ -1,0 +1,161 @@
+"""Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
+
+import textwrap
+from typing import NamedTuple
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+
+from fem.critical import CriticalResult
+from fem.fields import State, slip_surface
+from meshes.quadrilaterals import QuadMesh
+from workflow.canvas import INK, Sheet, Window, render
+from workflow.figures import foot, unstructured
+from workflow.settings import Input
+from workflow.store import Store
+
+# Mobilised over available shear strength: pale where there is much in hand, red at failure.
+SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
+SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
+SLIP = "#111111"
+PATH = "#1f6fb2"
+NOTE_CHARACTERS = 88
+
+
+def draw_all(run: Input, mesh: QuadMesh, result: CriticalResult, store: Store) -> None:
+    """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png."""
+    window = Window.around(mesh.points)
+    drawn: dict[int, Views] = {}
+    for state in result.states:
+        same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+        if same not in drawn:
+            drawn[same] = _views(mesh, state, window)
+        is_plateau = state.label.startswith("plateau")
+        name = "figures/fem_plateau.png" if is_plateau else f"figures/fem_kh_{state.kh:.3f}.png"
+        with store.writing(name) as path:
+            _state_sheet(run, mesh, state, window, drawn[same]).save(path)
+    with store.writing("figures/fem_curve.png") as path:
+        _curve_sheet(run, result).save(path)
+
+
+def conditions(run: Input) -> str:
+    """What a critical Kh depends on and must be said beside it."""
+    flow = "ψ = φ" if run.fem.flow == "associated" else "ψ as given (" + _dilations(run) + ")"
+    kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
+    return f"sides {run.fem.sides}, {flow}, {run.fem.element} element, pushed {run.fem.direction}{kv}"
+
+
+def _dilations(run: Input) -> str:
+    angles = sorted({round(float(np.degrees(s.dilation_angle)), 1) for s in run.strata})
+    return "°, ".join(f"{angle:g}" for angle in angles) + "°"
+
+
+class Views(NamedTuple):
+    """The rendered views of a state, and how much longer than true the arrows are."""
+
+    arrows: np.ndarray
+    safety: np.ndarray
+    stretch: float
+    largest: float
+
+
+def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
+    grid = unstructured(mesh)
+    largest = float(np.hypot(*state.displacement.T).max())
+    stretch = nice_number(0.04 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
+
+    def arrows(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(grid, color="#efece4", lighting=False)
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+        every = _spread(mesh.points, window)
+        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
+        points["u"] = np.column_stack([state.displacement[every] * stretch, np.zeros(len(every))])
+        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
+        plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=PATH, lighting=False)
+
+    def safety(plotter: pv.Plotter) -> None:
+        grid.cell_data["safety"] = np.digitize(state.safety_factor, SAFETY_BOUNDS[1:-1])
+        plotter.add_mesh(
+            grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
+            lighting=False, show_scalar_bar=False,
+            show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
+        )  # fmt: skip
+
+    return Views(render(window, arrows), render(window, safety), stretch, largest)
+
+
+def _state_sheet(run: Input, mesh: QuadMesh, state: State, window: Window, views: Views) -> Sheet:
+    title = f"{run.title or run.name}: FEM, {state.label}"
+    sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
+    shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
+    sheet.show(0, views.arrows, window, shown)
+    axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
+    slip = slip_surface(mesh, state)
+    if len(slip):
+        axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
+    scale = ScalarMappable(BoundaryNorm(SAFETY_BOUNDS, len(SAFETY_COLOURS)), ListedColormap(list(SAFETY_COLOURS)))
+    left, top = sheet.legend_at
+    height = sheet.figure.get_figheight()
+    bar = sheet.figure.add_axes((left, top - 0.22 / height, 0.42, 0.12 / height))
+    sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=SAFETY_BOUNDS)
+    bar.tick_params(labelsize=7, colors=INK, length=2)
+    bar.set_xlabel("mobilised / available shear strength (-); 1: failure", fontsize=7, color=INK, labelpad=1)
+    notes = [f"{conditions(run)}. Dotted: largest shear strain along x."]
+    if state.past_equilibrium:
+        notes.append(
+            f"There is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
+        )
+    lines = [line for text in notes for line in textwrap.wrap(text, NOTE_CHARACTERS)]
+    sheet.figure.text(0.52, top, "\n".join(lines), fontsize=7.5, color=INK, va="top")
+    return sheet
+
+
+def _spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
+    """Indices of points about evenly spread over the window, one for each box of a grid."""
+    box = (window.right - window.left) / across
+    cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
+    _, first = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_index=True)
+    return first
+
+
+def nice_number(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
+
+
+def _curve_sheet(run: Input, result: CriticalResult) -> Sheet:
+    sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
+    axes = sheet.views[0]
+    moving = [step for step in result.steps if not step.at_rest]
+    resting = [step for step in result.steps if step.at_rest]
+    axes.plot(
+        [0.0, *(100 * s.displacement for s in moving)], [0.0, *(s.factor for s in moving)],
+        color=PATH, marker="o", markersize=2.5, linewidth=1.2,
+    )  # fmt: skip
+    axes.plot([100 * s.displacement for s in resting], [s.factor for s in resting], "s", color=INK, markersize=3.5)
+    axes.axhspan(result.lower, result.upper, color="#b3202c", alpha=0.15, linewidth=0)
+    axes.axhline(result.kc, color="#b3202c", linewidth=1.0)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("mean horizontal displacement, weighted by seismic mass (cm)", fontsize=8, color=INK)
+    axes.set_ylabel("seismic coefficient Kh (-)", fontsize=8, color=INK)
+    axes.tick_params(labelsize=8, colors=INK)
+    axes.grid(color="#dddddd", linewidth=0.5)
+    axes.set_title(
+        f"critical Kh = {result.kc:.3f}, at most {result.upper:.3f}: {result.verdict}; {conditions(run)}",
+        fontsize=9, loc="left", color=INK, pad=4,
+    )  # fmt: skip
+    handles = [
+        Line2D([], [], color=PATH, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
+        Line2D([], [], color="#b3202c", linewidth=1.0, label="largest Kh in equilibrium, and its bracket"),
+    ]
+    if resting:
+        handles.append(
+            Line2D([], [], color=INK, marker="s", linestyle="", markersize=3.5, label="at rest, without overstress")
+        )
+    sheet.legend(handles, 3)
+    return sheet
