@@ -14,7 +14,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 ARRIVED, ROUND = 0, 16  # two counters, a cache line or more apart
-SPINS = 2000
+SPINS = 500
 
 
 def new_barrier() -> np.ndarray:
