@@ -4,7 +4,7 @@ Between two calls of `run` the model is the truth and may be changed in any way;
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -126,7 +126,7 @@ class Engine:
         total = steps if steps is not None else max(1, round(float(duration or 0.0) / dt))
         between = total if every is None else max(1, round(every / dt))
         saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
-        run = _Run(self, model, dt)
+        run = Run(self, model, dt)
         try:
             end = model.steps + total
             begin = model.steps
@@ -171,7 +171,7 @@ class Engine:
         return "No checkpoint was kept."
 
 
-class _Run:
+class Run:
     """One run: the layout while it lasts, its threads, and the way from call to call of the kernel."""
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
@@ -179,16 +179,19 @@ class _Run:
         give_back_large_arrays()
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
-        self.pool = ThreadPoolExecutor(self.threads - 1) if self.threads > 1 else None
+        # no thread is the caller's own: who is interrupted can wait for the kernel and still know how far it came
+        self.pool = ThreadPoolExecutor(self.threads)
+        self.working: list[Future[tuple[int, float, int]]] = []
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.pack()
         self.begin_books()
 
     def close(self) -> None:
         """Brings the model up to date, whatever happened, and lets the threads go."""
+        if self.working:
+            self.collect()
         self.update()
-        if self.pool is not None:
-            self.pool.shutdown()
+        self.pool.shutdown()
 
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
@@ -271,11 +274,14 @@ class _Run:
                 model.books,
             )  # fmt: skip
 
-        others = [self.pool.submit(work, k) for k in range(1, self.threads)] if self.pool else []
-        taken, now, reason = work(0)
-        for other in others:
-            other.result()
-        model.steps += taken
-        model.time = now
-        model.last_dt = self.dt
+        self.working = [self.pool.submit(work, k) for k in range(self.threads)]
+        return self.collect()
+
+    def collect(self) -> int:
+        """Waits for the kernel and books the steps it took; returns why it came back."""
+        taken, now, reason = [thread.result() for thread in self.working][0]
+        self.working = []
+        self.model.steps += taken
+        self.model.time = now
+        self.model.last_dt = self.dt
         return reason

@@ -75,6 +75,8 @@ def tilted_gravity(tilt: float, g: float = 9.80665) -> tuple[float, float]:
 class DiscModel:
     """n discs, their contacts and the table of springs. Make one with `DiscModel.create`.
 
+    Whoever changes lines or skin by hand calls `make_list` then; positions are looked at when a run begins.
+
     Per disc (n,): x, z, roll (radius times angle, m); vx, vz, vr (radius times spin) at `time`; *_half: the same half a
     step before; radius; mass (kg/m) with the full density; weight: effective over full density; ease: r^2 m / I, 2 for
     a disc, 0 for one that cannot turn;

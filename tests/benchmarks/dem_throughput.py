@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.engine import Engine, _Run, largest_step
+from dem.engine import Engine, Run, largest_step
 from dem.model import DiscModel, tilted_gravity
 from dem.packer import pack, unpack
 from dem.packing import Packing, lattice_box
@@ -101,7 +101,7 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         free = int((~model.fixed).sum())
         steps = max(20, int(4e7 / free))
         for count in threads:
-            run = _Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
+            run = Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
             run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
             seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps

@@ -1,8 +1,10 @@
 """The engine as a machine: threads, restarts, numbering, neighbour lists, the JIT, and every way it stops in words."""
 
 import os
+import signal
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -325,6 +327,22 @@ def test_impossible_discs_are_refused(change: dict, words: str) -> None:
         DiscModel.create(**given)
 
 
+def test_interrupted_run_leaves_a_whole_model() -> None:
+    """Ctrl-C while the kernel runs: the model stands where the kernel stopped, and goes on from there."""
+    model, whole = shaken(), shaken()
+    engine = Engine(dt=2e-4, balance=1.0)
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        engine.run(model, steps=10_000_000)
+    timer.join()
+    assert 0 < model.steps < 10_000_000
+    assert model.time == pytest.approx(model.steps * 2e-4)
+    engine.run(whole, steps=model.steps)
+    for name in ("x", "vz_half", "pore_length", "shear"):
+        assert np.array_equal(getattr(model, name), getattr(whole, name))
+
+
 TINY = """
 import numpy as np
 from tests.dem_cases import box, SOIL
@@ -340,6 +358,21 @@ booked = [ledger.gap, ledger.dashpots, ledger.cracks]
 values = [model.x, model.z, model.vx, model.vr, np.sort(model.pore_length), booked]
 print(" ".join(float(v).hex() for v in np.concatenate(values)))
 """
+
+
+@pytest.mark.slow
+def test_processes_that_start_at_once_share_one_cache(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", TINY]
+    where = Path(__file__).parents[2]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    for _ in range(2):  # compiling at the same time, then reading
+        started = [
+            subprocess.Popen(command, cwd=where, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(3)
+        ]
+        outputs = [process.communicate()[0] for process in started]
+        assert all(process.returncode == 0 for process in started)
+        assert len(set(outputs)) == 1
+        assert outputs[0]
 
 
 def test_same_numbers_with_the_jit_switched_off() -> None:
