@@ -279,7 +279,8 @@ class Run:
 
     def collect(self) -> int:
         """Waits for the kernel and books the steps it took; returns why it came back."""
-        taken, now, reason = [thread.result() for thread in self.working][0]
+        results = [thread.result() for thread in self.working]  # of all, before any is believed
+        taken, now, reason = results[0]
         self.working = []
         self.model.steps += taken
         self.model.time = now
