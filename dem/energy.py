@@ -8,27 +8,7 @@ did since the last step, without anything being changed.
 import numpy as np
 from numba import njit
 
-from dem.contact import CN, CT, FKS, KN, KS, MU, element, pore
-from dem.layout import (
-    DISC,
-    FX,
-    FZ,
-    INVMASS,
-    LANES,
-    LENGTH,
-    LINK,
-    PORE,
-    RADII,
-    RIM,
-    SHEAR,
-    VR,
-    VX,
-    VZ,
-    WEIGHT,
-    Layout,
-    disc_at,
-)
-from dem.stepping import (
+from dem.chunks import (
     R_BC,
     R_BETA,
     R_CN,
@@ -51,6 +31,26 @@ from dem.stepping import (
     load_partners,
     losses,
     pore_losses,
+)
+from dem.contact import CN, CT, FKS, KN, KS, MU, element, pore
+from dem.layout import (
+    DISC,
+    FX,
+    FZ,
+    INVMASS,
+    LANES,
+    LENGTH,
+    LINK,
+    PORE,
+    RADII,
+    RIM,
+    SHEAR,
+    VR,
+    VX,
+    VZ,
+    WEIGHT,
+    Layout,
+    disc_at,
 )
 
 # Entries of what `energies` returns (J per metre out of plane); the last four came about since the last step.

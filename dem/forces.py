@@ -5,10 +5,11 @@ from typing import Literal
 
 import numpy as np
 
+from dem.chunks import SCRATCH
 from dem.layout import LANES, LINK_FIELDS, count_slots
 from dem.model import DiscModel
 from dem.packer import pack
-from dem.stepping import LEDGER, SCRATCH, contacts_of_slice
+from dem.stepping import LEDGER, contacts_of_slice
 
 
 @dataclass(frozen=True)
