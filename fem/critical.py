@@ -166,8 +166,8 @@ def carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: F
         if not walk.advance() or walk.factor >= 1.0 or walk.length > LONGEST_LOADING:
             share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
             raise UnstableError(
-                f"the section fails under its own weight{share}; check strengths and densities, or ask for the factor of "
-                "safety at Kh = 0"
+                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
+                "factor of safety at Kh = 0"
             )
         if walk.rest():
             carried = walk.factor

@@ -31,7 +31,7 @@ class PathSettings:
     rest: float = 30.0
     most_rests: int = 6
     rest_tolerance: float = 2e-3
-    give_way: tuple[float, ...] = (0.0, 0.005, 0.01, 0.02, 0.04)
+    give_way: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
     longest: int = 400
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,9 @@ class Plateau:
 
     Displacements are told by the stretch, in the first use the displacement over what it would be at this load if the
     ground were elastic. The rule holds from the stretch ``earliest`` on, and at ``latest`` the walk ends. ``fall`` is
-    the loss of load that makes a peak of a plateau, ``still_a_plateau`` the growth that is let pass at the end. Rests
-    begin at ``first_rest`` and come whenever the stretch has grown ``next_rest`` times.
+    the loss of load that makes a peak of a plateau, ``still_a_plateau`` the growth that is let pass at the end. Where
+    what was held is less than the highest load by ``loose``, more is looked for there. Rests begin at ``first_rest``
+    and come whenever the stretch has grown ``next_rest`` times.
     """
 
     growth: float = 0.01
@@ -35,6 +36,7 @@ class Plateau:
     latest: float = 12.0
     fall: float = 0.05
     still_a_plateau: float = 0.04
+    loose: float = 0.025
     first_rest: float = 1.3
     next_rest: float = 1.3
 
@@ -66,6 +68,7 @@ def walk_to_plateau(
     """
     left = sorted(factor for factor in wanted if factor > walk.factor)
     held, next_rest = walk.factor, plateau.first_rest
+    highest, summit = walk.factor, walk.mark()
     while True:
         mark = walk.mark()
         if not walk.advance():
@@ -78,6 +81,8 @@ def walk_to_plateau(
                 held = max(held, factor)
                 keep(factor)
             continue
+        if walk.factor > highest:
+            highest, summit = walk.factor, walk.mark()
         now = stretch(walk)
         if walk.settings.relaxation <= 0.0 or (now >= next_rest and walk.rest()):
             held = max(held, walk.factor)
@@ -89,9 +94,27 @@ def walk_to_plateau(
         if ending is not None:
             verdict, reason, remedy = ending
             break
+    if held < (1.0 - plateau.loose) * highest:
+        held = max(held, _held_at(walk, highest, summit))
     growth = max(growth_per_doubling(walk), 0.0)
     upper = max(held * (1.0 + growth), *(step.factor for step in walk.steps), held)
     return Outcome(held, upper, verdict, reason, remedy)
+
+
+def _held_at(walk: Walk, highest: float, summit: tuple[Any, ...]) -> float:
+    """The load factor that stands without overstress where the walk was highest, or a little below; leaves the walk.
+
+    Rests come too seldom to find it on the way, and past a peak they find less.
+    """
+    end, steps, held = walk.mark(), list(walk.steps), 0.0
+    for less in walk.settings.give_way:
+        walk.back(summit)
+        if walk.reach(highest * (1.0 - less)):
+            held = walk.factor
+            break
+    walk.back(end)
+    walk.steps[:] = steps
+    return held
 
 
 def _ending(walk: Walk, stretch: float, limit: float, plateau: Plateau) -> Ending | None:

@@ -12,7 +12,7 @@ from fem.plateau import Plateau, walk_to_plateau
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
 
-ELEMENTS = ("bilinear", "quadratic")
+ELEMENTS = ("bilinear", "quadratic", "reduced")
 
 
 def soil(name="soil", E=1e7, nu=0.3, c=1e4, phi=30.0, psi=None, ordinary=2000.0, seismic=2000.0, bottom=None):
@@ -115,3 +115,13 @@ def footing(element, phi, cells, surcharge=False, growth=1.15, **settings):
     control[2 * below[0] + 1] = -1.0
     outcome, path = limit_load(problem, fixed, (c + q) * exact * control, control, **settings)
     return exact * outcome.held + (q > 0.0), outcome, path
+
+
+def weight_limit(mesh, law, element, sides, **settings):
+    """γH / c (H = 1 m) at which a body fails as its weight grows; a strict limit load, gravity being the only load."""
+    problem = PlaneStrain(mesh, [law], element, MPI.COMM_SELF)
+    problem.hold(sides)
+    load = problem.body_force([1.0], (0.0, -1.0))
+    control = load / problem.exchange.norm(load)
+    outcome, path = limit_load(problem, np.zeros_like(load), law.cohesion * load, control, **settings)
+    return outcome.held, outcome, path
