@@ -1,0 +1,76 @@
+"""A meeting point for threads inside kernels: nobody passes before all have come.
+
+Written with LLVM's atomic instructions, as Numba offers none for the CPU. Threads spin, and give the processor
+away now and then, so that a crowded machine only gets slower. With the JIT switched off there is one thread and no
+barrier.
+"""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+ARRIVED, ROUND = 0, 16  # two counters, a cache line or more apart
+SPINS = 500
+
+
+def new_barrier() -> np.ndarray:
+    """The counters that the threads of one run share."""
+    return np.zeros(32, np.int64)
+
+
+def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return cgutils.get_item_pointer(
+        context, builder, signature.args[0], array, [arguments[1]], wraparound=False, boundscheck=False
+    )
+
+
+@intrinsic
+def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
+    """Adds to an entry of an int64 array, and returns what was there before; indivisible."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = _place(context, builder, signature, arguments)
+        return builder.atomic_rmw("add", place, arguments[2], "seq_cst")
+
+    return types.int64(array, types.intp, types.int64), generate
+
+
+@intrinsic
+def load(typing_context: Any, array: Any, index: Any) -> Any:
+    """Reads an entry that other threads write, and all they wrote before it."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load_atomic(_place(context, builder, signature, arguments), "acquire", 8)
+
+    return types.int64(array, types.intp), generate
+
+
+@intrinsic
+def give_way(typing_context: Any) -> Any:
+    """Lets another thread have this processor (POSIX sched_yield)."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(ir.IntType(32), []), "sched_yield")
+        return builder.call(function, [])
+
+    return types.int32(), generate
+
+
+@njit(cache=True, nogil=True)
+def wait(barrier: np.ndarray, threads: int) -> None:
+    """Returns when all `threads` have called it."""
+    turn = load(barrier, ROUND)
+    if fetch_add(barrier, ARRIVED, 1) == threads - 1:
+        fetch_add(barrier, ARRIVED, -threads)
+        fetch_add(barrier, ROUND, 1)
+        return
+    spins = 0
+    while load(barrier, ROUND) == turn:
+        spins += 1
+        if spins % SPINS == 0:
+            give_way()

@@ -1,0 +1,29 @@
+"""What can stop a run: each error names disc, time and place, and says what to do next."""
+
+
+class DemError(RuntimeError):
+    """A run of the discs that cannot be trusted from here on."""
+
+
+class StepTooLargeError(DemError, ValueError):
+    """The time step asked for is above the stable one."""
+
+
+class EnergyBalanceError(DemError):
+    """Energy came from nowhere or went nowhere."""
+
+
+class OverlapError(DemError):
+    """Two discs, or a disc and a line, are deeper in each other than their layers allow."""
+
+
+class NotFiniteError(DemError):
+    """A position or velocity is NaN or infinite."""
+
+
+class EscapeError(DemError):
+    """A disc is behind a rigid line or outside of all that is bounded."""
+
+
+class SpeedError(DemError):
+    """A disc moves so far in one step that it could pass another without touching it."""

@@ -1,0 +1,210 @@
+"""How discs and contacts lie in memory while the kernels step, and the way there and back.
+
+Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs, kept in
+chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk
+is 64 doubles in a row, all fields of one slice (or chunk) lie together. Every inner loop then runs over 64
+neighbouring doubles at fixed distances from one base address, which is what a compiler needs to know to use vector
+instructions; lanes without a contact point at a disc far away.
+
+Nothing in a layout depends on the number of threads, so sums are taken in the same order by one or by many.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+LANES = 64
+
+# Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
+# extrapolated to the end of the step, the others stand half a step behind.
+DISC_FIELDS = 14
+X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, WEIGHT, X0, Z0, ROLL = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
+DISC = np.uint64(DISC_FIELDS * LANES)
+
+# Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
+# and pore spring; force on the partner and rim force.
+LINK_FIELDS = 7
+RADII, LENGTH, SHEAR, PORE, FX, FZ, FR = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
+LINK = np.uint64(LINK_FIELDS * LANES)
+
+
+class Layout(NamedTuple):
+    """Everything the stepping kernel reads and writes; see `pack`.
+
+    discs (slices * DISC,), links ((chunks + lines) * LINK,): the fields above. partner (chunks * 64,): offset of the
+    partner's x in discs. kinds (chunks * 64,): column of the table of constants. chunk_kind (chunks,): the kind if
+    all lanes share it, else -1. chunk_start (slices + 1,): first chunk of each slice. incoming (slots * 64,): offset
+    in links of the force from a contact that another disc owns; incoming_start (slices + 1,). first, last (slices,):
+    lowest and highest slice owning a contact of the slice's discs. line_disc, line_id, line_kind, line_radius
+    (contacts with rigid lines,), line_start (slices + 1,).
+    """
+
+    discs: np.ndarray
+    links: np.ndarray
+    partner: np.ndarray
+    kinds: np.ndarray
+    chunk_kind: np.ndarray
+    chunk_start: np.ndarray
+    incoming: np.ndarray
+    incoming_start: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    line_disc: np.ndarray
+    line_id: np.ndarray
+    line_kind: np.ndarray
+    line_radius: np.ndarray
+    line_start: np.ndarray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def offset(disc: int) -> int:
+    """Place of the x of sorted disc number `disc` in the array of discs."""
+    return (disc // LANES) * (DISC_FIELDS * LANES) + disc % LANES
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def disc_at(place: int) -> int:
+    """Number of the sorted disc whose x lies at `place`."""
+    at = int(place)
+    return (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
+    """Largest number of times a disc of each slice occurs in `member`; and each entry's turn at its disc."""
+    seen = np.zeros(slices * LANES, np.int32)
+    turn = np.empty(len(member), np.int32)
+    for c in range(len(member)):
+        turn[c] = seen[member[c]]
+        seen[member[c]] += 1
+    start = np.zeros(slices + 1, np.int64)
+    for p in range(slices):
+        most = 0
+        for k in range(LANES):
+            most = max(most, seen[p * LANES + k])
+        start[p + 1] = start[p] + most
+    return turn, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_links(
+    owner: np.ndarray,
+    partner: np.ndarray,
+    turn: np.ndarray,
+    chunk_start: np.ndarray,
+    radii: np.ndarray,
+    kinds: np.ndarray,
+    memory: tuple[np.ndarray, ...],
+    nobody: int,
+    links: np.ndarray,
+    where: np.ndarray,
+    kind: np.ndarray,
+) -> np.ndarray:
+    """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
+    chunk_kind = np.full(chunk_start[-1], -2, np.int32)
+    for c in range(len(owner)):
+        i = owner[c]
+        chunk = chunk_start[i // LANES] + turn[c]
+        lane = i % LANES
+        base = chunk * LINK_FIELDS * LANES + lane
+        links[base] = radii[i] + radii[partner[c]]
+        links[base + LANES] = memory[0][c]
+        links[base + 2 * LANES] = memory[1][c]
+        links[base + 3 * LANES] = memory[2][c]
+        links[base + 4 * LANES] = memory[3][c]
+        links[base + 5 * LANES] = memory[4][c]
+        where[chunk * LANES + lane] = offset(partner[c])
+        kind[chunk * LANES + lane] = kinds[c]
+        if chunk_kind[chunk] == -2:
+            chunk_kind[chunk] = kinds[c]
+        elif chunk_kind[chunk] != kinds[c]:
+            chunk_kind[chunk] = -1
+    # lanes without a contact take the kind of the lane before, so that runs of one kind stay long
+    for at in range(1, len(kind)):
+        if at % LANES and where[at] == nobody:
+            kind[at] = kind[at - 1]
+    return chunk_kind
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_incoming(
+    where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """For every disc, where the forces of the contacts lie that it does not own: partners first, then lines.
+
+    They come in the order of the lanes, so that a sum over them depends on the layout alone and not on the order in
+    which contacts were listed. Also the first and last slice owning a contact of each slice. discs: how many there are.
+    """
+    slices = len(chunk_start) - 1
+    chunks = chunk_start[-1]
+    first = np.arange(slices)
+    last = np.arange(slices)
+    seen = np.zeros(slices * LANES, np.int32)
+    for p in range(slices):
+        for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
+            j = disc_at(where[place])
+            if j < discs and p * LANES + place % LANES < discs:
+                seen[j] += 1
+                first[j // LANES] = min(first[j // LANES], p)
+                last[j // LANES] = max(last[j // LANES], p)
+    for e in range(len(line_disc)):
+        seen[line_disc[e]] += 1
+    start = np.zeros(slices + 1, np.int64)
+    for p in range(slices):
+        start[p + 1] = start[p] + seen[p * LANES : (p + 1) * LANES].max()
+    silent = chunks * LINK_FIELDS * LANES + 4 * LANES
+    incoming = np.full(start[-1] * LANES, silent, np.uint32)
+    seen[:] = 0
+    for p in range(slices):
+        for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
+            j = disc_at(where[place])
+            if j < discs and p * LANES + place % LANES < discs:
+                at = (place // LANES * LINK_FIELDS + 4) * LANES + place % LANES
+                incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
+                seen[j] += 1
+    for e in range(len(line_disc)):
+        j = line_disc[e]
+        at = ((chunks + 1 + e // LANES) * LINK_FIELDS + 4) * LANES + e % LANES
+        incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
+        seen[j] += 1
+    return incoming, start, first, last
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_links(layout: Layout, order: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
+
+    Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, force on
+    the partner.
+    """
+    discs = len(order)
+    count = 0
+    for p in range(len(layout.chunk_start) - 1):
+        for place in range(layout.chunk_start[p] * LANES, layout.chunk_start[p + 1] * LANES):
+            count += p * LANES + place % LANES < discs and disc_at(layout.partner[place]) < discs
+    owner = np.empty(count, np.int32)
+    other = np.empty(count, np.int32)
+    length = np.empty(count)
+    shear = np.empty(count)
+    pore = np.empty(count)
+    force_x = np.empty(count)
+    force_z = np.empty(count)
+    found = 0
+    for p in range(len(layout.chunk_start) - 1):
+        for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
+            for lane in range(LANES):
+                i = p * LANES + lane
+                j = disc_at(layout.partner[chunk * LANES + lane])
+                if i >= discs or j >= discs:
+                    continue
+                base = chunk * LINK_FIELDS * LANES + lane
+                owner[found] = order[i]
+                other[found] = order[j]
+                length[found] = layout.links[base + LANES]
+                shear[found] = layout.links[base + 2 * LANES]
+                pore[found] = layout.links[base + 3 * LANES]
+                force_x[found] = layout.links[base + 4 * LANES]
+                force_z[found] = layout.links[base + 5 * LANES]
+                found += 1
+    return owner, other, length, shear, pore, force_x, force_z

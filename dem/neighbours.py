@@ -1,0 +1,188 @@
+"""Kernel: who can touch whom. A cell grid finds the pairs closer than the sum of their radii and a skin.
+
+The list holds until some disc has moved half the skin. It also holds every pair with a pore spring, whole or
+cracked, at whatever distance: a cracked spring resists again when the discs come back to its length, so forgetting it
+would make the result depend on the skin. Springs' memory is carried over as it stands.
+"""
+
+import numpy as np
+from numba import njit
+
+PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
+
+
+def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
+    """Numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
+    panel = np.floor((x - x.min()) / (PANEL * spacing))
+    row = np.floor((z - z.min()) / (spacing * np.sqrt(0.75)) + 0.5)
+    return np.lexsort((x, row, panel)).astype(np.int32)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cell_grid(
+    x: np.ndarray, z: np.ndarray, size: float
+) -> tuple[np.ndarray, np.ndarray, int, int, np.ndarray, np.ndarray]:
+    """Discs sorted into square cells no smaller than `size` (m), and at most four cells a disc.
+
+    Returns (column of each disc, row of each disc, columns, rows, first item of each cell, items).
+    """
+    n = len(x)
+    left, low = x.min(), z.min()
+    width, height = x.max() - left, z.max() - low
+    while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 64.0:
+        size *= 1.5
+    columns, rows = int(width / size) + 1, int(height / size) + 1
+    column = np.empty(n, np.int32)
+    row = np.empty(n, np.int32)
+    start = np.zeros(columns * rows + 1, np.int32)
+    for i in range(n):
+        column[i] = min(int((x[i] - left) / size), columns - 1)
+        row[i] = min(int((z[i] - low) / size), rows - 1)
+        start[row[i] * columns + column[i] + 1] += 1
+    for c in range(columns * rows):
+        start[c + 1] += start[c]
+    free = start[:-1].copy()
+    items = np.empty(n, np.int32)
+    for i in range(n):
+        c = row[i] * columns + column[i]
+        items[free[c]] = i
+        free[c] += 1
+    return column, row, columns, rows, start, items
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sort_by_lower(i: np.ndarray, j: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Order of pairs by their lower number, and where each number's pairs begin."""
+    start = np.zeros(n + 1, np.int32)
+    for c in range(len(i)):
+        start[min(i[c], j[c]) + 1] += 1
+    for a in range(n):
+        start[a + 1] += start[a]
+    free = start[:-1].copy()
+    by_lower = np.empty(len(i), np.int32)
+    for c in range(len(i)):
+        a = min(i[c], j[c])
+        by_lower[free[a]] = c
+        free[a] += 1
+    return by_lower, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def longer(array: np.ndarray, size: int) -> np.ndarray:
+    """A copy with room for `size` entries."""
+    grown = np.empty(size, array.dtype)
+    grown[: len(array)] = array
+    return grown
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
+    """Sorts a short stretch of `key`, and `other` with it: slots then point in one direction along a row of discs."""
+    for a in range(begin + 1, end):
+        k, o = key[a], other[a]
+        b = a
+        while b > begin and key[b - 1] > k:
+            key[b], other[b] = key[b - 1], other[b - 1]
+            b -= 1
+        key[b], other[b] = k, o
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def find_pairs(
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    fixed: np.ndarray,
+    factor: float,
+    skin: float,
+    old_i: np.ndarray,
+    old_j: np.ndarray,
+    old_length: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
+
+    Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by i; old is
+    the number of the old pair with the same discs, or -1.
+    """
+    n = len(x)
+    column, row, columns, rows, start, items = cell_grid(x, z, 2.0 * factor * radius.max() + skin)
+    by_lower, old_start = sort_by_lower(old_i, old_j, n)
+    room = 4 * n + len(old_i) + 16
+    first = np.empty(room, np.int32)
+    second = np.empty(room, np.int32)
+    known = np.empty(room, np.int32)
+    used = np.zeros(len(old_i), np.bool_)
+    count = 0
+    for i in range(n):
+        begin_i = count
+        for r in range(max(row[i] - 1, 0), min(row[i] + 2, rows)):
+            begin = start[r * columns + max(column[i] - 1, 0)]
+            end = start[r * columns + min(column[i] + 1, columns - 1) + 1]
+            for e in range(begin, end):
+                j = items[e]
+                if j <= i or (fixed[i] and fixed[j]):
+                    continue
+                reach = factor * (radius[i] + radius[j]) + skin
+                dx, dz = x[j] - x[i], z[j] - z[i]
+                if dx * dx + dz * dz >= reach * reach:
+                    continue
+                match = -1
+                for o in range(old_start[i], old_start[i + 1]):
+                    if max(old_i[by_lower[o]], old_j[by_lower[o]]) == j:
+                        match = by_lower[o]
+                        used[match] = True
+                if count >= room:
+                    room += room // 2 + 512
+                    first, second, known = longer(first, room), longer(second, room), longer(known, room)
+                first[count], second[count], known[count] = i, j, match
+                count += 1
+        for o in range(old_start[i], old_start[i + 1]):
+            c = by_lower[o]
+            if not used[c] and old_length[c] != 0.0:
+                if count >= room:
+                    room += room // 2 + 512
+                    first, second, known = longer(first, room), longer(second, room), longer(known, room)
+                first[count], second[count], known[count] = i, max(old_i[c], old_j[c]), c
+                count += 1
+        sort_run(begin_i, count, second, known)
+    return first[:count].copy(), second[:count].copy(), known[:count].copy()
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
+    """Gives every pair to one of its discs, so that few own more than three; swaps it there. Owners come first.
+
+    Three is the mean of a triangular lattice; lanes of a slice without a contact are computed in vain. Owners stay near
+    their partners in the order, for a slice can move only once the last owner of its contacts has been through.
+    """
+    owned = np.zeros(n, np.int32)
+    for c in range(len(i)):
+        a, b = i[c], j[c]
+        if owned[a] >= 3 and owned[b] < owned[a] and b - a < 2 * PANEL:
+            i[c], j[c] = b, a
+            a = b
+        owned[a] += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def find_lines(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(disc, line) of all discs that a rigid line can touch: less than r + skin before it, or behind it."""
+    n = 0
+    disc = np.empty(64, np.int32)
+    which = np.empty(64, np.int32)
+    for i in range(len(x)):
+        for k in range(len(lines)):
+            px, pz = x[i] - lines[k, 0], z[i] - lines[k, 1]
+            before = px * lines[k, 2] + pz * lines[k, 3]
+            along = pz * lines[k, 2] - px * lines[k, 3]
+            if fixed[i] or before >= radius[i] + skin or before < -depth:
+                continue
+            if along < lines[k, 4] - skin or along > lines[k, 5] + skin:
+                continue
+            if n == len(disc):
+                disc, which = longer(disc, 2 * n), longer(which, 2 * n)
+            disc[n], which[n] = i, k
+            n += 1
+    return disc[:n].copy(), which[:n].copy()

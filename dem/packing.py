@@ -1,0 +1,290 @@
+"""Discs to begin with: triangular lattices and random packings inside any polygon, and the boundary round them.
+
+A polygon is given by its corners (n, 2) in m, counter-clockwise, as `Section.outline` gives it; edges that run from
+right to left are the free surface, all others are walls. Boundary discs stand outside the walls and touch them;
+behind these, where their outer rims end, are rigid lines.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from dem.model import DiscModel
+from dem.neighbours import find_pairs
+from dem.springs import LayerSprings
+
+StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+ROW = np.sqrt(0.75)  # height of a row of a triangular lattice over its spacing
+ABOVE = 4  # rows that side walls stand higher than the surface
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Centres and radii (m), layers (-1: boundary) and rigid lines (k, 6; see DiscModel)."""
+
+    x: np.ndarray
+    z: np.ndarray
+    radius: np.ndarray
+    layer: np.ndarray
+    lines: np.ndarray
+
+    @property
+    def free(self) -> np.ndarray:
+        """Mask of the discs that can move."""
+        return self.layer >= 0
+
+    def discs(self, layers: Sequence[LayerSprings], **settings: Any) -> DiscModel:
+        """The packing as a model; settings go to `DiscModel.create`."""
+        return DiscModel.create(self.x, self.z, self.radius, layers, self.layer, lines=self.lines, **settings)
+
+
+def lattice_box(columns: int, rows: int, radius: float, above: int = ABOVE) -> Packing:
+    """Rows of columns - 1 and columns discs in turn, from the bottom, in a box of boundary discs open above.
+
+    Columns of 133 and 24 rows make the paper's 3180 elements and 189 boundary elements (Sec. 3(3)). All in layer 0.
+    """
+    if columns < 3 or rows < 1:
+        raise ValueError(f"a box needs at least 3 columns and a row, not {columns} and {rows}")
+    step = 2.0 * radius
+    xs, zs, layers = [], [], []
+    for row in range(-1, rows + above):
+        shift = 0.5 * ((row + 1) % 2)
+        count = columns - (row + 1) % 2
+        inside = (np.arange(count) + shift) * step
+        sides = np.array([-1.0 + shift, count + shift]) * step
+        line = np.concatenate([inside if row < rows else [], sides if row >= 0 else []])
+        xs.append(line)
+        zs.append(np.full(len(line), row * ROW * step))
+        moving = count if 0 <= row < rows else 0
+        layers.append(np.where(np.arange(len(line)) < moving, 0, -1))
+    low, left, right = -ROW * step - radius, -step - radius, columns * step + radius
+    high = 1e3 * step * rows
+    lines = np.array([
+        [0.5 * (left + right), low, 0.0, 1.0, left - right, right - left],
+        [left, low, 1.0, 0.0, -4.0 * radius, high],
+        [right, low, -1.0, 0.0, -high, 4.0 * radius],
+    ])  # fmt: skip
+    x, z, layer = np.concatenate(xs), np.concatenate(zs), np.concatenate(layers).astype(np.int32)
+    return Packing(x, z, np.full(len(x), radius), layer, lines)
+
+
+def triangular_lattice(
+    outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0, above: int = ABOVE
+) -> Packing:
+    """Equal discs on a triangular lattice whose rows rise by `angle` (rad), those that lie inside as a whole.
+
+    Raises ValueError if none does.
+    """
+    outline = _checked(outline)
+    c, s = np.cos(angle), np.sin(angle)
+    turned = outline @ np.array([[c, -s], [s, c]])
+    low, high = turned.min(axis=0) + radius, turned.max(axis=0) - radius
+    row = np.arange(max(0, int((high[1] - low[1]) / (2.0 * radius * ROW) + 1e-9) + 1))
+    column = np.arange(max(0, int((high[0] - low[0]) / (2.0 * radius) + 1e-9) + 1))
+    u = (low[0] + 2.0 * radius * (column[None, :] + 0.5 * (row[:, None] % 2))).ravel()
+    v = np.repeat(low[1] + 2.0 * radius * ROW * row, len(column))
+    x, z = c * u - s * v, s * u + c * v
+    inside = clearance(x, z, outline) >= radius * (1.0 - 1e-9)
+    if not inside.any():
+        raise ValueError(f"no disc of radius {radius} m fits into the outline")
+    x, z = x[inside], z[inside]
+    return _surrounded(x, z, np.full(len(x), radius), outline, stratum_at, above)
+
+
+def random_packing(
+    outline: np.ndarray,
+    stratum_at: StratumAt,
+    radius: float,
+    *,
+    spread: float = 0.2,
+    porosity: float = 0.2,
+    seed: int = 0,
+    overlap: float = 0.01,
+    sweeps: int = 4000,
+    above: int = ABOVE,
+) -> Packing:
+    """Discs of random size at random places, grown together and pushed apart until none overlaps by much.
+
+    radius: their mean (m); spread: half the width of their uniform distribution over the mean; porosity: voids over
+    area; seed: of the random numbers, the same gives the same packing; overlap: largest left, over the mean radius.
+    Raises ValueError if the discs do not fit, saying how far they came; 2-D heaps jam at a porosity of 0.16 or so.
+    """
+    outline = _checked(outline)
+    if not (0.0 <= spread < 1.0 and 0.0 < porosity < 1.0):
+        raise ValueError(f"a spread of {spread} or a porosity of {porosity} cannot be: both lie between 0 and 1")
+    rng = np.random.default_rng(seed)
+    room = _area(outline) * (1.0 - porosity)
+    count = round(room / (np.pi * radius**2 * (1.0 + spread**2 / 3.0)))
+    if count < 1:
+        raise ValueError(f"no disc of radius {radius} m fits into the outline")
+    sizes = radius * rng.uniform(1.0 - spread, 1.0 + spread, count)
+    sizes *= np.sqrt(room / np.sum(np.pi * sizes**2))
+    x, z = _scatter(rng, outline, count)
+    fixed = np.zeros(count, bool)
+    none = np.zeros(0, np.int32)
+    deepest = np.inf
+    for sweep in range(0, sweeps, 10):
+        grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
+        i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0))
+        deepest = spread_out(x, z, grown, i, j, outline, 10)
+        if grown[0] == sizes[0] and deepest <= overlap * radius:
+            break
+    if deepest > overlap * radius:
+        raise ValueError(
+            f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
+            f"radius after {sweeps} sweeps, {overlap:g} is allowed: ask for more voids, a wider spread, or more sweeps"
+        )
+    return _surrounded(x, z, sizes, outline, stratum_at, above)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
+    """Distance of a point to the outline, positive inside, and the unit vector that leads inwards from there."""
+    n = len(outline)
+    best = np.inf
+    bx = bz = ex = ez = 0.0
+    inside = False
+    for k in range(n):
+        ax, az = outline[k]
+        cx, cz = outline[(k + 1) % n]
+        if (az > pz) != (cz > pz) and px < ax + (cx - ax) * (pz - az) / (cz - az):
+            inside = not inside
+        dx, dz = cx - ax, cz - az
+        share = min(1.0, max(0.0, ((px - ax) * dx + (pz - az) * dz) / (dx * dx + dz * dz)))
+        qx, qz = px - ax - share * dx, pz - az - share * dz
+        if qx * qx + qz * qz < best:
+            best, bx, bz, ex, ez = qx * qx + qz * qz, qx, qz, dx, dz
+    distance = np.sqrt(best)
+    if distance < 1e-12:
+        length = np.sqrt(ex * ex + ez * ez)
+        return 0.0, -ez / length, ex / length
+    sign = 1.0 if inside else -1.0
+    return sign * distance, sign * bx / distance, sign * bz / distance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def spread_out(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
+) -> float:
+    """Pushes overlapping discs apart, and those too near the outline inwards; returns the deepest overlap seen last."""
+    deepest = 0.0
+    for _ in range(sweeps):
+        deepest = 0.0
+        for c in range(len(i)):
+            a, b = i[c], j[c]
+            dx, dz = x[b] - x[a], z[b] - z[a]
+            reach = radius[a] + radius[b]
+            square = dx * dx + dz * dz
+            if square >= reach * reach:
+                continue
+            distance = max(np.sqrt(square), 1e-9)
+            over = reach - distance
+            deepest = max(deepest, over)
+            push = 0.5 * over / distance
+            x[a] -= push * dx
+            z[a] -= push * dz
+            x[b] += push * dx
+            z[b] += push * dz
+        for a in range(len(x)):
+            inside, nx, nz = nearest_edge(x[a], z[a], outline)
+            if inside < radius[a]:
+                deepest = max(deepest, radius[a] - inside)
+                x[a] += (radius[a] - inside) * nx
+                z[a] += (radius[a] - inside) * nz
+    return deepest
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Distance of each point to the outline (m), negative outside."""
+    out = np.empty(len(x))
+    for a in range(len(x)):
+        out[a] = nearest_edge(x[a], z[a], outline)[0]
+    return out
+
+
+def boundary(outline: np.ndarray, radius: float, above: int = ABOVE) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (n, 2) of discs that line the walls from outside, side walls higher by `above` rows, and rigid lines.
+
+    Discs stand a diameter apart or a little less. At corners that point outwards the lines reach past each other.
+    """
+    outline = _checked(outline)
+    edge = np.roll(outline, -1, axis=0) - outline
+    length = np.hypot(*edge.T)
+    keep = length > 1e-9
+    corners, edge, length = outline[keep], edge[keep], length[keep]
+    along = edge / length[:, None]
+    outward = np.column_stack([along[:, 1], -along[:, 0]])
+    wall = along[:, 0] > -1e-9  # a vertical side runs neither way
+    higher = above * 2.0 * radius * ROW
+    far = 10.0 * float(np.ptp(outline[:, 1])) + 100.0 * radius
+    centres, lines = [], []
+    n = len(corners)
+    for k in np.flatnonzero(wall):
+        before, after = (k - 1) % n, (k + 1) % n
+        start, end = 0.0, length[k]
+        open_start, open_end = not wall[before], not wall[after]
+        # offset lines of neighbouring walls meet further out at corners that point outwards, further in at others
+        reach = [radius * _turn(along[a], along[b]) for a, b in ((before, k), (k, after))]
+        start -= higher if open_start else reach[0]
+        end += higher if open_end else reach[1]
+        pieces = max(1, int(np.ceil((end - start) / (2.0 * radius) - 1e-9)))
+        # the end of a wall is the beginning of the next one
+        spots = np.linspace(start, end, pieces + 1)[: None if open_end else -1]
+        centres.append(corners[k] + radius * outward[k] + spots[:, None] * along[k])
+        past = [far if is_open else max(0.0, 4.0 * radius if r >= 0.0 else 2.0 * r)
+                for is_open, r in zip((open_start, open_end), reach, strict=True)]  # fmt: skip
+        point = corners[k] + 2.0 * radius * outward[k]
+        lines.append([*point, *-outward[k], -length[k] - past[1], past[0]])
+    return np.concatenate(centres), np.array(lines)
+
+
+def _turn(first: np.ndarray, second: np.ndarray) -> float:
+    """Tangent of half the angle between two edges, positive at corners that point outwards."""
+    cross = first[0] * second[1] - first[1] * second[0]
+    return float(cross / (1.0 + first @ second))
+
+
+def _surrounded(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, outline: np.ndarray, stratum_at: StratumAt, above: int
+) -> Packing:
+    layer = np.asarray(stratum_at(x, z), np.int32)
+    if (layer < 0).all():
+        raise ValueError("stratum_at gives no stratum for any disc inside the outline")
+    for a in np.flatnonzero(layer < 0):
+        known = np.flatnonzero(layer >= 0)
+        layer[a] = layer[known[np.argmin((x[known] - x[a]) ** 2 + (z[known] - z[a]) ** 2)]]
+    mean = float(radius.mean())
+    centres, lines = boundary(outline, mean, above)
+    return Packing(
+        np.concatenate([x, centres[:, 0]]), np.concatenate([z, centres[:, 1]]),
+        np.concatenate([radius, np.full(len(centres), mean)]),
+        np.concatenate([layer, np.full(len(centres), -1, np.int32)]), lines,
+    )  # fmt: skip
+
+
+def _area(outline: np.ndarray) -> float:
+    x, z = outline.T
+    return 0.5 * float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
+
+
+def _checked(outline: np.ndarray) -> np.ndarray:
+    outline = np.ascontiguousarray(outline, float)
+    if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < 3 or not np.isfinite(outline).all():
+        raise ValueError("an outline is (n, 2) with at least three finite corners")
+    if not _area(outline) > 0.0:
+        raise ValueError("an outline goes round counter-clockwise and encloses some area")
+    return outline
+
+
+def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    points = np.zeros((0, 2))
+    while len(points) < count:
+        more = rng.uniform(low, high, (2 * count, 2))
+        points = np.concatenate([points, more[clearance(more[:, 0], more[:, 1], outline) > 0.0]])
+    return points[:count, 0].copy(), points[:count, 1].copy()

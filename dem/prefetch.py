@@ -1,0 +1,43 @@
+"""Asks the memory for what will be needed next; does nothing to any value, and nothing at all without the JIT."""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import config, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+LINE = 8  # doubles in a cache line
+
+
+@intrinsic
+def _prefetch(typing_context: Any, array: Any, index: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        box = context.make_array(signature.args[0])(context, builder, arguments[0])
+        place = cgutils.get_item_pointer(
+            context, builder, signature.args[0], box, [arguments[1]], wraparound=False, boundscheck=False
+        )
+        byte = ir.IntType(8).as_pointer()
+        flag = ir.IntType(32)
+        function = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(ir.VoidType(), [byte, flag, flag, flag]), "llvm.prefetch.p0"
+        )
+        builder.call(function, [builder.bitcast(place, byte), flag(0), flag(3), flag(1)])
+        return context.get_dummy_value()
+
+    return types.none(array, types.uintp), generate
+
+
+if config.DISABLE_JIT:
+
+    def prefetch(array: Any, begin: Any, size: int) -> None:
+        """Nothing to fetch ahead for."""
+
+else:
+
+    @njit(cache=True, nogil=True, forceinline=True)
+    def prefetch(array: np.ndarray, begin: int, size: int) -> None:
+        """Fetches array[begin : begin + size] ahead; reaching past the end does no harm."""
+        for k in range(0, size, LINE):
+            _prefetch(array, begin + np.uint64(k))
