@@ -35,12 +35,12 @@ def found(element, sides="roller", flow=DILATIONLESS, refine=1, **settings) -> C
 
 
 def test_the_papers_611_cells_fail_at_about_a_quarter():
-    """Sides free horizontally, ψ = 0; the paper says about 0.25. Measured: 0.2468."""
+    """Sides free horizontally, ψ = 0; the paper says about 0.25. Measured: 0.2449."""
     result = found("bilinear")
     assert len(mesh_of(1)[1].cells) == 611
     assert 0.24 < result.kc <= result.upper < 0.27
     assert result.verdict == "plateau"
-    assert result.kc == pytest.approx(0.2468, rel=0.005)
+    assert result.kc == pytest.approx(0.2449, rel=0.005)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
@@ -101,7 +101,7 @@ def test_associated_flow_changes_by_less_than_2_percent_from_2x_to_4x(sides, low
 @pytest.mark.slow
 @pytest.mark.parametrize(("element", "change"), [("bilinear", 0.04), ("quadratic", 0.04)])
 def test_flow_without_dilation_changes_by_less_than_4_percent_from_2x_to_4x(element, change):
-    """Measured 1x, 2x, 4x: 0.2468, 0.2359, 0.2294 (bilinear), 0.2387, 0.2389, not yet (quadratic)."""
+    """Measured 1x, 2x, 4x: 0.2449, 0.2332, 0.2251 (bilinear), 0.2344, 0.2314 (quadratic)."""
     twice, four = (found(element, refine=refine).kc for refine in (2, 4))
     assert four == pytest.approx(twice, rel=change)
 
@@ -112,9 +112,9 @@ OTHERS = [{"first_step": 0.005}, {"first_step": 0.05}, {"tolerance": 1e-5}, {"to
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
 @pytest.mark.parametrize("flow", [ASSOCIATED, DILATIONLESS])
 def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
-    """Measured, largest over smallest: ψ = φ 3e-7 and 8e-7, ψ = 0 0.06 % (bilinear) and 0.64 % (quadratic)."""
+    """Measured, largest over smallest: ψ = φ 3e-7 and 8e-7, ψ = 0 0.007 % (bilinear) and 0.44 % (quadratic)."""
     values = [found(element, flow=flow, **settings).kc for settings in [{}, *OTHERS]]
-    limit = 1e-5 if flow == ASSOCIATED else {"bilinear": 0.003, "quadratic": 0.015}[element]
+    limit = 1e-5 if flow == ASSOCIATED else {"bilinear": 0.001, "quadratic": 0.01}[element]
     assert max(values) / min(values) - 1.0 < limit
 
 
