@@ -1,5 +1,6 @@
 """Every difference between dolfinx 0.5 (bookworm), 0.9 (trixie) and 0.11 (sid), in one place."""
 
+import logging
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,24 +54,15 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
 
     The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
     """
-    from dolfinx import fem, mesh
-
     if comm.rank == 0:
         given, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
     else:
         given, x = np.empty((0, 4), dtype=np.int64), np.empty((0, 2))
+    logging.disable(logging.INFO)  # FFCx would tell of every compiler call when it fills its cache
     try:
-        import basix.ufl  # from dolfinx 0.7 on
-        import ufl
-
-        domain = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
-        grid = mesh.create_mesh(comm, cells=given, x=x, e=domain)
-        space = fem.functionspace(grid, _element(degree, basix.ufl.element))
-    except ImportError:
-        import ufl
-
-        grid = mesh.create_mesh(comm, given, x, ufl.Mesh(ufl.VectorElement("Lagrange", "quadrilateral", 1)))
-        space = fem.FunctionSpace(grid, ufl.FiniteElement("Lagrange", "quadrilateral", degree))
+        grid, space = _grid_and_space(comm, given, x, degree)
+    finally:
+        logging.disable(logging.NOTSET)
     owned_cells = grid.topology.index_map(2).size_local
     index_map = space.dofmap.index_map
     local = _rows(space.dofmap.list)[:owned_cells]
@@ -82,6 +74,25 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
         total=int(index_map.size_global),
         owned=int(index_map.size_local),
     )
+
+
+def _grid_and_space(comm: Any, cells: np.ndarray, x: np.ndarray, degree: int) -> tuple[Any, Any]:
+    """The distributed mesh and the scalar space on it."""
+    from dolfinx import fem, mesh
+
+    try:
+        import basix.ufl  # from dolfinx 0.7 on
+        import ufl
+
+        domain = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
+        grid = mesh.create_mesh(comm, cells=cells, x=x, e=domain)
+        space = fem.functionspace(grid, _element(degree, basix.ufl.element))
+    except ImportError:
+        import ufl
+
+        grid = mesh.create_mesh(comm, cells, x, ufl.Mesh(ufl.VectorElement("Lagrange", "quadrilateral", 1)))
+        space = fem.FunctionSpace(grid, ufl.FiniteElement("Lagrange", "quadrilateral", degree))
+    return grid, space
 
 
 def tabulate(degree: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
