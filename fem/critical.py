@@ -74,15 +74,19 @@ def critical_coefficient(
         return walk.displacement / (max(walk.factor, 1e-9) / REFERENCE_KH * walk.reference)
 
     outcome = walk_to_plateau(walk, stretch, settings.kh_limit, Plateau(), settings.kh, keep, progress)
-    last = state_of(problem, mesh, f"plateau, Kh = {walk.factor:.3f}", walk.factor)
+    at_rest = walk.rest()
+    held = max(outcome.held, walk.factor) if at_rest else outcome.held
+    end = outcome.verdict if outcome.verdict in ("plateau", "peak") else "end of the walk"
+    label = f"{end}, Kh = {walk.factor:.3f}" + ("" if at_rest else ", under overstress")
+    last = state_of(problem, mesh, label, walk.factor)
     states.append(last)
     for kh in sorted(settings.kh):
-        if kh > outcome.held and outcome.verdict != "undecided":
+        if kh > held and outcome.verdict != "undecided":
             label = f"past equilibrium: Kh = {kh:g} is out of reach"
             states.append(replace(last, label=label, kh=kh, past_equilibrium=True))
     return CriticalResult(
-        kc=outcome.held,
-        upper=outcome.upper,
+        kc=held,
+        upper=max(held, outcome.upper),
         verdict=outcome.verdict,
         element=problem.grid.element,
         reason=outcome.reason,

@@ -34,8 +34,8 @@ def draw_all(run: Input, mesh: QuadMesh, result: CriticalResult, store: Store) -
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
             drawn[same] = _views(mesh, state, window)
-        is_plateau = state.label.startswith("plateau")
-        name = "figures/fem_plateau.png" if is_plateau else f"figures/fem_kh_{state.kh:.3f}.png"
+        is_end = not state.past_equilibrium and state.kh not in run.fem.kh
+        name = "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
         with store.writing(name) as path:
             _state_sheet(run, result.element, state, window, drawn[same]).save(path)
     with store.writing("figures/fem_curve.png") as path:
