@@ -71,8 +71,9 @@ def run_all(section: SectionFile, folder: Out = None) -> None:
     run = Input.load(section)
     store = _store(run, folder)
     _show_strata(run)
-    pipeline.mesh_figures(run, pipeline.mesh_stage(run, store), store)
-    _run_fem(run, store)
+    quads = pipeline.mesh_stage(run, store)
+    pipeline.mesh_figures(run, quads, store)
+    _run_fem(run, store, quads)
 
 
 @app.command()
@@ -112,6 +113,9 @@ def fem(
     refine: Refine = None,
     size: Size = None,
     free: Free = False,
+    mesh_file: Annotated[
+        Path | None, typer.Option("--mesh", help="A gmsh file with the section's groups, instead of a new mesh.")
+    ] = None,
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
     options = {
@@ -126,10 +130,11 @@ def fem(
     if safety_factor and not run.fem.safety_factor_at:
         settings = run.fem.model_copy(update={"safety_factor_at": (0.0, *run.fem.kh)})
         run = run.model_copy(update={"fem": settings})
-    _run_fem(run, _store(run, folder))
+    _run_fem(run, _store(run, folder), pipeline.given_mesh(run, mesh_file) if mesh_file else None)
 
 
-def _run_fem(run: Input, store: Store) -> None:
+def _run_fem(run: Input, store: Store, quads: QuadMesh | None) -> None:
+    """Find the critical Kh on a mesh, or on one made as the settings say, and tell it."""
     dolfinx_api.require()
     from mpi4py import MPI
 
@@ -147,7 +152,8 @@ def _run_fem(run: Input, store: Store) -> None:
                 f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic"
             )
 
-        quads = pipeline.mesh_stage(run, store) if first else generate(run, run.mesh)
+        if quads is None:
+            quads = pipeline.mesh_stage(run, store) if first else generate(run, run.mesh)
         _show_mesh(quads, store)
         result, factors = fem_stage(run, quads, store if first else None, comm, progress)
     out.print(f"Critical Kh = [bold]{result.kc:.4f}[/], at most {result.upper:.4f}: {result.verdict}, {result.reason}.")

@@ -2,8 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
-from meshes.quadrilaterals import QuadMesh, generate
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.quadrilaterals import QuadMesh, check, generate, read
 from meshes.section import Section
 from workflow import figures
 from workflow.settings import Input
@@ -30,6 +35,20 @@ def mesh_stage(run: Input, store: Store) -> QuadMesh:
         figures.add_texts(grid, "reconstruction", [run.reconstruction_note])
     store.write_grid("mesh/section.vtu", grid)
     return mesh
+
+
+def given_mesh(run: Input, path: Path) -> QuadMesh:
+    """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
+    mesh = read(path)
+    names = [stratum.name for stratum in run.strata]
+    problems = [f'there is no surface group "{name}"' for name in names if name not in mesh.strata]
+    problems += [f'the surface group "{name}" is no stratum of {run.name}' for name in mesh.strata if name not in names]
+    if problems:
+        raise InputError(str(path), problems)
+    place = np.array([names.index(name) for name in mesh.strata])
+    given = replace(mesh, stratum=place[mesh.stratum], strata=tuple(names), method="given")
+    check(given)
+    return given
 
 
 def mesh_figures(run: Input, mesh: QuadMesh, store: Store) -> None:

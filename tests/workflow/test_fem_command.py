@@ -138,3 +138,27 @@ def test_two_processes_find_the_same_and_one_writes(tmp_path: Path) -> None:
         assert done.stdout.count("Critical Kh") == 1
         answers.append(json.loads((out / "fem/critical.json").read_text()))
     assert answers[1]["kc"] == pytest.approx(answers[0]["kc"], rel=1e-6)
+
+
+def test_a_mesh_made_elsewhere_gives_the_same_answer(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    assert run("fem", path, "--out", tmp_path / "own", "--kh", "0.1", *SMALL) == 0
+    given = tmp_path / "own/mesh/section.msh"
+    assert run("fem", path, "--out", tmp_path / "given", "--kh", "0.1", "--element", "bilinear", "--mesh", given) == 0
+    own, other = (json.loads((tmp_path / name / "fem/critical.json").read_text()) for name in ("own", "given"))
+    assert other["mesh"]["method"] == "given"
+    assert other["kc"] == pytest.approx(own["kc"], rel=1e-9)
+
+
+def test_a_mesh_without_the_groups_of_the_section_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path)
+    assert run("mesh", path, "--out", tmp_path / "own") == 0
+    renamed = tmp_path / "other.msh"
+    renamed.write_text((tmp_path / "own/mesh/section.msh").read_text().replace('"upper"', '"top"'))
+    capsys.readouterr()
+    assert run("fem", path, "--out", tmp_path / "out", "--mesh", renamed) == 2
+    told = capsys.readouterr().err
+    assert 'there is no surface group "upper"' in told
+    assert 'the surface group "top" is no stratum' in told
