@@ -13,13 +13,14 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-ARRIVED, ROUND = 0, 16  # two counters, a cache line or more apart
+ARRIVED, ROUND, PROGRESS = 0, 16, 32  # counters, two cache lines apart; of progress, one for each thread
+APART = 16
 SPINS = 500
 
 
-def new_barrier() -> np.ndarray:
+def new_barrier(threads: int) -> np.ndarray:
     """The counters that the threads of one run share."""
-    return np.zeros(32, np.int64)
+    return np.zeros(PROGRESS + APART * threads, np.int64)
 
 
 def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -71,6 +72,22 @@ def wait(barrier: np.ndarray, threads: int) -> None:
         return
     spins = 0
     while load(barrier, ROUND) == turn:
+        spins += 1
+        if spins % SPINS == 0:
+            give_way()
+
+
+@njit(cache=True, nogil=True)
+def report(barrier: np.ndarray, thread: int) -> None:
+    """Counts one more piece of work of this thread as done; all it wrote before can be seen by who reads the count."""
+    fetch_add(barrier, PROGRESS + APART * thread, 1)
+
+
+@njit(cache=True, nogil=True)
+def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
+    """Returns when `thread` has reported `count` pieces of work."""
+    spins = 0
+    while load(barrier, PROGRESS + APART * thread) < count:
         spins += 1
         if spins % SPINS == 0:
             give_way()

@@ -261,7 +261,7 @@ class Run:
     def call_kernel(self, steps: int) -> int:
         """Up to `steps` steps in all threads; returns why it came back."""
         model, engine = self.model, self.engine
-        barrier = new_barrier()
+        barrier = new_barrier(self.threads)
         stops = np.zeros((2, self.threads), np.int64)
         series = model.acceleration
         layout = self.pack()

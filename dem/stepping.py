@@ -7,13 +7,14 @@ Dashpots need a velocity at t_(n+1) before its force is known: v* is that one, t
 springs' memory, follows from v(n+1/2), that is from displacements.
 
 A step goes through the slices in order: the contacts a slice owns, then all slices whose last contact is known, while
-they are still in the cache. Slices that share contacts with another thread's wait for the others.
+they are still in the cache. A slice that shares contacts with another thread's is moved at the end of the step, once
+that thread has been through the last of them: all threads meet only once a step.
 """
 
 import numpy as np
 from numba import njit
 
-from dem.barrier import wait
+from dem.barrier import report, wait, wait_for
 from dem.chunks import (
     ROW,
     SCRATCH,
@@ -263,6 +264,41 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def begin_of(thread: int, threads: int, slices: int) -> int:
+    """First slice of a thread."""
+    return slices * thread // threads
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Slices of begin to end that share contacts with other threads, and how many slices each thread must be through.
+
+    Returns (slices (shared,), counts (shared, threads)).
+    """
+    slices = len(layout.chunk_start) - 1
+    shared = np.zeros(end - begin, np.int64)
+    count = np.zeros((end - begin, threads), np.int64)
+    found = 0
+    for p in range(begin, end):
+        if layout.first[p] >= begin and layout.last[p] < end:
+            continue
+        shared[found] = p
+        for k in range(layout.incoming_start[p] * LANES, layout.incoming_start[p + 1] * LANES):
+            chunk = np.int64(layout.incoming[k]) // (LINK_FIELDS * LANES)
+            if chunk >= layout.chunk_start[-1]:
+                continue  # nothing, or a rigid line, which is the slice's own
+            owner = np.searchsorted(layout.chunk_start, chunk, side="right") - 1
+            if begin <= owner < end:
+                continue
+            for t in range(threads):
+                start = begin_of(t, threads, slices)
+                if start <= owner < begin_of(t + 1, threads, slices):
+                    count[found, t] = max(count[found, t], owner - start + 1)
+        found += 1
+    return shared[:found], count[:found]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     thread: int,
     threads: int,
@@ -292,8 +328,9 @@ def advance(
     OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
     """
     slices = len(layout.chunk_start) - 1
-    begin = slices * thread // threads
-    end = slices * (thread + 1) // threads
+    begin = begin_of(thread, threads, slices)
+    end = begin_of(thread + 1, threads, slices)
+    shared, need = needs(begin, end, threads, layout)
     scratch = np.zeros(SCRATCH)
     loaded = -1
     place = 0
@@ -317,6 +354,8 @@ def advance(
                 p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
             )
             too_deep |= deep
+            if threads > 1:
+                report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
                     moved |= move_slice(
@@ -336,26 +375,15 @@ def advance(
                         books,
                     )
                 ready += 1
-        if threads > 1:
-            wait(barrier, threads)
-            for p in range(begin, end):
-                if layout.first[p] < begin or layout.last[p] >= end:
-                    moved |= move_slice(
-                        p,
-                        layout,
-                        scratch,
-                        kick,
-                        dt,
-                        gravity[0],
-                        gravity[1],
-                        ax,
-                        az,
-                        mean_x,
-                        mean_z,
-                        reach,
-                        ledger,
-                        books,
-                    )
+        for k in range(len(shared)):
+            for t in range(threads):
+                if need[k, t] > 0:
+                    size = begin_of(t + 1, threads, slices) - begin_of(t, threads, slices)
+                    wait_for(barrier, t, taken * size + need[k, t])
+            moved |= move_slice(
+                shared[k], layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger,
+                books,
+            )  # fmt: skip
         stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
             wait(barrier, threads)
