@@ -295,7 +295,9 @@ def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarra
                 if start <= owner < begin_of(t + 1, threads, slices):
                     count[found, t] = max(count[found, t], owner - start + 1)
         found += 1
-    return shared[:found], count[:found]
+    # What needs least of the others comes first, so that no slice waits behind one that needs their last.
+    order = np.argsort(count[:found].sum(axis=1), kind="mergesort")
+    return shared[:found][order], count[:found][order]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
