@@ -90,6 +90,15 @@ class Found:
     increment: np.ndarray
 
 
+def residual_of(
+    problem: PlaneStrain, loading: Loading, increment: np.ndarray, factor: float, scale: float
+) -> tuple[np.ndarray, float]:
+    """The unbalanced force (N/m) where nothing is held, and its norm over ``scale`` (N/m)."""
+    unbalanced = loading.unbalanced(problem, increment, factor)
+    unbalanced[~problem.free] = 0.0
+    return unbalanced, problem.exchange.norm(unbalanced) / scale
+
+
 def follow(
     problem: PlaneStrain,
     loading: Loading,
@@ -105,15 +114,9 @@ def follow(
     residual dimensionless. With K the tangent, K a = r and K b = dr/dλ, the correction is a + dλ b (block
     elimination, Batoz & Dhatt 1979, eq. 12).
     """
-    dot, norm_of = problem.exchange.dot, problem.exchange.norm
-
-    def residual_at(increment: np.ndarray, factor: float) -> tuple[np.ndarray, float]:
-        unbalanced = loading.unbalanced(problem, increment, factor)
-        unbalanced[~problem.free] = 0.0
-        return unbalanced, norm_of(unbalanced) / scale
-
+    dot = problem.exchange.dot
     increment = first
-    residual, norm = residual_at(increment, factor)
+    residual, norm = residual_of(problem, loading, increment, factor, scale)
     best, stalled, iteration = norm, 0, 0
     while norm > settings.tolerance and iteration < settings.iterations and stalled < 8:
         iteration += 1
@@ -131,7 +134,7 @@ def follow(
             break
         part = 1.0
         for _ in range(settings.line_search + 1):
-            residual, new = residual_at(increment + part * step, factor + part * change)
+            residual, new = residual_of(problem, loading, increment + part * step, factor + part * change, scale)
             if new < norm:
                 break
             part *= 0.5

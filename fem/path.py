@@ -1,11 +1,11 @@
 """A path of equilibria, step by step, with growth and cut-back of the step, and rests to let the overstress go."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from fem.continuation import Constraint, Found, Loading, NewtonSettings, follow
+from fem.continuation import Constraint, Found, Loading, NewtonSettings, follow, residual_of
 from fem.plane_strain import PlaneStrain
 
 
@@ -37,7 +37,10 @@ class PathSettings:
 
 @dataclass(frozen=True)
 class Step:
-    """A step of the path, for the record; ``displacement`` (m) is the control's, from the start of the path."""
+    """A step of the path, for the record; ``displacement`` (m) is the control's, from the start of the path.
+
+    ``at_rest`` steps let overstress go; ``balanced`` says that afterwards the forces balanced without any.
+    """
 
     length: float
     displacement: float
@@ -47,6 +50,7 @@ class Step:
     plastic_share: float
     cutbacks: int
     at_rest: bool
+    balanced: bool = False
 
 
 @dataclass
@@ -54,7 +58,7 @@ class Walk:
     """A walk along a path of ``problem`` under ``loading``.
 
     ``control`` (a vector, a·u in m) and ``reference`` (m) measure the displacement, ``share`` is the β that the load
-    factor has in the path length; ``stiffness`` is the elastic change of the load factor with the path length.
+    factor has in the path length, ``scale`` (N/m) makes residuals dimensionless.
     """
 
     problem: PlaneStrain
@@ -107,7 +111,7 @@ class Walk:
             return True
         if self.share > 0.0:
             return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.give_way)
-        return self._let_go(self.factor, Constraint(self.control / self.reference, 0.0, 0.0))
+        return self._let_go(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
         """Go to a given load factor, at rest there; False, and nothing accepted, if no equilibrium is found."""
@@ -120,31 +124,33 @@ class Walk:
         at_once = self.settings.relaxation <= 0.0
         if found.converged:
             self._accept(found, self._moved(found), 0, at_rest=at_once)
-        if found.converged and (at_once or self._let_go(factor, None)):
+        if found.converged and (at_once or self._let_go(None)):
             self._last = None
             return True
         self.back(mark)
         return False
 
-    def _let_go(self, factor: float, constraint: Constraint | None) -> bool:
-        """Rest until the forces balance without overstress; False if that does not come about."""
+    def _let_go(self, constraint: Constraint | None) -> bool:
+        """Rest until the forces balance without overstress; False if that does not come about.
+
+        The load factor stays unless a ``constraint`` holds the displacement instead.
+        """
         for _ in range(self.settings.most_rests):
             self.problem.overstress = 1.0 / (1.0 + self.settings.rest)
-            found = self._newton(self.factor if constraint else factor, np.zeros_like(self.control), constraint)
+            found = self._newton(self.factor, np.zeros_like(self.control), constraint)
             if not found.converged:
                 return False
             moved = 0.0 if constraint else self._moved(found)
             self._accept(found, moved, 0, at_rest=True)
             if self._unbalanced_without_overstress() <= self.settings.rest_tolerance:
+                self.steps[-1] = replace(self.steps[-1], balanced=True)
                 return True
         return False
 
     def _unbalanced_without_overstress(self) -> float:
         """The residual that the accepted state would have if its stress returned to the yield surface."""
         self.problem.overstress = 0.0
-        unbalanced = self.loading.unbalanced(self.problem, np.zeros_like(self.control), self.factor)
-        unbalanced[~self.problem.free] = 0.0
-        return self.problem.exchange.norm(unbalanced) / self.scale
+        return residual_of(self.problem, self.loading, np.zeros_like(self.control), self.factor, self.scale)[1]
 
     def _moved(self, found: Found) -> float:
         """How far a step has gone along the path."""

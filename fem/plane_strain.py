@@ -33,10 +33,10 @@ class PlaneStrain:
     ) -> None:
         self.strata = tuple(strata)
         self.threads = threads
+        self._elastic = self.elastic_stiffness()
         self._take(discretise(mesh, element, comm))
         self.material = np.repeat(self.grid.stratum, self.grid.points_per_cell).astype(np.int64)
         self.use_strength(1.0)
-        self._elastic = self.elastic_stiffness()
         points = self.grid.weights.size
         self.displacement = np.zeros(self.exchange.last - self.exchange.first)
         self.stress = np.zeros((points, 4))
@@ -57,7 +57,7 @@ class PlaneStrain:
         self.exchange = Exchange(grid)
         self._solver = LinearSolver(grid, self.exchange)
         self._forces = np.zeros(len(grid.global_dofs))
-        shear = np.array([s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio)) for s in self.strata])
+        shear = self._elastic[:, 3, 3]
         self._unseen = UNSEEN_SHARE * shear[grid.stratum[: len(grid.unseen)], None, None] * grid.unseen
 
     def use_strength(self, factor: float) -> None:

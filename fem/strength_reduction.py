@@ -67,8 +67,10 @@ def safety_factor(
         raise failure
     forces = fixed + load
     norm, dot = problem.exchange.norm, problem.exchange.dot
-    weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
-    control = (load if kh != 0.0 else weight) / norm(load if kh != 0.0 else weight)
+    pushing = load
+    if kh == 0.0:
+        pushing = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
+    control = pushing / norm(pushing)
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = abs(dot(control, problem.solve(forces)))

@@ -132,7 +132,7 @@ def _curve_sheet(run: Input, result: CriticalResult) -> Sheet:
     sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
     axes = sheet.views[0]
     moving = [step for step in result.steps if not step.at_rest]
-    resting = [step for step in result.steps if step.at_rest]
+    resting = [step for step in result.steps if step.balanced]
     axes.plot(
         [0.0, *(100 * s.displacement for s in moving)], [0.0, *(s.factor for s in moving)],
         color=PATH, marker="o", markersize=2.5, linewidth=1.2,
