@@ -60,7 +60,12 @@ class Calibration:
             **{key: value for key, value in self.search.as_json().items() if key in ("kc", "kc_lower", "kc_upper")},
             "verdict": self.verdict,
             "reason": self.reason,
-            "sensitivity": [{"parameter": p, "value": v, **brief(s)} for p, v, s in self.sensitivity],
+            "sensitivity": [
+                {"parameter": name, "value": v, **brief(s)}
+                for name in ONE_AT_A_TIME
+                for p, v, s in sorted(self.sensitivity, key=lambda row: row[1])
+                if p in ("", name)
+            ],
             "trials": [{"value": v, **brief(s)} for v, s in self.trials],
         }
 

@@ -2,7 +2,6 @@
 they do not.
 """
 
-import copy
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
@@ -90,14 +89,14 @@ def critical_kh(
 
     search = Search()
     width = settings.resolution if resolution is None else resolution
-    stood = copy.deepcopy(settled)
+    stood = settled.copy()
     kh = PROBE
     upper: Trial | None = None
     while upper is None or upper.kh - search.lower > width * (1.0 + 1e-9):
         if kh > settings.kh_limit:
             search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
             return search
-        model = copy.deepcopy(stood)
+        model = stood.copy()
         # an elastic displacement is not known before the probe has stood
         known = search.flexibility or float("inf")
         trial = try_kh(model, settled, ground, settings, search.lower, kh, known, threads, watch)

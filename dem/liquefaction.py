@@ -4,7 +4,6 @@ What happens at the onset: pore springs of the liquefied layers are cut; their e
 take the factors of the case, in steps if it takes time; Kh comes on. The paper does all of it at once.
 """
 
-import copy
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
@@ -154,7 +153,7 @@ class Slider:
         return self._finished()
 
     def _begun(self) -> DiscModel:
-        model = copy.deepcopy(self.start)
+        model = self.start.copy()
         if self.case is not None:
             model.cut_pore_springs(self.strata)
         rise = max(self.settings.onset, 1e-3)

@@ -101,15 +101,15 @@ def _bounds_wanted(run: Input) -> bool:
 
 
 def _calibrate(job: Job) -> None:
-    _function("workflow.dem_stage", "calibrate_stage")(job.run, job.store, job.progress)
+    _function("workflow.calibrate_stage", "calibrate_stage")(job.run, job.store, job.progress)
 
 
 def _slide(job: Job) -> None:
-    _function("workflow.dem_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
+    _function("workflow.slide_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
 
 
-def _dem_pictures(name: str) -> Callable[[Job], None]:
-    return lambda job: _function("workflow.dem_stage", name)(job.run, job.store)
+def _dem_pictures(stage: str) -> Callable[[Job], None]:
+    return lambda job: _function(f"workflow.{stage}_stage", f"{stage}_pictures")(job.run, job.store)
 
 
 def _function(module: str, name: str) -> Callable[..., Any]:
@@ -149,17 +149,17 @@ ALL = (
         ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds, wanted=_bounds_wanted,
     ),
     Stage(
-        "calibrate", "discs that fail at the same Kh", "workflow.dem_stage", ("fem",), ("dem",),
-        ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
+        "calibrate", "discs that fail at the same Kh", "workflow.calibrate_stage", ("fem",), ("dem",),
+        ("meshes", "dem", "workflow.calibrate_stage", "workflow.dem_figures", *DRAWING),
         ("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"), ("figures/dem_*.png",),
-        _calibrate, _dem_pictures("calibrate_pictures"), leftovers=("dem/**/*",),
+        _calibrate, _dem_pictures("calibrate"), leftovers=("dem/**/*",),
     ),
     Stage(
-        "slide", "slides once layers have liquefied", "workflow.dem_stage", ("calibrate",), ("dem", "slide"),
-        ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
+        "slide", "slides once layers have liquefied", "workflow.slide_stage", ("calibrate",), ("dem", "slide"),
+        ("meshes", "dem", "workflow.slide_stage", "workflow.disc_grids", "workflow.slide_figures", *DRAWING),
         ("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
         ("figures/case*.png", "figures/case*.gif", "figures/history.png"),
-        _slide, _dem_pictures("slide_pictures"),
+        _slide, _dem_pictures("slide"),
         leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/history.csv"),
     ),
     Stage(
