@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from dem.loading import Curve, confine, load, probe
-from dem.patch import COLUMNS, ROWS, PackingKind, lattice_patch, random_patch
+from dem.patch import SIZES, PackingKind, lattice_patch, random_patch
 from dem.plane_elastic import PlaneElastic
 from dem.springs import LayerSprings
 from dem.strength import Strength, from_plane, from_principal, strength
 from meshes.section import Stratum
 
-LARGEST_STRAIN = 0.12
-RATE = 1e-4  # strain per sqrt(m / kn)
+LARGEST_STRAIN = 0.2
+RATE = 2e-4  # strain per sqrt(m / kn)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,8 @@ class ElementTest:
 
     E (Pa), nu: of soil in plane strain with the initial tangent stiffness of the patch, mean over the pressures, G (Pa)
     from shear; c (Pa), phi (rad): Mohr-Coulomb's line through the biaxial tests; c_shear, phi_shear: through the
-    simple-shear tests; dilation (rad): at the peak of the biaxial tests, mean. c_last, phi_last: through their ends.
+    simple-shear tests; dilation (rad): at the peak of the biaxial tests, mean. c_last, phi_last: through what is left
+    at their ends, the mean of the last tenth.
     verdicts: a sentence for every test whose strength is not that of a peak or plateau.
     """
 
@@ -81,8 +82,8 @@ class ElementTest:
             for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):
                 if result.verdict == "still rising":
                     found.append(
-                        f"{curve.kind} at {test.pressure:.4g} Pa: no peak up to a strain of {curve.strain[-1]:.3g}; the "
-                        "strength is what was mobilised there"
+                        f"{curve.kind} at {test.pressure:.4g} Pa: no peak up to a strain of "
+                        f"{curve.strain[-1]:.3g}; the strength is what was mobilised there"
                     )
                 elif curve.stopped:
                     found.append(
@@ -96,13 +97,19 @@ class ElementTest:
 
     @property
     def quality(self) -> dict[str, float]:
-        """How near to rest the tests were: unbalanced ratio, inertial number, and error of the pressure kept (share)."""
-        curves = [curve for test in self.tests for curve in (test.biaxial, test.shear)]
-        kept = {"biaxial": 0, "simple shear": 1}
-        errors = [-c.stress[:, kept[c.kind], kept[c.kind]] / c.pressure - 1.0 for c in curves]
+        """How near to rest the tests were up to their peaks: unbalanced ratio, inertial number, error of the servo.
+
+        The error is that of the pressure it keeps, as a share.
+        """
+        unbalanced, errors = [], []
+        for test in self.tests:
+            for curve, axis in ((test.biaxial, 0), (test.shear, 1)):
+                way = slice(int(np.argmax(curve.resistance)) + 1)
+                unbalanced.append(curve.unbalanced[way])
+                errors.append(-curve.stress[way, axis, axis] / curve.pressure - 1.0)
         return {
-            "unbalanced_largest": max(float(c.unbalanced.max()) for c in curves),
-            "unbalanced_median": float(np.median(np.concatenate([c.unbalanced for c in curves]))),
+            "unbalanced_largest": float(np.concatenate(unbalanced).max()),
+            "unbalanced_median": float(np.median(np.concatenate(unbalanced))),
             "inertial_number_largest": max(test.inertial_number for test in self.tests),
             "rate_per_s": self.tests[0].biaxial.rate,
             "pressure_error_rms": float(np.sqrt(np.mean(np.square(np.concatenate(errors))))),
@@ -158,14 +165,13 @@ def element_test(
     threads: int = 1,
     strain: float = LARGEST_STRAIN,
     rate: float = RATE,
-    columns: int = COLUMNS,
-    rows: int = ROWS,
+    size: tuple[int, int] | None = None,
 ) -> ElementTest:
     """Tests a patch of a layer's discs at two or more confining pressures (Pa).
 
     radius: mean, of the discs (m); seed: of the random packing; strain: the largest of either test; rate: strain per
-    sqrt(m / kn), so that all layers are tested equally slowly; columns, rows: of the patch, its frame included. Raises
-    ValueError for what cannot be tested, DemError where a patch does not come to rest under its pressure.
+    sqrt(m / kn), so that all layers are tested equally slowly; size: columns and rows of the patch, its frame included.
+    Raises ValueError for what cannot be tested, DemError where a patch does not come to rest under its pressure.
     """
     if packing not in ("lattice", "random"):
         raise ValueError(f"packing is 'lattice' or 'random', not {packing!r}")
@@ -173,6 +179,7 @@ def element_test(
         raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
     if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
         raise ValueError(f"a strain of {strain} or a rate of {rate} cannot be tested: up to 0.5, and 0.01")
+    columns, rows = size or SIZES[packing]
     if columns < 8 or rows < 8:
         raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
     tests = tuple(
@@ -180,8 +187,7 @@ def element_test(
     )
     biaxial, shear = [t.biaxial_strength for t in tests], [t.shear_strength for t in tests]
     c, phi = from_principal([s.major for s in biaxial], [s.minor for s in biaxial])
-    ends = np.array([[stress[-1] for stress in t.biaxial.principal] for t in tests])
-    c_last, phi_last = from_principal(ends[:, 0], ends[:, 1])
+    c_last, phi_last = from_principal([s.major_last for s in biaxial], [s.minor_last for s in biaxial])
     c_shear, phi_shear = from_plane([s.normal for s in shear], [s.shear for s in shear])
     stiffness = PlaneElastic(*(float(np.mean([getattr(t.stiffness, k) for t in tests])) for k in ("M", "lame", "G")))
     return ElementTest(
@@ -202,7 +208,7 @@ def _at_pressure(
     rate: float,
     size: tuple[int, int],
 ) -> PressureTest:
-    patch = lattice_patch(layer, radius, *size) if packing == "lattice" else random_patch(layer, radius, *size, seed)
+    patch = lattice_patch(layer, radius, size) if packing == "lattice" else random_patch(layer, radius, size, seed)
     confine(patch, pressure, threads)
     bonds = patch.model.set_pore_springs()
     stiffness, skewness = probe(patch, pressure, threads)

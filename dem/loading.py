@@ -20,8 +20,9 @@ PATIENCE = 20_000.0  # time units until a patch must have come to rest
 FASTEST = 1e-3  # strain per time unit while confined
 PROBE = 1e-3  # stress of a probe over the pressure, about
 PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
-INTERVALS = 200  # of a test: the servo corrects as often
+INTERVALS = 300  # of a test: the servo corrects as often
 AVERAGE = 4  # intervals in a record
+PAST_PEAK = 2.0, 0.95  # a test ends at this multiple of the peak's strain, if no more than this share of it is left
 LATERAL = 10.0  # times the prescribed rate, at most: a lattice of rigid discs spreads at three times it
 REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error, and a steady one
 
@@ -85,14 +86,15 @@ def confine(patch: Patch, pressure: float, threads: int = 1) -> None:
             press.strain(np.clip(-error / (3.0 * unit * modulus), -limit, limit), 3.0 * unit)
         else:
             raise ConfinementError(
-                f"the patch does not come to rest at {pressure:g} Pa: largest error of its stress {np.abs(error).max():.3g} "
-                f"Pa, unbalanced ratio {patch.unbalanced():.3g}. Take another seed or a larger patch."
+                f"the patch does not come to rest at {pressure:g} Pa: largest error of its stress "
+                f"{np.abs(error).max():.3g} Pa, unbalanced ratio {patch.unbalanced():.3g}. Take another seed "
+                "or a larger patch."
             )
         patch.turn_to(np.zeros((2, 2)))
 
 
 def probe(patch: Patch, pressure: float, threads: int = 1) -> tuple[PlaneElastic, float]:
-    """Tangent stiffness of a confined patch from three small strains, each held until it is at rest; and M_xx / M_zz - 1.
+    """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
 
     What a copy does that is only held is taken off: no state of rest is perfect.
     """
@@ -121,7 +123,7 @@ def load(
     """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
 
     biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
-    kept. A run that cannot go on ends the curve there, with the reason in `stopped`.
+    kept. Once well past its peak a test is over; one that cannot go on ends with the reason in `stopped`.
     """
     per_second = rate / patch.time_unit
     interval = strain / per_second / INTERVALS
@@ -141,13 +143,27 @@ def load(
                 press.strain(drive, interval)
                 stress = patch.stress()
                 rows.append(_record(patch, kind, stress, bonds))
+                if _is_over(rows, kind):
+                    break
         except DemError as error:
-            stopped = str(error)
+            stopped = str(error).removesuffix(f" {press.run.engine.kept}")
     records = np.array(rows)[: len(rows) // AVERAGE * AVERAGE].reshape(-1, AVERAGE, 8).mean(axis=1)
     return Curve(
         kind, pressure, records[:, 0], records[:, 1:5].reshape(-1, 2, 2), records[:, 5], records[:, 6], records[:, 7],
         per_second, stopped,
     )  # fmt: skip
+
+
+def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
+    """Whether the last record lies well past the peak."""
+    if len(rows) % AVERAGE or len(rows) < INTERVALS // 4:
+        return False
+    means = np.array(rows).reshape(-1, AVERAGE, len(rows[0])).mean(axis=1)
+    xx, xz, zx, zz = means[:, 1:5].T
+    resistance = np.hypot(xx - zz, xz + zx) if kind == "biaxial" else xz
+    at = int(np.argmax(resistance))
+    strain, left = PAST_PEAK
+    return bool(means[-1, 0] > strain * means[at, 0] and resistance[-1] < left * resistance[at])
 
 
 def _record(patch: Patch, kind: Kind, stress: np.ndarray, bonds: int) -> np.ndarray:

@@ -19,8 +19,8 @@ from dem.springs import LayerSprings
 
 PackingKind = Literal["lattice", "random"]
 
-COLUMNS, ROWS = 16, 18  # of a patch by default, frame included
-FRAME = 2.5  # radii: depth of the frame of a random patch, the longest reach of a pore spring
+# columns and rows by default, frame included; a frame stiffens what lies near, where that is not affine anyway
+SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24, 27)}
 DASHPOTS = 0.2  # of sqrt(m k)
 STEP = 0.6  # of the stable step
 SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
@@ -119,11 +119,11 @@ class Press:
 
 
 def share_inside(first: np.ndarray, second: np.ndarray, region: np.ndarray) -> np.ndarray:
-    """Share of each segment between points (2, n) that lies in the rectangle `region`, by Liang and Barsky's clipping."""
+    """Share of each segment between points (2, n) that lies in the rectangle `region` (Liang-Barsky)."""
     along = second - first
     start, end = np.zeros(first.shape[1]), np.ones(first.shape[1])
     for axis in range(2):
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             a = (region[0, axis] - first[axis]) / along[axis]
             b = (region[1, axis] - first[axis]) / along[axis]
         parallel = along[axis] == 0.0
@@ -133,11 +133,12 @@ def share_inside(first: np.ndarray, second: np.ndarray, region: np.ndarray) -> n
     return np.maximum(end - start, 0.0)
 
 
-def lattice_patch(layer: LayerSprings, radius: float, columns: int = COLUMNS, rows: int = ROWS) -> Patch:
+def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:
     """Rows of discs that just touch, along x; the frame is the outermost ring.
 
     The region spans whole columns and rows, so that its mean is that of the lattice.
     """
+    columns, rows = size
     step = 2.0 * radius
     row, column = np.divmod(np.arange(columns * rows), columns)
     x = (column + 0.5 * (row % 2)) * step
@@ -148,15 +149,14 @@ def lattice_patch(layer: LayerSprings, radius: float, columns: int = COLUMNS, ro
     return _patch(layer, x - middle[0], z - middle[1], np.full(len(x), radius), frame, half)
 
 
-def random_patch(
-    layer: LayerSprings, radius: float, columns: int = COLUMNS, rows: int = ROWS, seed: int = 0
-) -> Patch:
-    """Discs of `random_packing` in the same space; the frame is made of those at its rim."""
-    half = radius * np.array([columns, rows * ROW])
+def random_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["random"], seed: int = 0) -> Patch:
+    """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame."""
+    half = radius * np.array([size[0], size[1] * ROW])
     packing = _heap(float(half[0]), float(half[1]), radius, seed)
     x, z = packing.x, packing.z
     depth = np.minimum(half[0] - np.abs(x), half[1] - np.abs(z))
-    return _patch(layer, x, z, packing.radius, depth < FRAME * radius, half - (FRAME + 1.0) * radius)
+    reach = 2.0 * layer.alpha * radius
+    return _patch(layer, x, z, packing.radius, depth < reach, half - reach - radius)
 
 
 @lru_cache(maxsize=8)

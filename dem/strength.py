@@ -1,4 +1,4 @@
-"""What a curve says about strength: its peak, the verdict on it, dilation there, and Mohr-Coulomb's line through several."""
+"""What curves say about strength: peak, verdict, dilation, and Mohr-Coulomb's line through several of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ class Strength:
     """Where a test was strongest.
 
     verdict: "peak", "levels off", "still rising" (then it is what was mobilised at the largest strain) or "stopped".
-    strain there; major, minor: principal stresses; normal, shear: stresses on the horizontal plane; last: resistance at
-    the end (Pa, compression positive); dilation (rad), and the share of the pore springs cracked at the peak.
+    strain there; major, minor: principal stresses; normal, shear: stresses on the horizontal plane; *_last: in the last
+    tenth of the test, mean (Pa, compression positive); dilation (rad), cracked: share of pore springs, at the peak.
     """
 
     verdict: str
@@ -26,7 +26,8 @@ class Strength:
     minor: float
     normal: float
     shear: float
-    last: float
+    major_last: float
+    minor_last: float
     dilation: float
     cracked: float
 
@@ -38,10 +39,12 @@ def strength(curve: Curve) -> Strength:
     resistance = curve.resistance
     at = int(np.argmax(resistance))
     major, minor = curve.principal
+    end = -max(1, len(major) // 10)
     return Strength(
         verdict=verdict(resistance, bool(curve.stopped)), strain=float(curve.strain[at]), major=float(major[at]),
         minor=float(minor[at]), normal=-float(curve.stress[at, 1, 1]), shear=float(curve.shear[at]),
-        last=float(resistance[-1]), dilation=dilation(curve, at), cracked=float(curve.cracked[at]),
+        major_last=float(major[end:].mean()), minor_last=float(minor[end:].mean()), dilation=dilation(curve, at),
+        cracked=float(curve.cracked[at]),
     )  # fmt: skip
 
 
@@ -71,8 +74,9 @@ def dilation(curve: Curve, at: int) -> float:
 
 
 def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[float, float]:
-    """c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), N = (1 + sin phi)/(1 - sin phi), least squares.
+    """c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), least squares.
 
+    N = (1 + sin phi)/(1 - sin phi).
     NaN for both where the major stress does not rise with the minor one: no friction angle says that.
     """
     slope, start = np.polyfit(minor, major, 1)

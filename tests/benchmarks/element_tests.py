@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from dem.element_test import ElementTest, element_test
+from dem.patch import PackingKind
 from dem.springs import from_strata
-from meshes.section import Section
+from meshes.section import Section, Stratum
 
-SHARES = (0.5, 1.0, 2.0)  # of the vertical effective stress in the middle of a layer
+SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
 G = 9.80665
 
 
@@ -36,18 +37,33 @@ def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> 
     return found[:, 1]
 
 
-def line(name: str, what: str, e: float, nu: float, c: float, phi: float, rest: str) -> str:
-    """A row of the table."""
-    return f"| {name} | {what} | {e / 1e6:.2f} | {nu:.2f} | {c / 1e3:.1f} | {phi:.1f} | {rest} |"
+def strengths(c: float, phi: float, sure: bool) -> str:
+    """c (Pa) and phi (rad) as two columns, in brackets if a test did not come to its peak."""
+    shown = f"{c / 1e3:.0f}" if abs(c) > 2e4 else f"{c / 1e3:.1f}"
+    angle = f"{np.degrees(phi):.0f}"
+    return f"{shown} | {angle}" if sure else f"({shown}) | ({angle})"
 
 
-def rest(test: ElementTest) -> str:
-    """The columns that soil has not."""
-    verdicts = [t.biaxial_strength.verdict for t in test.tests]
-    shown = verdicts[0] if len(set(verdicts)) == 1 else " / ".join(verdicts)
+def soil_row(stratum: Stratum, stress: float) -> str:
+    """What the layer is made from."""
+    e, nu = stratum.youngs_modulus, stratum.poissons_ratio
+    strength = strengths(stratum.cohesion, stratum.friction_angle, True)
     return (
-        f"{np.degrees(test.dilation):.0f} | {shown} | {np.degrees(test.phi_last):.1f} | {test.G / 1e6:.2f} | "
-        f"{test.c_shear / 1e3:.1f} | {np.degrees(test.phi_shear):.1f}"
+        f"| {stratum.name}, {stress / 1e3:.0f} kPa | soil | {e / 1e6:.1f} | {nu:.2f} | {e / 2e6 / (1.0 + nu):.1f} | "
+        f"{strength} | {np.degrees(stratum.dilation_angle):.0f} | {strength} |"
+    )
+
+
+def disc_row(test: ElementTest) -> str:
+    """What its discs are."""
+    reached = [
+        all(s.verdict in ("peak", "levels off") for s in results)
+        for results in zip(*((t.biaxial_strength, t.shear_strength) for t in test.tests), strict=True)
+    ]
+    return (
+        f"| | {test.packing} | {test.E / 1e6:.1f} | {test.nu:.2f} | {test.G / 1e6:.1f} | "
+        f"{strengths(test.c, test.phi, reached[0])} | {np.degrees(test.dilation):.0f} | "
+        f"{strengths(test.c_shear, test.phi_shear, reached[1])} |"
     )
 
 
@@ -62,23 +78,24 @@ def main() -> None:
     options = parser.parse_args()
     section = Section.read(options.section)
     layers = from_strata(section.strata, options.radius, stiffness_scale=options.scale)
-    stresses = middle_stresses(section)
-    print("| layer | | E (MPa) | nu | c (kPa) | phi | dilation | biaxial | phi at the end | G (MPa) | c shear | phi shear |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
+    print("| layer, stress | | E (MPa) | nu | G (MPa) | c (kPa) | phi | dilation | c, shear | phi, shear |")
+    print("|" + "---|" * 10)
     results = []
     begin = time.perf_counter()
-    for stratum, layer, stress in zip(section.strata, layers, stresses, strict=True):
-        soil = stratum.youngs_modulus / (2.0 * (1.0 + stratum.poissons_ratio)) / 1e6
-        print(
-            line(stratum.name, "soil", stratum.youngs_modulus, stratum.poissons_ratio, stratum.cohesion,
-                 np.degrees(stratum.friction_angle), f" | at {stress / 1e3:.0f} kPa | | {soil:.2f} | | ")
-        )  # fmt: skip
-        for packing in ("lattice", "random"):
-            pressures = [share * stress for share in SHARES]
-            test = element_test(layer, packing, options.radius, pressures, seed=options.seed)  # type: ignore[arg-type]
-            print(line("", packing, test.E, test.nu, test.c, float(np.degrees(test.phi)), rest(test)), flush=True)
+    packings: tuple[PackingKind, ...] = ("lattice", "random")
+    for stratum, layer, stress in zip(section.strata, layers, middle_stresses(section), strict=True):
+        print(soil_row(stratum, stress))
+        for packing in packings:
+            pressures = [float(share * stress) for share in SHARES]
+            test = element_test(layer, packing, options.radius, pressures, seed=options.seed)
+            print(disc_row(test), flush=True)
             results.append(test.as_json(stratum))
-    print(f"\n{time.perf_counter() - begin:.1f} s")
+    print(f"\n{time.perf_counter() - begin:.1f} s; largest unbalanced ratio before a peak "
+          f"{max(r['quality']['unbalanced_largest'] for r in results):.2g}, largest inertial number "
+          f"{max(r['quality']['inertial_number_largest'] for r in results):.2g}")  # fmt: skip
+    for result in results:
+        for verdict in result["verdicts"]:
+            print(f"{result['stratum']}, {result['packing']}: {verdict}")
     if options.json:
         options.json.write_text(json.dumps(results, indent=1) + "\n")
 
