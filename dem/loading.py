@@ -20,8 +20,9 @@ PATIENCE = 20_000.0  # time units until a patch must have come to rest
 FASTEST = 1e-3  # strain per time unit while confined
 PROBE = 1e-3  # stress of a probe over the pressure, about
 PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
-INTERVALS = 300  # of a test: the servo corrects as often
-AVERAGE = 4  # intervals in a record
+INTERVALS = 160  # of a test: the servo corrects as often
+GROWTH = 40.0  # intervals until one is twice as long as the first: a stiff patch is strong early, a soft one late
+AVERAGE = 2  # intervals in a record
 PAST_PEAK = 2.0, 0.95  # a test ends at this multiple of the peak's strain, if no more than this share of it is left
 LATERAL = 10.0  # times the prescribed rate, at most: a lattice of rigid discs spreads at three times it
 REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error, and a steady one
@@ -126,7 +127,8 @@ def load(
     kept. Once well past its peak a test is over; one that cannot go on ends with the reason in `stopped`.
     """
     per_second = rate / patch.time_unit
-    interval = strain / per_second / INTERVALS
+    lengths = 1.0 + np.arange(INTERVALS) / GROWTH
+    lengths *= strain / per_second / lengths.sum()
     drive = np.diag([0.0, -per_second]) if kind == "biaxial" else np.array([[0.0, per_second], [0.0, 0.0]])
     held = 0 if kind == "biaxial" else 1
     steady = per_second * stiffness.nu_2d if kind == "biaxial" else 0.0
@@ -136,7 +138,7 @@ def load(
     stress = patch.stress()
     with Press(patch, threads) as press:
         try:
-            for _ in range(INTERVALS):
+            for interval in lengths:
                 wanted = -(stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
                 steady += wanted / MEMORY
                 drive[held, held] = np.clip(wanted + steady, -LATERAL * per_second, LATERAL * per_second)
