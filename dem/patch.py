@@ -21,6 +21,7 @@ PackingKind = Literal["lattice", "random"]
 
 # columns and rows by default, frame included; a frame stiffens what lies near, where that is not affine anyway
 SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24, 27)}
+POROSITIES = (0.2, 0.21, 0.22, 0.24)  # of a random patch before it is confined: the first that its seed can do
 DASHPOTS = 0.2  # of sqrt(m k)
 STEP = 0.6  # of the stable step
 SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
@@ -162,7 +163,17 @@ def random_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZ
 @lru_cache(maxsize=8)
 def _heap(half_width: float, half_height: float, radius: float, seed: int) -> Packing:
     outline = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width, half_height]
-    whole = random_packing(outline, lambda x, z: np.zeros(len(x), np.int32), radius, seed=seed)
+    whole = None
+    for porosity in POROSITIES:
+        try:
+            whole = random_packing(
+                outline, lambda x, z: np.zeros(len(x), np.int32), radius, porosity=porosity, seed=seed
+            )
+            break
+        except ValueError:
+            continue
+    if whole is None:
+        raise ValueError(f"no random patch for seed {seed} up to a porosity of {POROSITIES[-1]}: take another seed")
     free = whole.free
     return Packing(whole.x[free], whole.z[free], whole.radius[free], whole.layer[free], whole.lines)
 

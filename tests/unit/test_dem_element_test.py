@@ -18,7 +18,7 @@ from dem.strength import dilation, from_plane, from_principal, verdict
 from meshes.section import Stratum
 from tests.dem_cases import KN, RADIUS, SOIL
 
-SMALL = {"columns": 10, "rows": 10}
+SMALL = (12, 14)
 STRATUM = Stratum(
     name="sand", youngs_modulus="30 MPa", poissons_ratio=0.3, density_ordinary=1900.0, density_seismic=1900.0,
     cohesion="5 kPa", friction_angle="35 deg",
@@ -27,7 +27,7 @@ STRATUM = Stratum(
 
 @pytest.fixture(scope="module")
 def sand() -> ElementTest:
-    return element_test(replace(SOIL, cohesion=0.0), "random", RADIUS, [2e6, 1e6], strain=0.1, **SMALL)
+    return element_test(replace(SOIL, cohesion=0.0), "random", RADIUS, [2e6, 1e6], strain=0.1, size=SMALL)
 
 
 coordinate = st.floats(-5.0, 5.0)
@@ -119,7 +119,7 @@ def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
 
 
 def test_frame_follows_its_affine_motion_to_rounding() -> None:
-    patch = lattice_patch(SOIL, RADIUS, **SMALL)
+    patch = lattice_patch(SOIL, RADIUS)
     start = np.array([patch.model.x, patch.model.z])
     confine(patch, 1e5)
     load(patch, "simple shear", 1e5, 0.02, 1e-3, probe(patch, 1e5)[0])
@@ -138,7 +138,7 @@ def test_frame_follows_its_affine_motion_to_rounding() -> None:
         ({"pressures": [1e4, float("nan")]}, "above 0 Pa"),
         ({"strain": 0.0}, "strain of 0.0"),
         ({"rate": 1.0}, "rate of 1.0"),
-        ({"columns": 4}, "4 x 18"),
+        ({"size": (4, 18)}, "4 x 18"),
     ],
 )
 def test_refuses(changes: dict[str, object], words: str) -> None:
@@ -149,12 +149,12 @@ def test_refuses(changes: dict[str, object], words: str) -> None:
 
 def test_discs_too_soft_for_the_pressure_are_said_to_be() -> None:
     with pytest.raises(OverlapError, match="overlap"):
-        confine(lattice_patch(SOIL, RADIUS, **SMALL), 2.0 * KN)
+        confine(lattice_patch(SOIL, RADIUS), 2.0 * KN)
 
 
 def test_a_test_that_cannot_go_on_keeps_its_curve_and_says_why() -> None:
     """A lattice locks: its discs are pressed into each other until they may not be."""
-    patch = lattice_patch(replace(SOIL, allowed_overlap=0.03), RADIUS, **SMALL)
+    patch = lattice_patch(replace(SOIL, allowed_overlap=0.03), RADIUS)
     confine(patch, 4e5)
     curve = load(patch, "biaxial", 4e5, 0.2, 1e-3, probe(patch, 4e5)[0])
     assert "overlap" in curve.stopped
@@ -180,7 +180,7 @@ def test_quality_is_recorded(sand: ElementTest) -> None:
 
 
 def test_same_bits_twice_and_with_two_threads(sand: ElementTest) -> None:
-    again = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, threads=2, **SMALL)
+    again = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, threads=2, size=SMALL)
     assert again.as_json(STRATUM) == sand.as_json(STRATUM)
-    other = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, seed=1, **SMALL)
+    other = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, seed=1, size=SMALL)
     assert other.phi != sand.phi
