@@ -32,9 +32,7 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
     return grid
 
 
-def write_frame(
-    store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float
-) -> None:
+def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
     """One state of a slide, with the seconds since its onset."""
     grid = grid_of(model, before, ground)
     grid.field_data["seconds"] = np.array([seconds])
