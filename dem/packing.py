@@ -282,9 +282,21 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 
 
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points evenly spread over the outline, by Roberts's R2 sequence from a random start, each shifted a little.
+
+    Even, because pushing discs apart takes very long to even out a density that varies over many discs.
+    """
     low, high = outline.min(axis=0), outline.max(axis=0)
+    plastic = 1.32471795724474602596  # root of x**3 = x + 1
+    start, n = rng.uniform(size=2), 0
     points = np.zeros((0, 2))
+    share = _area(outline) / float(np.prod(high - low))
+    total = int(count / share) + 1
+    shift = 0.25 * np.sqrt(_area(outline) / count)
     while len(points) < count:
-        more = rng.uniform(low, high, (2 * count, 2))
+        k = np.arange(n, n + total)[:, None]
+        more = low + (start + k * np.array([1.0 / plastic, 1.0 / plastic**2])) % 1.0 * (high - low)
+        more += rng.uniform(-shift, shift, more.shape)
         points = np.concatenate([points, more[clearance(more[:, 0], more[:, 1], outline) > 0.0]])
+        n, total = n + total, 16
     return points[:count, 0].copy(), points[:count, 1].copy()
