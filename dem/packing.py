@@ -130,7 +130,9 @@ def random_packing(
     for sweep in range(0, sweeps, 10):
         grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
         i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0))
-        deepest = spread_out(x, z, grown, i, j, outline, 10)
+        spread_out(x, z, grown, i, j, outline, 10)
+        deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
+        deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))
         if grown[0] == sizes[0] and deepest <= overlap * radius:
             break
     if deepest > overlap * radius:
@@ -169,11 +171,9 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 @njit(cache=True, nogil=True, error_model="numpy")
 def spread_out(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
-) -> float:
-    """Pushes overlapping discs apart, and those too near the outline inwards; returns the deepest overlap seen last."""
-    deepest = 0.0
+) -> None:
+    """Pushes overlapping discs apart, and those too near the outline inwards."""
     for _ in range(sweeps):
-        deepest = 0.0
         for c in range(len(i)):
             a, b = i[c], j[c]
             dx, dz = x[b] - x[a], z[b] - z[a]
@@ -183,7 +183,6 @@ def spread_out(
                 continue
             distance = max(np.sqrt(square), 1e-9)
             over = reach - distance
-            deepest = max(deepest, over)
             push = 0.5 * over / distance
             x[a] -= push * dx
             z[a] -= push * dz
@@ -192,10 +191,8 @@ def spread_out(
         for a in range(len(x)):
             inside, nx, nz = nearest_edge(x[a], z[a], outline)
             if inside < radius[a]:
-                deepest = max(deepest, radius[a] - inside)
                 x[a] += (radius[a] - inside) * nx
                 z[a] += (radius[a] - inside) * nz
-    return deepest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
