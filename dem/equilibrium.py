@@ -61,7 +61,7 @@ def unbalanced_ratio(model: DiscModel) -> float:
     """Mean resultant force on the discs that can move, over the mean force of the contacts that carry any."""
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
-    size = np.hypot(forces.fx, forces.fz)
+    size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
     carrying = size > 0.0
     if not carrying.any():
         return float("inf")
