@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.calibration import Calibrator, calibrate, likeliest, sensitivities
+from dem.calibration import Calibrator, calibrate, choose, sensitivities
 from dem.equilibrium import Trial, settle
 from dem.ground import Ground, ground_of, springs_of
 from dem.liquefaction import Row, Slide, Slider
@@ -45,7 +45,7 @@ def random_table(
             on_trial=partial(_tried, told),
         )  # fmt: skip
         table = sensitivities(calibrator) if parameter == "auto" else [("", 1.0, calibrator.search("", 1.0, 2))]
-        parameter = likeliest(table, target) if parameter == "auto" else parameter
+        parameter = choose(calibrator, table, target) if parameter == "auto" else parameter
         found = calibrate(calibrator, target, parameter, table)
         seeds.append(
             {
