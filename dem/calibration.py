@@ -6,7 +6,7 @@ pore_strength: cohesion and stretch at which pore springs break; strength: frict
 all: stiffness and strength together.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -176,6 +176,19 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
     return max(able, key=lambda p: moved[p])
 
 
+def best(
+    calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
+) -> Calibration:
+    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target."""
+    if parameter != "auto":
+        return calibrate(calibrator, target, parameter, table)
+    found = calibrate(calibrator, target, choose(calibrator, table, target), table)
+    if found.verdict == "calibrated":
+        return found
+    other = calibrate(calibrator, target, "all", table)
+    return min(found, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
+
+
 def middle(search: Search) -> float:
     """What a search comes to as a number: the middle of its bracket, or the end it ran into."""
     if search.upper is None:
@@ -188,8 +201,8 @@ def calibrate(
 ) -> Calibration:
     """The factor at which the critical Kh is within the tolerance of the target, by Brent's method on its logarithm.
 
-    Bracketed first by what is known of the parameter, then by the ends of the range. Only a search that ended in a
-    bracket counts as met.
+    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range. Only a search that
+    ended in a bracket counts as met.
     """
     settings = calibrator.settings
     low, high = settings.range or RANGE
@@ -202,10 +215,10 @@ def calibrate(
         return 0.0 if _met(search, target, settings.tolerance) else gap
 
     ends = _bracket(tried, target)
-    if ends is None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
-        missing = [f for f in (low, high) if f not in tried]
-        for factor, search in zip(missing, calibrator.search_all([(parameter, f) for f in missing]), strict=True):
-            tried[factor] = search
+    for outwards in _outwards(middle(tried[1.0]) > target if 1.0 in tried else True, low, high, settings.workers):
+        if ends is not None or any(_met(s, target, settings.tolerance) for s in tried.values()):
+            break
+        tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
         ends = _bracket(tried, target)
     if ends is not None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
         known = {float(np.log(f)): middle(tried[f]) - target for f in ends}
@@ -223,6 +236,15 @@ def calibrate(
         target, settings.tolerance, parameter, value, (low, high), "calibrated" if met else "out of reach", reason,
         tried[value], tuple(table), tuple(tried.items()),
     )  # fmt: skip
+
+
+def _outwards(weaker: bool, low: float, high: float, count: int) -> Iterator[list[float]]:
+    """Halves, quarters, ... down to the low end of the range, or doubles up to the high one, so many at a time."""
+    end, factor = (low, 0.5) if weaker else (high, 2.0)
+    steps = [factor**k for k in range(1, 40) if low < factor**k < high]
+    steps.append(end)
+    for start in range(0, len(steps), count):
+        yield steps[start : start + count]
 
 
 def _met(search: Search, target: float, tolerance: float) -> bool:
