@@ -1,0 +1,75 @@
+"""Longest-edge bisection of triangles (Rivara 1984): marked cells are divided, and as few others as conformity asks.
+
+No angle becomes smaller than half of the smallest of the first mesh (Rosenberg & Stenger 1975).
+"""
+
+import numpy as np
+
+from meshes.triangles import TriMesh
+
+
+def bisect(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
+    """The mesh with the cells in ``marked`` (numbers or a mask) bisected at their longest edges."""
+    longest = longest_edges(mesh)
+    cut = np.zeros(len(mesh.edges), dtype=bool)
+    cut[longest[marked]] = True
+    while True:  # a cell with a cut edge is first cut at its longest one
+        more = longest[cut[mesh.cell_edges].any(axis=1) & ~cut[longest]]
+        if not len(more):
+            break
+        cut[more] = True
+    middle = np.full(len(mesh.edges), -1)
+    middle[cut] = len(mesh.points) + np.arange(np.count_nonzero(cut))
+    points = np.vstack([mesh.points, mesh.points[mesh.edges[cut]].mean(axis=1)])
+    cells, stratum = _divided(mesh, longest, middle)
+    boundaries = {name: _divided_edges(ends, middle[mesh.edge_numbers(ends)]) for name, ends in mesh.boundaries.items()}
+    return TriMesh(points, cells, stratum, boundaries)
+
+
+def longest_edges(mesh: TriMesh) -> np.ndarray:
+    """Number of the longest edge of every cell; of equal ones that with the lowest number, so neighbours agree."""
+    ends = mesh.points[mesh.edges]
+    length = np.sum((ends[:, 1] - ends[:, 0]) ** 2, axis=1)
+    # Rounding must not decide which of two equal edges is cut.
+    rank = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
+    place = np.empty(len(length), dtype=np.int64)
+    place[rank] = np.arange(len(length))
+    return np.take_along_axis(mesh.cell_edges, np.argmax(place[mesh.cell_edges], axis=1)[:, None], axis=1)[:, 0]
+
+
+def _divided(mesh: TriMesh, longest: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cells and strata after every cell was cut at its longest edge and its halves at their own cut edges."""
+    at = np.argmax(mesh.cell_edges == longest[:, None], axis=1)
+    rows = np.arange(len(mesh.cells))
+    a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
+    m, ma, mb = (middle[mesh.cell_edges[rows, (at + k) % 3]] for k in (0, 2, 1))  # on ab, ca, bc
+    whole = m < 0
+    cells, stratum = [np.stack([a, b, c], axis=1)[whole]], [mesh.stratum[whole]]
+    for first, second, third, half in ((c, a, m, ma), (b, c, m, mb)):
+        once, twice = ~whole & (half < 0), ~whole & (half >= 0)
+        cells.append(np.stack([first, second, third], axis=1)[once])
+        cells.append(np.stack([first, half, third], axis=1)[twice])
+        cells.append(np.stack([half, second, third], axis=1)[twice])
+        stratum += [mesh.stratum[once], mesh.stratum[twice], mesh.stratum[twice]]
+    return np.concatenate(cells), np.concatenate(stratum)
+
+
+def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Edges (k, 2) of a boundary with those cut that have a middle."""
+    cut = middle >= 0
+    start, end, mid = ends[cut, 0], ends[cut, 1], middle[cut]
+    return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])
+
+
+def split_corners(mesh: TriMesh, held: np.ndarray) -> TriMesh:
+    """The mesh with every cell divided at its middle into three that has two or more of the ``held`` edges (a mask)."""
+    stuck = held[mesh.cell_edges].sum(axis=1) >= 2
+    if not stuck.any():
+        return mesh
+    centre = len(mesh.points) + np.arange(np.count_nonzero(stuck))
+    points = np.vstack([mesh.points, mesh.points[mesh.cells[stuck]].mean(axis=1)])
+    corners = mesh.cells[stuck]
+    parts = [np.column_stack([corners[:, k], corners[:, (k + 1) % 3], centre]) for k in range(3)]
+    cells = np.concatenate([mesh.cells[~stuck], *parts])
+    stratum = np.concatenate([mesh.stratum[~stuck], *[mesh.stratum[stuck]] * 3])
+    return TriMesh(points, cells, stratum, mesh.boundaries)
