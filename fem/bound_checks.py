@@ -184,8 +184,7 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
 
 def _largest_jump(problem: LimitProblem, velocity: np.ndarray) -> float:
     """Largest difference of the velocities that cells have at a common node."""
-    mesh = problem.mesh
-    node = np.hstack([mesh.cells, len(mesh.points) + mesh.cell_edges]).ravel()
+    node = problem.mesh.six_nodes.ravel()
     flat = velocity.reshape(-1, 2)
     one = np.zeros((int(node.max()) + 1, 2))
     one[node] = flat

@@ -32,8 +32,8 @@ MOST_ITERATIONS = 120
 class ConeProgram:
     """``strain`` is G (3 k, n); ``cohesion`` and ``friction`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
 
-    ``stress_margin`` is kept between the stress and the yield surface, ``strain_margin`` (k,) between the strain rate
-    and the limit of the flow rule where φ > 0: rounding shall not lead out of either.
+    Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one; where
+    φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
     """
 
     strain: sparse.csr_matrix
@@ -41,8 +41,9 @@ class ConeProgram:
     friction: np.ndarray
     fixed: np.ndarray
     live: np.ndarray
-    stress_margin: float = 0.0
+    stress_margin: np.ndarray | float = 0.0
     strain_margin: np.ndarray | float = 0.0
+    strain_share: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +110,13 @@ def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, spar
     corner of φ = 0, its dissipation over c."""
     corners, n = len(program.cohesion), len(program.live)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
+    steeper = sin * (1.0 + program.strain_share)
     across = _volumetric(corners) @ program.strain
     radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
     apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
     cost = np.concatenate([across.T @ apex - program.fixed, radius[clay]])
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
-    cone = sparse.hstack([_cone_map(sin) @ program.strain, extra])
+    cone = sparse.hstack([_cone_map(steeper) @ program.strain, extra])
     equal = sparse.vstack([sparse.csr_matrix(program.live), across[clay]])
     equal = sparse.hstack([equal, sparse.csr_matrix((1 + len(clay), len(clay)))])
     margin = np.zeros((corners, 3))
@@ -149,7 +151,7 @@ def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.
     radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
     mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
     mean[clay] = pressure
-    much = np.where(sin > 0.0, sin, 1.0)
+    much = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
     half, shear = -much * z[:, 1], -much * z[:, 2]
     return np.stack([mean + half, mean - half, shear], axis=1)
 

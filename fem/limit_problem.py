@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshes.bisection import split_corners
+from meshes.bisection import split_at_middle
 from meshes.triangles import TriMesh
 
 # Traction (k, 2) in Pa at points (k, 2) in m of a boundary, next to strata (k,); linear along every edge of the mesh.
@@ -86,13 +86,11 @@ def units_of(mesh: TriMesh, ground: Ground) -> Units:
 def limit_problem(mesh: TriMesh, ground: Ground, units: Units) -> LimitProblem:
     """The dimensionless problem on a mesh whose strata are those of the ground.
 
-    Cells with two held edges are divided first: nothing could move in them. Raises ValueError if an edge of the outline
+    Cells in which nothing could move are divided first. Raises ValueError if an edge of the outline
     belongs to no boundary.
     """
     outline = _outline(mesh, ground)
-    held = np.zeros(len(mesh.edges), dtype=bool)
-    held[outline.edges] = outline.held.all(axis=1)
-    divided = split_corners(mesh, held)
+    divided = split_at_middle(mesh, stuck_cells(mesh, ground.friction[mesh.stratum], outline))
     if divided is not mesh:
         mesh, outline = divided, _outline(divided, ground)
     scaled = mesh.moved(np.array(units.origin), units.length)
@@ -106,6 +104,22 @@ def limit_problem(mesh: TriMesh, ground: Ground, units: Units) -> LimitProblem:
         live_force=ground.live_force[mesh.stratum] * per_volume,
         outline=replace(outline, fixed=outline.fixed / units.stress, live=outline.live / units.stress),
     )
+
+
+def stuck_cells(mesh: TriMesh, friction: np.ndarray, outline: Outline) -> np.ndarray:
+    """Cells (m,) in a corner of which nothing could move as the flow rule asks.
+
+    They have two held edges, or one, at whose end ground with φ > 0 meets ground with φ = 0: that one can only shear
+    along the held edge, the other one cannot do so without dilating.
+    """
+    held = np.zeros(len(mesh.edges), dtype=bool)
+    held[outline.edges] = outline.held.all(axis=1)
+    clay = np.append(friction == 0.0, False)[mesh.edge_cells]
+    changes = clay[:, 0] != clay[:, 1]
+    changes[mesh.edge_cells[:, 1] < 0] = False
+    of_cell = held[mesh.cell_edges]
+    dilates = (friction > 0.0) & of_cell.any(axis=1) & changes[mesh.cell_edges].any(axis=1)
+    return dilates | (of_cell.sum(axis=1) >= 2)
 
 
 def _outline(mesh: TriMesh, ground: Ground) -> Outline:

@@ -13,8 +13,8 @@ from scipy import sparse
 from fem import cone_program
 from fem.limit_problem import LimitProblem
 
-# Kept between the stress and the yield surface for rounding, over the unit of stress.
-STRESS_MARGIN = 2e-6
+# Kept between the stress and the yield surface for rounding, over the unit of stress, in a cell of unit size.
+STRESS_MARGIN = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,9 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     balance, fixed, live = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
     cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
+    kept = margin * np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     strain = balance.T.tocsr()[free]
-    program = cone_program.ConeProgram(strain, cohesion, friction, fixed, live, stress_margin=margin)
+    program = cone_program.ConeProgram(strain, cohesion, friction, fixed, live, stress_margin=kept)
     solution = cone_program.solve(program)
     found = solution.stress.ravel()
     found = found + cone_program.smallest_correction(strain.T, fixed + solution.multiplier * live - strain.T @ found)

@@ -12,8 +12,10 @@ from scipy import sparse
 
 from fem import cone_program
 from fem.limit_problem import LimitProblem
+from meshes.triangles import TriMesh
 
-# Volume rate kept above the limit of the flow rule for rounding, in the unit of the velocity over that of length.
+# Volume rate kept above the limit of the flow rule for rounding, in the unit of the velocity over that of length, and
+# as much again as a share of the shear rate.
 STRAIN_MARGIN = 1e-5
 
 
@@ -36,7 +38,7 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
     """
     nodes, moves, fixed, live = nodes_and_loads(problem)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
-    strain = sparse.diags(np.repeat(areas, 3)) @ strain_rates(problem, nodes)[:, moves]
+    strain = sparse.diags(np.repeat(areas, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]
     strain = strain.tocsr()
     # At a corner between held edges nothing can strain, and rounding must not make it.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
@@ -48,6 +50,7 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
         fixed[moves],
         live[moves],
         strain_margin=margin * areas[corners],
+        strain_share=margin,
     )
     solution = cone_program.solve(program)
     rates = _corrected(program, solution.rates)
@@ -69,7 +72,7 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray) -> np.ndarr
 def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Nodes (m, 6) of the cells, which components move (2 n,), and the work of both loads on each of them (2 n,)."""
     mesh, outline = problem.mesh, problem.outline
-    nodes = np.hstack([mesh.cells, len(mesh.points) + mesh.cell_edges])
+    nodes = mesh.six_nodes
     count = len(mesh.points) + len(mesh.edges)
     moves = np.ones((count, 2), dtype=bool)
     along = np.column_stack([outline.ends, len(mesh.points) + outline.edges])
@@ -89,13 +92,13 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
     return nodes, moves.ravel(), fixed.ravel(), live.ravel()
 
 
-def strain_rates(problem: LimitProblem, nodes: np.ndarray) -> sparse.csr_matrix:
+def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:
     """From the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy] corner by corner.
 
     At corner k the gradient of a shape is (4 δ_ik - 1) ∇L_i for corner i, and 4 ∇L_j for the middle of the edge kj.
     """
     cells = len(nodes)
-    gradient = problem.mesh.gradients
+    gradient = mesh.gradients
     slope = np.zeros((cells, 3, 6, 2))
     for k in range(3):
         for i in range(3):

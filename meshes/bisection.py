@@ -8,8 +8,9 @@ import numpy as np
 from meshes.triangles import TriMesh
 
 
-def bisect(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
-    """The mesh with the cells in ``marked`` (numbers or a mask) bisected at their longest edges."""
+def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with the cells in ``marked`` (numbers or a mask) bisected at their longest edges, and the number of the
+    old cell that each new one is a part of."""
     longest = longest_edges(mesh)
     cut = np.zeros(len(mesh.edges), dtype=bool)
     cut[longest[marked]] = True
@@ -21,9 +22,9 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
     middle = np.full(len(mesh.edges), -1)
     middle[cut] = len(mesh.points) + np.arange(np.count_nonzero(cut))
     points = np.vstack([mesh.points, mesh.points[mesh.edges[cut]].mean(axis=1)])
-    cells, stratum = _divided(mesh, longest, middle)
+    cells, parent = _divided(mesh, longest, middle)
     boundaries = {name: _divided_edges(ends, middle[mesh.edge_numbers(ends)]) for name, ends in mesh.boundaries.items()}
-    return TriMesh(points, cells, stratum, boundaries)
+    return TriMesh(points, cells, mesh.stratum[parent], boundaries), parent
 
 
 def longest_edges(mesh: TriMesh) -> np.ndarray:
@@ -38,20 +39,20 @@ def longest_edges(mesh: TriMesh) -> np.ndarray:
 
 
 def _divided(mesh: TriMesh, longest: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cells and strata after every cell was cut at its longest edge and its halves at their own cut edges."""
+    """Cells and their parents after every cell was cut at its longest edge and its halves at their own cut edges."""
     at = np.argmax(mesh.cell_edges == longest[:, None], axis=1)
     rows = np.arange(len(mesh.cells))
     a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
     m, ma, mb = (middle[mesh.cell_edges[rows, (at + k) % 3]] for k in (0, 2, 1))  # on ab, ca, bc
     whole = m < 0
-    cells, stratum = [np.stack([a, b, c], axis=1)[whole]], [mesh.stratum[whole]]
+    cells, parent = [np.stack([a, b, c], axis=1)[whole]], [rows[whole]]
     for first, second, third, half in ((c, a, m, ma), (b, c, m, mb)):
         once, twice = ~whole & (half < 0), ~whole & (half >= 0)
         cells.append(np.stack([first, second, third], axis=1)[once])
         cells.append(np.stack([first, half, third], axis=1)[twice])
         cells.append(np.stack([half, second, third], axis=1)[twice])
-        stratum += [mesh.stratum[once], mesh.stratum[twice], mesh.stratum[twice]]
-    return np.concatenate(cells), np.concatenate(stratum)
+        parent += [rows[once], rows[twice], rows[twice]]
+    return np.concatenate(cells), np.concatenate(parent)
 
 
 def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
@@ -61,9 +62,8 @@ def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])
 
 
-def split_corners(mesh: TriMesh, held: np.ndarray) -> TriMesh:
-    """The mesh with every cell divided at its middle into three that has two or more of the ``held`` edges (a mask)."""
-    stuck = held[mesh.cell_edges].sum(axis=1) >= 2
+def split_at_middle(mesh: TriMesh, stuck: np.ndarray) -> TriMesh:
+    """The mesh with every cell of a mask divided at its middle into three."""
     if not stuck.any():
         return mesh
     centre = len(mesh.points) + np.arange(np.count_nonzero(stuck))

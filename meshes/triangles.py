@@ -58,6 +58,11 @@ class TriMesh:
         sides[edge[~first], 1] = cell[~first]
         return sides
 
+    @property
+    def six_nodes(self) -> np.ndarray:
+        """Nodes of quadratic triangles (m, 6): the corners, then the middles of the edges, numbered after all points."""
+        return np.hstack([self.cells, len(self.points) + self.cell_edges])
+
     @cached_property
     def gradients(self) -> np.ndarray:
         """Gradients (m, 3, 2) of the three area coordinates of every cell (1/m)."""
