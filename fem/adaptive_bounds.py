@@ -15,6 +15,8 @@ from meshes.triangles import TriMesh
 
 # From mesh to mesh: how many times as many cells, and which share of the gap the cells to divide make up.
 GROWTH, SHARE = 2.0, 0.5
+# Weight of where the lower bound is stuck beside the parts of the gap.
+STUCK_SHARE = 0.5
 # What a bisection leaves of a cell's part of the gap in each half, as far as choosing the next cells goes.
 LEFT_IN_HALF = 0.3
 # How much more margin a second attempt gets where rounding led out of the yield surface or the flow rule.
@@ -115,7 +117,7 @@ def bracket(mesh: TriMesh, ground: Ground, gap: float, max_cells: int, progress:
         if best.gap <= gap or room < 1.2:
             return best
         at_home = problem.mesh.moved(-np.array(units.origin) / units.length, 1.0 / units.length)
-        mesh = refined(at_home, gap_parts(problem, low, high), min(GROWTH, room))
+        mesh = refined(at_home, worth_dividing(problem, low, high), min(GROWTH, room))
 
 
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], Stress | None]:
@@ -166,6 +168,18 @@ def gap_parts(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.nd
         mass = (np.ones((3, 3)) + np.eye(3)) / 12.0  # of linear fields over a triangle
         parts = parts - problem.mesh.areas * np.einsum("mki,kl,mli->m", low.stress, mass, rates)
     return np.maximum(parts, 0.0)
+
+
+def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
+    """Share of every cell (m,) in what keeps the bounds apart: its part of the gap, and where the lower bound is stuck.
+
+    The latter need not be near the mechanism of the upper bound: too few stresses at one corner can hold it down.
+    """
+    parts = gap_parts(problem, low, high)
+    parts = parts / max(parts.sum(), 1e-300)
+    if not low.solution.none and (total := low.price.sum()) > 0.0:
+        parts = parts + STUCK_SHARE * low.price / total
+    return parts
 
 
 def refined(mesh: TriMesh, parts: np.ndarray, growth: float) -> TriMesh:

@@ -107,19 +107,20 @@ def limit_problem(mesh: TriMesh, ground: Ground, units: Units) -> LimitProblem:
 
 
 def stuck_cells(mesh: TriMesh, friction: np.ndarray, outline: Outline) -> np.ndarray:
-    """Cells (m,) in a corner of which nothing could move as the flow rule asks.
+    """Cells (m,) in a corner of which nothing could move as the flow rule asks, or the stress would have no choice.
 
-    They have two held edges, or one, at whose end ground with φ > 0 meets ground with φ = 0: that one can only shear
-    along the held edge, the other one cannot do so without dilating.
+    They have two edges on the outline; or a held one, at whose end ground with φ > 0 meets ground with φ = 0: that one
+    can only shear along the held edge, the other one cannot do so without dilating.
     """
     held = np.zeros(len(mesh.edges), dtype=bool)
     held[outline.edges] = outline.held.all(axis=1)
+    on_outline = (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1)
     clay = np.append(friction == 0.0, False)[mesh.edge_cells]
     changes = clay[:, 0] != clay[:, 1]
     changes[mesh.edge_cells[:, 1] < 0] = False
     of_cell = held[mesh.cell_edges]
     dilates = (friction > 0.0) & of_cell.any(axis=1) & changes[mesh.cell_edges].any(axis=1)
-    return dilates | (of_cell.sum(axis=1) >= 2)
+    return dilates | (on_outline >= 2)
 
 
 def _outline(mesh: TriMesh, ground: Ground) -> Outline:

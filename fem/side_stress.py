@@ -39,7 +39,7 @@ def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
     It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a
     factor for each stratum that makes its resultant there the one of plane elasticity under weight with the sides held
     horizontally, the gravity stage of ``fem.critical``: where the ground slopes, one side takes more and the other less.
-    It stays between Rankine's active and passive stress.
+    It stays nearer to the plain K0 stress than to Rankine's active and passive ones.
     """
     while len(mesh.cells) < ENOUGH_CELLS:
         mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))
@@ -64,7 +64,9 @@ def _side_stress(section: Section, mesh: TriMesh, stress: np.ndarray, side: str)
         sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
         active = np.maximum(((1.0 - sin) * vertical - 2.0 * soil.cohesion * cos) / (1.0 + sin), 0.0)
         passive = ((1.0 + sin) * vertical + 2.0 * soil.cohesion * cos) / (1.0 - sin)
-        found.append(-np.clip(factor * plain, active, passive))
+        # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
+        lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
+        found.append(-np.clip(factor * plain, lowest, highest))
         above = below
     return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(found))
 
