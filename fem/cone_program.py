@@ -8,7 +8,8 @@ and its dual works with rates x and strain rates ε = G x, [xx, yy, engineering 
 
     min D(ε) - b0·x  such that  b1·x = 1,  εxx + εyy >= sin φ |(εxx - εyy, εxy)|,
 
-where D is c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0. Clarabel solves the second one,
+where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. Corners may
+have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel solves the second one,
 which is the smaller, and gives the stress as its multipliers.
 """
 
@@ -30,7 +31,7 @@ MOST_ITERATIONS = 120
 
 @dataclass(frozen=True, eq=False)
 class ConeProgram:
-    """``strain`` is G (3 k, n); ``cohesion`` and ``friction`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
+    """``strain`` is G (3 k, n); ``cohesion``, ``friction``, ``weight`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
 
     Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one; where
     φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
@@ -39,6 +40,7 @@ class ConeProgram:
     strain: sparse.csr_matrix
     cohesion: np.ndarray
     friction: np.ndarray
+    weight: np.ndarray
     fixed: np.ndarray
     live: np.ndarray
     stress_margin: np.ndarray | float = 0.0
@@ -112,7 +114,7 @@ def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, spar
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
     across = _volumetric(corners) @ program.strain
-    radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
+    radius = program.weight * (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
     apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
     cost = np.concatenate([across.T @ apex - program.fixed, radius[clay]])
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
@@ -149,8 +151,9 @@ def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.
     """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
+    z = z / program.weight[:, None]
     mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
-    mean[clay] = pressure
+    mean[clay] = pressure / program.weight[clay]
     much = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
     half, shear = -much * z[:, 1], -much * z[:, 2]
     return np.stack([mean + half, mean - half, shear], axis=1)

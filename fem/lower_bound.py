@@ -9,12 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg import qr
 
 from fem import cone_program
 from fem.limit_problem import LimitProblem
 
 # Kept between the stress and the yield surface for rounding, over the unit of stress, in a cell of unit size.
 STRESS_MARGIN = 3e-5
+
+# Eigenvalue of the equations of a point, over its largest, below which they depend on each other.
+DEPENDENT = 1e-12
+
+# A matrix, both right-hand sides, and the points of the equations.
+Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,29 +43,64 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
 
     Whether it is a bound is for ``fem.bound_checks`` to say.
     """
-    balance, fixed, live = equations(problem)
+    balance, fixed, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
     cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
     kept = margin * np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     strain = balance.T.tocsr()[free]
-    program = cone_program.ConeProgram(strain, cohesion, friction, fixed, live, stress_margin=kept)
+    matters = independent_equations(strain.T.tocsr(), points)
+    ones = np.ones(len(cohesion))
+    program = cone_program.ConeProgram(
+        strain[:, matters], cohesion, friction, ones, fixed[matters], live[matters], stress_margin=kept
+    )
     solution = cone_program.solve(program)
     found = solution.stress.ravel()
     found = found + cone_program.smallest_correction(strain.T, fixed + solution.multiplier * live - strain.T @ found)
     stress = np.zeros(9 * len(problem.mesh.cells))
     stress[free] = found
-    price = np.abs(stress * (balance.T @ solution.rates)).reshape(-1, 9).sum(axis=1)
+    price = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 9).sum(axis=1)
     return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), price, solution)
 
 
-def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
-    """A, b0, b1 of A σ = b0 + λ b1: balance in the cells, then tractions of edges; lengths are factored in."""
+def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:
+    """A, b0, b1 of A σ = b0 + λ b1: balance in the cells, then tractions of edges; lengths are factored in.
+
+    The last array holds the point at which an equation of tractions holds, -1 for a balance.
+    """
     rows = [_balance(problem), _continuity(problem), _boundary(problem)]
-    matrices, fixed, live = zip(*rows, strict=True)
-    return sparse.vstack(matrices).tocsr(), np.concatenate(fixed), np.concatenate(live)
+    matrices, fixed, live, points = zip(*rows, strict=True)
+    return sparse.vstack(matrices).tocsr(), np.concatenate(fixed), np.concatenate(live), np.concatenate(points)
 
 
-def _balance(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
+def independent_equations(matrix: sparse.csr_matrix, points: np.ndarray) -> np.ndarray:
+    """Numbers of the equations that do not follow from others, as far as one point's tractions can tell.
+
+    Some do where edges go on straight through a point, and at corners without stress. The rates beside such equations
+    would be free to grow without end, and with them the solver's tolerance.
+    """
+    at_point = np.flatnonzero(points >= 0)
+    at_point = at_point[np.argsort(points[at_point], kind="stable")]
+    tractions = matrix[at_point]
+    gram = (tractions @ tractions.T).tocsr()  # equations of different points have no stress in common
+    start = np.flatnonzero(np.diff(points[at_point], prepend=-1))
+    size = np.diff(start, append=len(at_point))
+    kept = [np.flatnonzero(points < 0)]
+    for count in np.unique(size):
+        first = start[size == count]
+        rows = first[:, None] + np.arange(count)
+        flat = np.asarray(gram[np.repeat(rows, count, axis=1).ravel(), np.tile(rows, (1, count)).ravel()])
+        blocks = flat.reshape(len(first), count, count)
+        values = np.linalg.eigvalsh(blocks)
+        whole = values[:, 0] > DEPENDENT * values[:, -1]
+        kept.append(at_point[rows[whole]].ravel())
+        for row, block in zip(rows[~whole], blocks[~whole], strict=True):
+            _, triangle, order = qr(block, pivoting=True)
+            steps = np.abs(np.diag(triangle))
+            kept.append(at_point[row[order[: np.count_nonzero(steps > DEPENDENT * max(steps[0], 1e-300))]]])
+    return np.sort(np.concatenate(kept))
+
+
+def _balance(problem: LimitProblem) -> Equations:
     """div σ + force = 0 in every cell, times the root of its area."""
     mesh = problem.mesh
     size = np.sqrt(mesh.areas)
@@ -72,10 +114,11 @@ def _balance(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.n
     columns = np.concatenate([column, column + 2, column + 1, column + 2])
     matrix = sparse.csr_matrix((entries, (rows, columns)), shape=(2 * cells, 9 * cells))
     scale = -size[:, None]
-    return matrix, (scale * problem.fixed_force).ravel(), (scale * problem.live_force).ravel()
+    nowhere = np.full(2 * cells, -1)
+    return matrix, (scale * problem.fixed_force).ravel(), (scale * problem.live_force).ravel(), nowhere
 
 
-def _continuity(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
+def _continuity(problem: LimitProblem) -> Equations:
     """The same traction on both sides of the inner edges, at both ends, times half their length."""
     mesh = problem.mesh
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
@@ -83,17 +126,19 @@ def _continuity(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, n
     one, other = mesh.edge_cells[inner].T
     normal = _normals(problem, one, ends)
     zero = np.zeros(4 * len(inner))
-    return _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal), zero, zero
+    matrix = _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal)
+    return matrix, zero, zero, np.repeat(ends.ravel(), 2)
 
 
-def _boundary(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
+def _boundary(problem: LimitProblem) -> Equations:
     """The given traction at both ends of the edges of the outline, where it is not held, times half their length."""
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
     wanted = np.repeat(~outline.held[:, None, :], 2, axis=1).ravel()
     matrix = _tractions(problem, outline.cells, outline.ends, normal)[wanted]
     half = np.hypot(*normal.T)[:, None, None]
-    return matrix, (half * outline.fixed).ravel()[wanted], (half * outline.live).ravel()[wanted]
+    points = np.repeat(outline.ends.ravel(), 2)[wanted]
+    return matrix, (half * outline.fixed).ravel()[wanted], (half * outline.live).ravel()[wanted], points
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:

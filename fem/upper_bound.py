@@ -38,8 +38,8 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
     """
     nodes, moves, fixed, live = nodes_and_loads(problem)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
-    strain = sparse.diags(np.repeat(areas, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]
-    strain = strain.tocsr()
+    size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
+    strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]).tocsr()
     # At a corner between held edges nothing can strain, and rounding must not make it.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
@@ -47,9 +47,10 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
         strain[strains],
         np.repeat(problem.cohesion, 3)[corners],
         np.repeat(problem.friction, 3)[corners],
+        size[corners],
         fixed[moves],
         live[moves],
-        strain_margin=margin * areas[corners],
+        strain_margin=margin * size[corners],
         strain_share=margin,
     )
     solution = cone_program.solve(program)
