@@ -116,8 +116,7 @@ def bracket(mesh: TriMesh, ground: Ground, gap: float, max_cells: int, progress:
         room = max_cells / len(problem.mesh.cells)
         if best.gap <= gap or room < 1.2:
             return best
-        at_home = problem.mesh.moved(-np.array(units.origin) / units.length, 1.0 / units.length)
-        mesh = refined(at_home, worth_dividing(problem, low, high), min(GROWTH, room))
+        mesh = refined(problem.mesh_in_metres, worth_dividing(problem, low, high), min(GROWTH, room))
 
 
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], Stress | None]:

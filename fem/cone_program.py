@@ -179,7 +179,7 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     scaled = sparse.diags(1.0 / np.where(length > 0.0, length, 1.0)) @ matrix
     left = residual / np.where(length > 0.0, length, 1.0)
     normal = (scaled @ scaled.T + 1e-10 * sparse.identity(rows)).tocsc()
-    factor = splu(normal, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factor = splu(normal, permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     found = np.zeros(matrix.shape[1])
     for _ in range(6):
         found += scaled.T @ factor.solve(left - scaled @ found)

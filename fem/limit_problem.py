@@ -72,6 +72,16 @@ class LimitProblem:
     live_force: np.ndarray
     outline: Outline
 
+    @property
+    def points(self) -> np.ndarray:
+        """The points (n, 2) in m."""
+        return self.mesh.points * self.units.length + np.array(self.units.origin)
+
+    @property
+    def mesh_in_metres(self) -> TriMesh:
+        """The mesh with its points in m."""
+        return TriMesh(self.points, self.mesh.cells, self.mesh.stratum, self.mesh.boundaries)
+
 
 def units_of(mesh: TriMesh, ground: Ground) -> Units:
     """Height of the mesh, and the largest stress that loads or, without any, the weakest strength can make in it."""

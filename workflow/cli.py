@@ -169,6 +169,30 @@ def _run_fem(run: Input, store: Store, quads: QuadMesh | None) -> None:
         raise NoAnswerError(f"the path ended undecided: {result.reason}; {result.remedy}")
 
 
+@app.command()
+def bounds(
+    section: SectionFile,
+    folder: Out = None,
+    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
+    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
+    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
+    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+) -> None:
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
+    from workflow.bounds_stage import bounds_stage, in_words
+
+    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
+    run = Input.load(section, {"bounds": options, "fem": {"sides": sides}})
+    store = _store(run, folder)
+    with err.status("Bounds: first mesh") as status:
+        answer = bounds_stage(run, store, lambda found: status.update(escape(f"Bounds: {in_words(found)}")))
+    out.print(f"[bold]{escape(answer['words'])}[/]", soft_wrap=True)
+    out.print(f"{escape(answer['reason'])} {len(answer['history'])} meshes, {answer['seconds']:.0f} s.", soft_wrap=True)
+    out.print(f"Results and pictures are in {store.folder}/", soft_wrap=True)
+    if answer["verdict"] == "no bracket":
+        raise NoAnswerError(answer["reason"])
+
+
 def _mesh_options(
     refine: int | None, size: str | None, free: bool, columns: int | None, rows: int | None
 ) -> dict[str, Any]:

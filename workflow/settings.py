@@ -6,7 +6,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
-from fem.settings import FemSettings
+from fem.settings import BoundsSettings, FemSettings
 from meshes.quadrilaterals import MeshSettings
 from meshes.section import Section, read_toml
 
@@ -19,6 +19,7 @@ class Input(Section):
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
+    bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
