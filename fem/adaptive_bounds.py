@@ -10,13 +10,16 @@ from fem.bound_checks import StressCheck, VelocityCheck, check_stress, check_vel
 from fem.limit_problem import Ground, LimitProblem, limit_problem, units_of
 from fem.lower_bound import STRESS_MARGIN, LowerBound, lower_bound
 from fem.upper_bound import STRAIN_MARGIN, UpperBound, upper_bound
-from meshes.bisection import bisect
+from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
 # From mesh to mesh: how many times as many cells, and which share of the gap the cells to divide make up.
 GROWTH, SHARE = 2.0, 0.5
 # Weight of where the lower bound is stuck beside the parts of the gap.
 STUCK_SHARE = 0.5
+# Share of one point in all that holds the lower bound down at which the cells round it are halved from there, and the
+# angle (rad) at which they are narrow enough.
+STUCK_POINT, NARROW = 0.02, 0.1
 # What a bisection leaves of a cell's part of the gap in each half, as far as choosing the next cells goes.
 LEFT_IN_HALF = 0.3
 # How much more margin a second attempt gets where rounding led out of the yield surface or the flow rule.
@@ -116,7 +119,9 @@ def bracket(mesh: TriMesh, ground: Ground, gap: float, max_cells: int, progress:
         room = max_cells / len(problem.mesh.cells)
         if best.gap <= gap or room < 1.2:
             return best
-        mesh = refined(problem.mesh_in_metres, worth_dividing(problem, low, high), min(GROWTH, room))
+        parts = worth_dividing(problem, low, high)
+        mesh, parent = fan_out(problem.mesh_in_metres, stuck_points(problem, low), NARROW)
+        mesh = refined(mesh, parts[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(parts))
 
 
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], Stress | None]:
@@ -177,13 +182,18 @@ def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> 
     parts = gap_parts(problem, low, high)
     parts = parts / max(parts.sum(), 1e-300)
     if not low.solution.none and (total := low.price.sum()) > 0.0:
-        parts = parts + STUCK_SHARE * low.price / total
+        parts = parts + STUCK_SHARE * low.price.sum(axis=1) / total
     return parts
 
 
-def refined(mesh: TriMesh, parts: np.ndarray, growth: float) -> TriMesh:
-    """The mesh with about ``growth`` times as many cells, divided where the ``parts`` (m,) of the gap are largest."""
-    wanted = growth * len(mesh.cells)
+def stuck_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
+    """Points (n,) at which the few stresses of the cells round them hold the lower bound down, as at a footing's edge."""
+    price = np.bincount(problem.mesh.cells.ravel(), weights=low.price.ravel(), minlength=len(problem.mesh.points))
+    return np.zeros(len(price), dtype=bool) if low.solution.none else price > STUCK_POINT * price.sum()
+
+
+def refined(mesh: TriMesh, parts: np.ndarray, wanted: float) -> TriMesh:
+    """The mesh with about ``wanted`` cells, divided where the ``parts`` (m,) of what keeps the bounds apart are largest."""
     while len(mesh.cells) < 0.95 * wanted:
         order = np.argsort(-parts, kind="stable")
         enough = int(np.searchsorted(np.cumsum(parts[order]), SHARE * parts.sum())) + 1

@@ -28,8 +28,8 @@ Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
 class LowerBound:
     """The multiplier, and the stress (m, 3 corners, [xx, yy, xy]) that carries it, dimensionless.
 
-    ``price`` (m,) says how much the yield surface of a cell keeps the multiplier down: the work of its stress on the
-    rates that the solver found beside it.
+    ``price`` (m, 3) says how much the yield surface at a corner keeps the multiplier down: the work of its stress on
+    the rates that the solver found beside it.
     """
 
     multiplier: float
@@ -58,7 +58,7 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     found = found + cone_program.smallest_correction(strain.T, fixed + solution.multiplier * live - strain.T @ found)
     stress = np.zeros(9 * len(problem.mesh.cells))
     stress[free] = found
-    price = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 9).sum(axis=1)
+    price = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 3, 3).sum(axis=2)
     return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), price, solution)
 
 

@@ -19,28 +19,57 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
         if not len(more):
             break
         cut[more] = True
+    return cut_edges(mesh, cut)
+
+
+def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with the cells round points (a mask) halved from there, where their angle there exceeds ``widest`` (rad),
+    and the number of the old cell that each new one is a part of.
+
+    Bisection of the longest edges alone would never bring more cells to a point.
+    """
+    corners = mesh.points[mesh.cells]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    angle = np.arctan2(cross, np.sum(ahead * back, axis=-1))
+    cut = np.zeros(len(mesh.edges), dtype=bool)
+    cut[np.roll(mesh.cell_edges, -1, axis=1)[points[mesh.cells] & (angle > widest)]] = True
+    return cut_edges(mesh, cut)
+
+
+def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with edges (a mask) cut at their middles, every cell first at its longest one of these, and the number of
+    the old cell that each new one is a part of."""
+    rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
+    first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
     middle = np.full(len(mesh.edges), -1)
     middle[cut] = len(mesh.points) + np.arange(np.count_nonzero(cut))
     points = np.vstack([mesh.points, mesh.points[mesh.edges[cut]].mean(axis=1)])
-    cells, parent = _divided(mesh, longest, middle)
+    cells, parent = _divided(mesh, first, middle)
     boundaries = {name: _divided_edges(ends, middle[mesh.edge_numbers(ends)]) for name, ends in mesh.boundaries.items()}
     return TriMesh(points, cells, mesh.stratum[parent], boundaries), parent
 
 
 def longest_edges(mesh: TriMesh) -> np.ndarray:
-    """Number of the longest edge of every cell; of equal ones that with the lowest number, so neighbours agree."""
+    """Number of the longest edge of every cell; of equal ones neighbours take the same."""
+    rank = _rank(mesh)[mesh.cell_edges]
+    return np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
+
+
+def _rank(mesh: TriMesh) -> np.ndarray:
+    """Place of every edge in the order of lengths; rounding does not decide which of two equal ones comes first."""
     ends = mesh.points[mesh.edges]
     length = np.sum((ends[:, 1] - ends[:, 0]) ** 2, axis=1)
-    # Rounding must not decide which of two equal edges is cut.
-    rank = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
+    order = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
     place = np.empty(len(length), dtype=np.int64)
-    place[rank] = np.arange(len(length))
-    return np.take_along_axis(mesh.cell_edges, np.argmax(place[mesh.cell_edges], axis=1)[:, None], axis=1)[:, 0]
+    place[order] = np.arange(len(length))
+    return place
 
 
-def _divided(mesh: TriMesh, longest: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cells and their parents after every cell was cut at its longest edge and its halves at their own cut edges."""
-    at = np.argmax(mesh.cell_edges == longest[:, None], axis=1)
+def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cells and their parents after every cell was cut at its base edge and its halves at their own cut edges."""
+    at = np.argmax(mesh.cell_edges == base[:, None], axis=1)
     rows = np.arange(len(mesh.cells))
     a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
     m, ma, mb = (middle[mesh.cell_edges[rows, (at + k) % 3]] for k in (0, 2, 1))  # on ab, ca, bc
