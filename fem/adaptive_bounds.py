@@ -92,8 +92,16 @@ class Bracket:
 Progress = Callable[[Bracket], None]
 
 
-def bracket(mesh: TriMesh, ground: Ground, gap: float, max_cells: int, progress: Progress | None = None) -> Bracket:
-    """Lower and upper bound of the multiplier on ever finer meshes, until their gap or the number of cells is reached."""
+def bracket(
+    mesh: TriMesh,
+    ground: Ground,
+    gap: float,
+    max_cells: int,
+    progress: Progress | None = None,
+    useless: float = -np.inf,
+) -> Bracket:
+    """Lower and upper bound of the multiplier on ever finer meshes, until the gap or the number of cells is reached or
+    the multiplier is known to be below ``useless``."""
     units = units_of(mesh, ground)
     best = Bracket(None, None, [], mesh)
     while True:
@@ -117,7 +125,7 @@ def bracket(mesh: TriMesh, ground: Ground, gap: float, max_cells: int, progress:
         if progress:
             progress(best)
         room = max_cells / len(problem.mesh.cells)
-        if best.gap <= gap or room < 1.2:
+        if best.gap <= gap or best.upper < useless or room < 1.2:
             return best
         parts = worth_dividing(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, stuck_points(problem, low), NARROW)
@@ -187,13 +195,13 @@ def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> 
 
 
 def stuck_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
-    """Points (n,) at which the few stresses of the cells round them hold the lower bound down, as at a footing's edge."""
+    """Points (n,) at which too few cells meet, so that they hold the lower bound down, as at a footing's edge."""
     price = np.bincount(problem.mesh.cells.ravel(), weights=low.price.ravel(), minlength=len(problem.mesh.points))
     return np.zeros(len(price), dtype=bool) if low.solution.none else price > STUCK_POINT * price.sum()
 
 
 def refined(mesh: TriMesh, parts: np.ndarray, wanted: float) -> TriMesh:
-    """The mesh with about ``wanted`` cells, divided where the ``parts`` (m,) of what keeps the bounds apart are largest."""
+    """The mesh with about ``wanted`` cells, divided where the ``parts`` (m,) are largest."""
     while len(mesh.cells) < 0.95 * wanted:
         order = np.argsort(-parts, kind="stable")
         enough = int(np.searchsorted(np.cumsum(parts[order]), SHARE * parts.sum())) + 1

@@ -15,9 +15,9 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class StressCheck:
-    """``imbalance``: largest body force left over in a cell times its size; ``traction_jump``: largest across an edge, or
-    from the given one on the outline; both over the largest stress. ``yield_slack``: smallest distance of a corner to
-    the yield surface, negative past it, over the unit of stress.
+    """``imbalance``: largest body force left over in a cell times its size; ``traction_jump``: largest across an edge,
+    or from the given one on the outline; both over the largest stress. ``yield_slack``: smallest distance of a corner
+    to the yield surface, negative past it, over the unit of stress.
     """
 
     imbalance: float
@@ -171,7 +171,9 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
     slack = volume - np.sin(problem.friction)[:, None] * shear
     stays, does = work(problem, velocity)
     along = [_node(problem, velocity, outline.ends[:, end]) for end in (0, 1)]
-    along.append(velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)])
+    along.append(
+        velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)]
+    )
     held = max(float(np.abs(np.where(outline.held, v, 0.0)).max()) for v in along)
     return VelocityCheck(
         multiplier=(float(dissipation(problem, rates).sum()) - stays) / does,

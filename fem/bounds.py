@@ -38,10 +38,11 @@ def kh_bounds(
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
     mesh = first_mesh(section, settings.max_cells)
-    found = bracket(mesh, ground_of(section, mesh, fem, settings.davis), settings.gap, settings.max_cells, progress)
+    ground = ground_of(section, mesh, fem, settings.davis)
+    found = bracket(mesh, ground, settings.gap, settings.max_cells, progress, useless=0.0)
     if found.upper < 0.0:
         raise UnstableError(
-            f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths and densities"
+            f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
         )
     return found
 
@@ -55,7 +56,9 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
     sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
-    return triangulate(section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)})
+    return triangulate(
+        section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)}
+    )
 
 
 def ground_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) -> Ground:

@@ -9,8 +9,8 @@ and its dual works with rates x and strain rates ε = G x, [xx, yy, engineering 
     min D(ε) - b0·x  such that  b1·x = 1,  εxx + εyy >= sin φ |(εxx - εyy, εxy)|,
 
 where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. Corners may
-have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel solves the second one,
-which is the smaller, and gives the stress as its multipliers.
+have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel
+solves the second one, which is the smaller, and gives the stress as its multipliers.
 """
 
 import signal
@@ -33,8 +33,8 @@ MOST_ITERATIONS = 120
 class ConeProgram:
     """``strain`` is G (3 k, n); ``cohesion``, ``friction``, ``weight`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
 
-    Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one; where
-    φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
+    Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one;
+    where φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
     """
 
     strain: sparse.csr_matrix
@@ -110,7 +110,7 @@ def _stops_at_interrupt(solver: clarabel.DefaultSolver) -> Iterator[None]:
 def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray, list]:
     """Cost, matrix, right-hand side and cones of min cost·y with matrix y + s = offset, y the rates and, for each
     corner of φ = 0, its dissipation over c."""
-    corners, n = len(program.cohesion), len(program.live)
+    corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
     across = _volumetric(corners) @ program.strain

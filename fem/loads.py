@@ -1,9 +1,8 @@
 """What pushes the ground, and which strength it has, alike in the finite elements and in limit analysis."""
 
+from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section import Section, Stratum
-
-from fem.settings import FemSettings
 
 GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 

@@ -37,8 +37,9 @@ def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
     """The stress on the "left" and the "right" side.
 
     It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a
-    factor for each stratum that makes its resultant there the one of plane elasticity under weight with the sides held
-    horizontally, the gravity stage of ``fem.critical``: where the ground slopes, one side takes more and the other less.
+    factor for each stratum that makes its resultant there the one of plane elasticity under weight with the sides
+    held horizontally, the gravity stage of ``fem.critical``: where the ground slopes, one side takes more and the
+    other less.
     It stays nearer to the plain K0 stress than to Rankine's active and passive ones.
     """
     while len(mesh.cells) < ENOUGH_CELLS:
@@ -111,6 +112,7 @@ def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
         moves[on_it[:, None], axes] = False
     free = moves.ravel()
     displacement = np.zeros(2 * count)
-    displacement[free] = splu(stiffness[free][:, free], permc_spec="MMD_AT_PLUS_A").solve(load.ravel()[free])
+    factor = splu(stiffness[free][:, free], diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    displacement[free] = factor.solve(load.ravel()[free])
     strains = (strain @ displacement).reshape(-1, 3, 3)
     return np.einsum("mj,mkj->mk", law[mesh.stratum][:, 0], strains)

@@ -23,8 +23,8 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
-    """The mesh with the cells round points (a mask) halved from there, where their angle there exceeds ``widest`` (rad),
-    and the number of the old cell that each new one is a part of.
+    """The mesh with the cells round points (a mask) halved from there, where their angle exceeds ``widest`` (rad), and
+    the number of the old cell that each new one is a part of.
 
     Bisection of the longest edges alone would never bring more cells to a point.
     """
@@ -39,8 +39,8 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
 
 
 def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """The mesh with edges (a mask) cut at their middles, every cell first at its longest one of these, and the number of
-    the old cell that each new one is a part of."""
+    """The mesh with edges (a mask) cut at their middles, every cell first at its longest one of these, and the number
+    of the old cell that each new one is a part of."""
     rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
     first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
     middle = np.full(len(mesh.edges), -1)

@@ -9,7 +9,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from fem.adaptive_bounds import Bracket, Mechanism, Stress
-from fem.bound_checks import yield_slack
+from fem.bound_checks import corner_rates, yield_slack
 from meshes.triangles import TriMesh
 from workflow.canvas import INK, Sheet, Window, legend_columns, render, soil_colour, spread
 from workflow.figures import foot
@@ -56,6 +56,8 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
     problem = mechanism.problem
     density = mechanism.dissipation / problem.mesh.areas
     density = density / max(float(density.max()), 1e-300)
+    rates = corner_rates(problem, mechanism.velocity).mean(axis=1)
+    shear = np.hypot(rates[:, 0] - rates[:, 1], rates[:, 2])
     mesh = problem.mesh_in_metres
     velocity = np.zeros_like(mesh.points)
     velocity[mesh.cells] = mechanism.velocity[:, :3]
@@ -73,18 +75,31 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
     title = f"{run.title or run.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion] * 2, foot(run), legend_rows=2)
+    sheet = Sheet(title, [window.proportion] * 3, foot(run), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
-    image = render(window, _classes(mesh, density, DISSIPATION, DISSIPATION_COLOURS))
-    sheet.show(1, image, window, "dissipation per area")
-    _bar(sheet, DISSIPATION, DISSIPATION_COLOURS, "dissipation per area over its largest (-)", conditions(run))
+    views = (
+        (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
+        (
+            density,
+            "dissipation per area; with ψ = φ, ground without cohesion shears and dilates but dissipates nothing",
+        ),
+    )
+    for view, (values, what) in enumerate(views, start=1):
+        sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
+    _bar(
+        sheet,
+        DISSIPATION,
+        DISSIPATION_COLOURS,
+        "shear rate, dissipation per area: over the largest (-)",
+        conditions(run),
+    )
     return sheet
 
 
 def _stress_sheet(run: Input, stress: Stress, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
     title = f"{run.title or run.name}: lower bound, Kh = {stress.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=2)
+    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
     _bar(sheet, YIELD, YIELD_COLOURS, "radius of Mohr's circle over the largest possible (-)", conditions(run))

@@ -70,7 +70,9 @@ def _verdict(run: Input, found: Bracket) -> tuple[str, str]:
     if found.gap <= run.bounds.gap:
         return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * run.bounds.gap:g} % asked for."
     wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * run.bounds.gap:g} % asked for"
-    return "wide", f"{wish}: {found.rounds[-1].cells} cells, {run.bounds.max_cells} allowed." + (f" {last}." * bool(last))
+    return "wide", f"{wish}: {found.rounds[-1].cells} cells, {run.bounds.max_cells} allowed." + (
+        f" {last}." * bool(last)
+    )
 
 
 def in_words(found: Bracket) -> str:
