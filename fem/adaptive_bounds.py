@@ -191,7 +191,7 @@ def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> 
     parts = parts / max(parts.sum(), 1e-300)
     if not low.solution.none and (total := low.price.sum()) > 0.0:
         parts = parts + STUCK_SHARE * low.price.sum(axis=1) / total
-    return parts
+    return np.nan_to_num(parts)  # a solver that ended early may leave no numbers
 
 
 def stuck_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:

@@ -27,6 +27,7 @@ from scipy.sparse.linalg import splu
 # Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh.
 SOLVER_GAP = 5e-6
 MOST_ITERATIONS = 120
+MOST_CORRECTIONS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +182,11 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     normal = (scaled @ scaled.T + 1e-10 * sparse.identity(rows)).tocsc()
     factor = splu(normal, permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     found = np.zeros(matrix.shape[1])
-    for _ in range(6):
-        found += scaled.T @ factor.solve(left - scaled @ found)
+    missed = np.inf
+    for _ in range(MOST_CORRECTIONS):
+        rest = left - scaled @ found
+        if not np.abs(rest).max() < 0.5 * missed:  # no longer better, or no number
+            break
+        missed = np.abs(rest).max()
+        found += scaled.T @ factor.solve(rest)
     return found

@@ -60,7 +60,7 @@ class TriMesh:
 
     @property
     def six_nodes(self) -> np.ndarray:
-        """Nodes of quadratic triangles (m, 6): the corners, then the middles of the edges, counted on from the points."""
+        """Nodes of quadratic triangles (m, 6): corners, then middles of edges, counted on from the points."""
         return np.hstack([self.cells, len(self.points) + self.cell_edges])
 
     @cached_property
