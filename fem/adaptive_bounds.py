@@ -17,9 +17,10 @@ from meshes.triangles import TriMesh
 GROWTH, SHARE = 2.0, 0.5
 # Weight of where the lower bound is stuck beside the parts of the gap.
 STUCK_SHARE = 0.5
-# Share of one point in all that holds the lower bound down at which the cells round it are halved from there, and the
-# angle (rad) at which they are narrow enough.
-STUCK_POINT, NARROW = 0.02, 0.1
+# Share of one point in all that holds the lower bound down, and how many times the mean of all points this is, at which
+# the cells round it are halved from there; and the angle (rad) at which they are narrow enough. The share is 1 at the
+# edge of a footing; at the toe of a slope it is below 0.2 and falls, and narrow cells would be lost to the upper bound.
+STUCK_POINT, STUCK_TIMES, NARROW = 0.1, 20.0, 0.1
 # What a bisection leaves of a cell's part of the gap in each half, as far as choosing the next cells goes.
 LEFT_IN_HALF = 0.3
 # How much more margin a second attempt gets where rounding led out of the yield surface or the flow rule.
@@ -197,7 +198,8 @@ def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> 
 def stuck_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
     """Points (n,) at which too few cells meet, so that they hold the lower bound down, as at a footing's edge."""
     price = np.bincount(problem.mesh.cells.ravel(), weights=low.price.ravel(), minlength=len(problem.mesh.points))
-    return np.zeros(len(price), dtype=bool) if low.solution.none else price > STUCK_POINT * price.sum()
+    blocks = price > max(STUCK_POINT * price.sum(), STUCK_TIMES * price.mean())
+    return blocks & (not low.solution.none)
 
 
 def refined(mesh: TriMesh, parts: np.ndarray, wanted: float) -> TriMesh:
