@@ -20,7 +20,7 @@ STUCK_SHARE = 0.5
 # Share of one point in all that holds the lower bound down, and how many times the mean of all points this is, at which
 # the cells round it are halved from there; and the angle (rad) at which they are narrow enough. The share is 1 at the
 # edge of a footing; at the toe of a slope it is below 0.2 and falls, and narrow cells would be lost to the upper bound.
-STUCK_POINT, STUCK_TIMES, NARROW = 0.1, 20.0, 0.1
+STUCK_POINT, STUCK_TIMES, NARROW = 0.03, 20.0, 0.1
 # What a bisection leaves of a cell's part of the gap in each half, as far as choosing the next cells goes.
 LEFT_IN_HALF = 0.3
 # How much more margin a second attempt gets where rounding led out of the yield surface or the flow rule.

@@ -44,6 +44,10 @@ def conditions(run: Input) -> str:
     return f"sides {run.fem.sides}, {flow}, pushed {run.fem.direction}{kv}"
 
 
+def _of_what(run: Input) -> str:
+    return " of Davis's substitute (a proxy)" if run.bounds.davis else ""
+
+
 def yield_use(stress: Stress) -> np.ndarray:
     """How much of the strength the stress takes in every cell (m,), its worst corner: 1 on the yield surface."""
     slack = yield_slack(stress.problem, stress.stress)
@@ -74,7 +78,7 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
-    title = f"{run.title or run.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
+    title = f"{run.title or run.name}: upper bound{_of_what(run)}, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(run), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
@@ -98,7 +102,7 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
 
 def _stress_sheet(run: Input, stress: Stress, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
-    title = f"{run.title or run.name}: lower bound, Kh = {stress.multiplier:.4f}"
+    title = f"{run.title or run.name}: lower bound{_of_what(run)}, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")

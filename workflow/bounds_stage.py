@@ -14,7 +14,7 @@ from workflow.settings import Input
 from workflow.store import Store
 
 PROXY = (
-    "Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds are "
+    "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds are "
     "strict for the reduced ground, and none of the section's."
 )
 
@@ -44,7 +44,7 @@ def as_json(run: Input, found: Bracket, seconds: float) -> dict[str, Any]:
         "verdict": verdict,
         "reason": reason,
         "words": in_words(found),
-        "flow": PROXY if run.bounds.davis else "associated, ψ = φ",
+        "flow": PROXY if run.bounds.davis else "associated, ψ = φ.",
         "davis": run.bounds.davis,
         "sides": run.fem.sides,
         "direction": run.fem.direction,

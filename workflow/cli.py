@@ -187,6 +187,7 @@ def bounds(
     with err.status("Bounds: first mesh") as status:
         answer = bounds_stage(run, store, lambda found: status.update(escape(f"Bounds: {in_words(found)}")))
     out.print(f"[bold]{escape(answer['words'])}[/]", soft_wrap=True)
+    out.print(f"Sides {answer['sides']}, flow {escape(answer['flow'])}", soft_wrap=True)
     out.print(f"{escape(answer['reason'])} {len(answer['history'])} meshes, {answer['seconds']:.0f} s.", soft_wrap=True)
     out.print(f"Results and pictures are in {store.folder}/", soft_wrap=True)
     if answer["verdict"] == "no bracket":
