@@ -14,8 +14,8 @@ from workflow.settings import Input
 from workflow.store import Store
 
 PROXY = (
-    "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds are "
-    "strict for the reduced ground, and none of the section's."
+    "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds "
+    "are strict for the reduced ground, and none of the section's."
 )
 
 
