@@ -84,7 +84,7 @@ class Bracket:
 
     @property
     def gap(self) -> float:
-        """Upper less lower bound over the larger of their sizes' mean; inf where one is missing."""
+        """Upper less lower bound over the mean of their sizes; inf where one is missing."""
         if not (self.stress and self.mechanism):
             return np.inf
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
