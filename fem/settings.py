@@ -48,6 +48,7 @@ class FemSettings(Model):
 class BoundsSettings(Model):
     """Settings of limit analysis, a table [bounds]; sides, direction and vertical coefficient are those of [fem]."""
 
+    run: StrictBool = Field(default=False, description="true if `noshiro run` shall find them, too")
     gap: float = Field(
         default=0.02, ge=1e-4, le=1.0, description="(upper - lower) over their mean at which to stop, such as 0.02"
     )

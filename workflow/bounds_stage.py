@@ -1,15 +1,15 @@
 """The stage `bounds`: strict bounds of the critical seismic coefficient, their file and their pictures."""
 
-import json
 import math
 import time
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
 from fem.adaptive_bounds import Bracket
 from fem.bounds import kh_bounds
 from workflow import bounds_figures
+from workflow.errors import NoAnswerError
+from workflow.progress import Progress, silent
 from workflow.settings import Input
 from workflow.store import Store
 
@@ -19,17 +19,21 @@ PROXY = (
 )
 
 
-def bounds_stage(run: Input, store: Store, progress: Callable[[Bracket], None] | None = None) -> dict[str, Any]:
+def bounds_stage(run: Input, store: Store, progress: Progress = silent) -> dict[str, Any]:
     """Bracket the critical Kh with ψ = φ; leaves fem/bounds.json and figures/bounds_*.png, and returns what the former
     holds. Its verdict is "bracketed", "wide" (no more cells allowed), or "no bracket" (a bound is missing).
 
-    Raises InputError, BadMeshError, and UnstableError if the section is proven to fail under its own weight.
+    Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all
+    is written, NoAnswerError if a bound is missing.
     """
     started = time.perf_counter()
-    found = kh_bounds(run, run.fem, run.bounds, progress)
+    progress("first mesh", None)
+    found = kh_bounds(run, run.fem, run.bounds, lambda so_far: progress(in_words(so_far), None))
     answer = as_json(run, found, time.perf_counter() - started)
-    store.write_text("fem/bounds.json", json.dumps(answer, indent=1, allow_nan=False) + "\n")
+    store.write_json("fem/bounds.json", answer)
     bounds_figures.draw_all(run, found, store)
+    if answer["verdict"] == "no bracket":
+        raise NoAnswerError(answer["reason"], "allow more triangles: max_cells in the table [bounds]")
     return answer
 
 
@@ -81,15 +85,3 @@ def in_words(found: Bracket) -> str:
     high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
     gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
     return f"{low} <= Kh <= {high}{gap}, {found.rounds[-1].cells} triangles"
-
-
-def judged(answer: dict[str, Any], kc: float) -> str:
-    """What the bracket in ``answer`` says of a critical Kh that the finite elements found with ψ = φ."""
-    lower, upper = answer["lower"], answer["upper"]
-    if lower is None or upper is None:
-        return f"FEM, ψ = φ: {kc:.4f}; there is no bracket to judge it by"
-    where = f"the strict bounds {lower:.4f} and {upper:.4f}"
-    if lower <= kc <= upper:
-        return f"FEM, ψ = φ: {kc:.4f}, between {where}"
-    side, off = ("above", kc / upper - 1.0) if kc > upper else ("below", kc / lower - 1.0)
-    return f"FEM, ψ = φ: {kc:.4f}, {side} {where} by {100 * abs(off):.1f} %: the mesh of the elements is too coarse"

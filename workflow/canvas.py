@@ -33,6 +33,11 @@ VIEW_WIDTH = round((RIGHT - LEFT) * WIDTH)
 INK = "#26323a"
 WATER = "#1f6fb2"
 
+# The continuum, the discs, and what is critical, in all curves and lines.
+CONTINUUM = "#0b3c6f"
+DISCS = "#8e2f8e"
+CRITICAL = "#b3202c"
+
 # The tallest view, and the flattest that can be read, as height over width.
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -168,6 +173,17 @@ class Sheet:
         )  # fmt: skip
         for text in legend.get_texts():
             text.set_parse_math(False)
+
+    def plot(self, view: int, across: str, up: str, title: str = "") -> Axes:
+        """A view as axes for curves, with labels and a grid."""
+        axes = self.views[view]
+        axes.set_xlabel(across, fontsize=8, color=INK, labelpad=2, parse_math=False)
+        axes.set_ylabel(up, fontsize=8, color=INK, parse_math=False)
+        axes.tick_params(labelsize=8, colors=INK)
+        axes.grid(color="#dddddd", linewidth=0.5)
+        if title:
+            axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
+        return axes
 
     def save(self, path: Path | str) -> None:
         """Write the picture as a PNG."""

@@ -1,9 +1,11 @@
 """The command `noshiro`."""
 
+import shlex
 import sys
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 from rich.box import SIMPLE_HEAD
@@ -11,19 +13,20 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from fem import dolfinx_api
-from fem.errors import UnstableError
 from meshes.errors import InputError
-from meshes.quadrilaterals import BadMeshError, QuadMesh, generate
+from meshes.quadrilaterals import BadMeshError
 from meshes.section import Section
-from workflow import pipeline
-from workflow.settings import Input
+from workflow import pipeline, tables
+from workflow.display import NORMAL, QUIET, VERBOSE, Display
+from workflow.plan import Choice, plan
+from workflow.ranks import Ranks
+from workflow.record import Record
+from workflow.settings import Input, dotted, merged
+from workflow.stages import Job, help_compute, stages
 from workflow.store import Store
+from workflow.telling import sentences
 
-if TYPE_CHECKING:  # it loads PETSc, which a section and its mesh can do without
-    from fem.path import Walk
-
-DONE, BAD_INPUT, NO_ANSWER, STOPPED = 0, 2, 3, 130
+DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -35,6 +38,7 @@ out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", show_default=False)]
+Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
 Out = Annotated[
     Path | None,
     typer.Option("--out", help="Folder for the results. [default: runs/<section name>]", show_default=False),
@@ -44,10 +48,13 @@ Size = Annotated[str | None, typer.Option(help='Target cell size, such as "1.5 m
 Free = Annotated[bool, typer.Option("--free", help="Free quadrilaterals instead of columns and rows.")]
 Columns = Annotated[int | None, typer.Option(help="Columns of a mapped mesh.")]
 Rows = Annotated[int | None, typer.Option(help="Rows of a mapped mesh.")]
-
-
-class NoAnswerError(RuntimeError):
-    """A stage that ended without an answer; what it found is written."""
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Any setting by its name, such as fem.sides=fixed; repeatable.", show_default=False),
+]
+Force = Annotated[bool, typer.Option("--force", help="Run again even where nothing has changed.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
 
 
 @app.callback()
@@ -56,24 +63,53 @@ def root() -> None:
 
 
 @app.command()
-def check(section: SectionFile, folder: Out = None) -> None:
+def init(
+    file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("section.toml"),
+) -> None:
+    """Write a commented example of a section to start from."""
+    from workflow.example import write_example
+
+    write_example(file)
+    out.print(f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}", soft_wrap=True)
+
+
+@app.command()
+def check(section: SectionFile, folder: Out = None, settings: Set = None) -> None:
     """Validate a section and draw it; nothing else."""
-    run = Input.load(section)
+    from workflow.mesh_stage import draw_section
+
+    run = _input(section, {}, settings)
     store = _store(run, folder)
     _show_strata(run)
-    pipeline.check_stage(run, store)
-    out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}")
+    draw_section(run, store)
+    out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}", soft_wrap=True)
 
 
 @app.command("run")
-def run_all(section: SectionFile, folder: Out = None) -> None:
-    """The whole workflow, as far as it exists: mesh and FEM."""
-    run = Input.load(section)
-    store = _store(run, folder)
-    _show_strata(run)
-    quads = pipeline.mesh_stage(run, store)
-    pipeline.mesh_figures(run, quads, store)
-    _run_fem(run, store, quads)
+def run_all(
+    section: SectionFile,
+    folder: Out = None,
+    settings: Set = None,
+    start: Annotated[
+        str | None, typer.Option("--from", help="Run this stage and all after it, changed or not.", show_default=False)
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option("--only", help="Run this stage only; repeatable.", show_default=False)
+    ] = None,
+    force: Force = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; nothing else.")] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
+    choice = Choice.of(start, tuple(only or ()), force)
+    run = _input(section, {}, settings)
+    job = Job(run, _store(run, folder))
+    if dry_run:
+        return _show_plan(job, choice)
+    if not quiet:
+        _show_strata(run)
+    return _execute(job, choice, quiet, verbose)
 
 
 @app.command()
@@ -85,14 +121,16 @@ def mesh(
     free: Free = False,
     columns: Columns = None,
     rows: Rows = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Mesh a section with quadrilaterals and draw both."""
-    run = Input.load(section, {"mesh": _mesh_options(refine, size, free, columns, rows)})
-    store = _store(run, folder)
-    _show_strata(run)
-    quads = pipeline.mesh_stage(run, store)
-    pipeline.mesh_figures(run, quads, store)
-    _show_mesh(quads, store)
+    run = _input(section, {"mesh": _mesh_options(refine, size, free, columns, rows)}, settings)
+    if not quiet:
+        _show_strata(run)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("mesh", force), quiet, verbose)
 
 
 @app.command()
@@ -116,6 +154,10 @@ def fem(
     mesh_file: Annotated[
         Path | None, typer.Option("--mesh", help="A gmsh file with the section's groups, instead of a new mesh.")
     ] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
     options = {
@@ -126,47 +168,19 @@ def fem(
         "vertical": vertical,
         "flow": "associated" if associated else None,
     }
-    run = Input.load(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options})
+    run = _input(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options}, settings)
     if safety_factor and not run.fem.safety_factor_at:
-        settings = run.fem.model_copy(update={"safety_factor_at": (0.0, *run.fem.kh)})
-        run = run.model_copy(update={"fem": settings})
-    _run_fem(run, _store(run, folder), pipeline.given_mesh(run, mesh_file) if mesh_file else None)
-
-
-def _run_fem(run: Input, store: Store, quads: QuadMesh | None) -> None:
-    """Find the critical Kh on a mesh, or on one made as the settings say, and tell it."""
-    dolfinx_api.require()
-    from mpi4py import MPI
-
-    from workflow.fem_stage import fem_stage
-
-    comm = MPI.COMM_WORLD
-    first = comm.rank == 0
-    out.quiet = err.quiet = not first
-    with err.status("FEM: gravity") as status:
-
-        def progress(what: str, walk: "Walk") -> None:
-            step = walk.steps[-1]
-            status.update(
-                f"FEM: step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
-                f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic"
-            )
-
-        if quads is None:
-            quads = pipeline.mesh_stage(run, store) if first else generate(run, run.mesh)
-        _show_mesh(quads, store)
-        result, factors = fem_stage(run, quads, store if first else None, comm, progress)
-    out.print(f"Critical Kh = [bold]{result.kc:.4f}[/], at most {result.upper:.4f}: {result.verdict}, {result.reason}.")
-    if result.remedy:
-        out.print(f"To improve on this: {result.remedy}.")
-    for factor in factors:
-        out.print(
-            f"Factor of safety at Kh = {factor.kh:g}: [bold]{factor.factor:.3f}[/], at most {factor.upper:.3f}: "
-            f"{factor.verdict}, {factor.reason}."
-        )
-    out.print(f"Results and pictures are in {store.folder}/", soft_wrap=True)
-    if result.verdict == "undecided":
-        raise NoAnswerError(f"the path ended undecided: {result.reason}; {result.remedy}")
+        wanted = run.fem.model_copy(update={"safety_factor_at": (0.0, *run.fem.kh)})
+        run = run.model_copy(update={"fem": wanted})
+    if mesh_file is not None and not mesh_file.is_file():
+        raise InputError(str(mesh_file), ["there is no such file"])
+    ranks = Ranks()
+    job = Job(run, _store(run, folder), mesh_file=mesh_file, ranks=ranks)
+    if not ranks.first:
+        out.quiet = err.quiet = True
+        return help_compute(job, ranks)
+    with ranks.leading():
+        return _execute(job, Choice.up_to("fem", force), quiet, verbose)
 
 
 @app.command()
@@ -177,21 +191,145 @@ def bounds(
     davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
     sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
 ) -> None:
-    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
-    from workflow.bounds_stage import bounds_stage, in_words
-
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ: the judge of the finite elements."""
     options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
-    run = Input.load(section, {"bounds": options, "fem": {"sides": sides}})
-    store = _store(run, folder)
-    with err.status("Bounds: first mesh") as status:
-        answer = bounds_stage(run, store, lambda found: status.update(escape(f"Bounds: {in_words(found)}")))
-    out.print(f"[bold]{escape(answer['words'])}[/]", soft_wrap=True)
-    out.print(f"Sides {answer['sides']}, flow {escape(answer['flow'])}", soft_wrap=True)
-    out.print(f"{escape(answer['reason'])} {len(answer['history'])} meshes, {answer['seconds']:.0f} s.", soft_wrap=True)
-    out.print(f"Results and pictures are in {store.folder}/", soft_wrap=True)
-    if answer["verdict"] == "no bracket":
-        raise NoAnswerError(answer["reason"])
+    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
+
+
+@app.command()
+def plot(
+    folder: Folder,
+    field: Annotated[
+        str | None, typer.Option(help="One field of the FEM only, such as displacement or safety_factor.")
+    ] = None,
+    at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
+) -> None:
+    """Draw the pictures of a run again, or single ones, without computing anything."""
+    from workflow.single_pictures import draw
+
+    job = pipeline.stored_job(folder)
+    if field is None and at is None:
+        with Display(out, err, stages()) as display:
+            told = pipeline.redraw_all(job, display)
+        for line in told:
+            out.print(escape(line), soft_wrap=True)
+        out.print(f"Pictures are in {folder / 'figures'}/", soft_wrap=True)
+        return
+    for path in draw(job, field, at):
+        out.print(str(path), soft_wrap=True)
+
+
+@app.command()
+def view(
+    folder: Folder,
+    field: Annotated[str, typer.Option(help="The field in colour, such as displacement.")] = "displacement",
+    at: Annotated[float | None, typer.Option(help="The seismic coefficient. [default: the last]")] = None,
+) -> None:
+    """Look at the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
+    from workflow.single_pictures import window
+
+    window(pipeline.stored_job(folder), field, at)
+
+
+@app.command()
+def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> None:
+    """Write summary and report of a run again, from what is there."""
+    _execute(pipeline.stored_job(folder), Choice(("report",), ("report",)), quiet, verbose)
+
+
+def stage_command(name: str, words: str) -> None:
+    """Add the command of a stage that takes no options but the general ones."""
+
+    @app.command(name, help=words)
+    def command(
+        section: SectionFile,
+        folder: Out = None,
+        settings: Set = None,
+        force: Force = False,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        run = _input(section, {}, settings)
+        _execute(Job(run, _store(run, folder)), Choice.up_to(name, force), quiet, verbose)
+
+
+def slide_command() -> None:
+    """Add the command `slide`, where the discs are installed."""
+
+    @app.command("slide")
+    def slide(
+        section: SectionFile,
+        folder: Out = None,
+        case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
+        settings: Set = None,
+        force: Force = False,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        """How far the calibrated discs slide once layers have liquefied."""
+        run = _input(section, {}, settings)
+        job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
+        _execute(job, Choice.up_to("slide", force), quiet, verbose)
+
+
+if any(stage.name == "slide" for stage in stages()):
+    stage_command("calibrate", "Calibrate the discs so that they fail at the Kh that the FEM found.")
+    slide_command()
+
+
+def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:
+    """The input of a command: the file, over it the settings of the command line, over those its options."""
+    given = {
+        table: {key: value for key, value in values.items() if value is not None} for table, values in options.items()
+    }
+    run = Input.load(section, merged(dotted(settings or []), given))
+    if run.sliding_block.accelerogram:
+        from workflow.accelerogram import of_input
+
+        of_input(run)  # a record that cannot be read is told now, not after minutes
+    return run
+
+
+def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
+    """Run the stages that have to, and tell what they found."""
+    verbosity = QUIET if quiet else VERBOSE if verbose else NORMAL
+    shown = [stage for stage in stages() if stage.name in choice.chosen]
+    what = "noshiro " + shlex.join(sys.argv[1:])
+    try:
+        with Display(out, err, shown, verbosity) as display:
+            pipeline.execute(job, choice, display, what)
+    finally:
+        if verbosity > QUIET and job.store.has(".noshiro/stages.json"):
+            _tell(job, choice)
+
+
+def _tell(job: Job, choice: Choice) -> None:
+    """What the stages found that have an answer, and where it all is."""
+    record = Record(job.store)
+    for name in choice.chosen:
+        entry = record[name]
+        if entry is not None and entry.outcome == "done":
+            for line in sentences(name, job.run, job.store):
+                out.print(escape(line))
+    if "report" in choice.chosen and job.store.has("report.html"):
+        out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
+    out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)
+
+
+def _show_plan(job: Job, choice: Choice) -> None:
+    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
+    for head in ("stage", "would", "because"):
+        table.add_column(head)
+    verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
+    for step in plan(job, Record(job.store), choice):
+        table.add_row(step.stage.name, verbs[step.action], escape(step.why or "nothing has changed"))
+    out.print(table)
 
 
 def _mesh_options(
@@ -214,42 +352,21 @@ def _show_strata(run: Section) -> None:
     if run.reconstruction:
         out.print(f"[bold]Reconstruction.[/] {escape(run.reconstruction_note)}")
     table = Table(title=escape(run.title or run.name), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    heads = (
-        "stratum",
-        "area\nm²",
-        "thickness\nm",
-        "from-to x\nm",
-        "E\nMPa",
-        "ν\n",
-        "ρ ord/seis\nt/m³",
-        "c\nkPa",
-        "φ/ψ\ndeg",
-    )
-    for head in heads:
+    for head in tables.STRATA_HEADS:
         table.add_column(head, justify="left" if head == "stratum" else "right")
-    for row in pipeline.strata_rows(run):
+    for row in tables.strata_rows(run):
         table.add_row(*(escape(cell) for cell in row))
     out.print(table)
 
 
-def _show_mesh(result: QuadMesh, store: Store) -> None:
-    quality = result.quality()
-    out.print(
-        f"{quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({result.method}). "
-        f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
-        f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
-    )
-    out.print(f"Mesh and pictures are in {store.folder}/", soft_wrap=True)
-
-
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
-    """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped."""
+    """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 our fault."""
     try:
         command(arguments, standalone_mode=True)
     except InputError as error:
         err.print(escape(str(error)), style="red", soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except (BadMeshError, UnstableError, NoAnswerError) as error:
+    except pipeline.NO_ANSWER as error:
         what = "No usable mesh" if isinstance(error, BadMeshError) else "No answer"
         err.print(escape(f"{what}: {error}"), style="red", soft_wrap=True)
         sys.exit(NO_ANSWER)
@@ -258,6 +375,18 @@ def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) 
             raise
         err.print("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
         sys.exit(STOPPED)
+    except MemoryError:
+        err.print("Out of memory: take larger cells or discs, or a machine with more.", style="red")
+        sys.exit(BAD_INPUT)
+    except Exception as error:
+        err.print(escape(traceback.format_exc()), soft_wrap=True)
+        err.print(
+            escape(f"This is a fault of noshiro, not of your input: {type(error).__name__}: {error}"),
+            "Please report it with log.txt and your section; what was computed is kept.",
+            style="red",
+            soft_wrap=True,
+        )
+        sys.exit(FAULT)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
 
 import textwrap
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyvista as pv
@@ -9,11 +9,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 
-from fem.critical import CriticalResult
 from fem.fields import State, slip_surface
-from fem.settings import Element
 from meshes.quadrilaterals import QuadMesh
-from workflow.canvas import INK, Sheet, Window, render, spread
+from workflow.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
+from workflow.fem_results import FemResults
 from workflow.figures import foot, unstructured
 from workflow.settings import Input
 from workflow.store import Store
@@ -22,27 +21,40 @@ from workflow.store import Store
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
-PATH = "#1f6fb2"
 NOTE_CHARACTERS = 88
 
 
-def draw_all(run: Input, mesh: QuadMesh, result: CriticalResult, store: Store) -> None:
-    """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png."""
-    window = Window.around(mesh.points)
+def draw_all(run: Input, results: FemResults, store: Store) -> None:
+    """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png; removes older ones."""
     drawn: dict[int, Views] = {}
-    for state in result.states:
+    names = ["figures/fem_curve.png"]
+    for state in results.states:
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
-            drawn[same] = _views(mesh, state, window)
-        is_end = not state.past_equilibrium and state.kh not in run.fem.kh
-        name = "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
-        with store.writing(name) as path:
-            _state_sheet(run, result.element, state, window, drawn[same]).save(path)
-    with store.writing("figures/fem_curve.png") as path:
-        _curve_sheet(run, result).save(path)
+            drawn[same] = _views(results.mesh, state)
+        names.append(picture_of(run, state))
+        with store.writing(names[-1]) as path:
+            _state_sheet(run, results.answer["element"], state, drawn[same]).save(path)
+    with store.writing(names[0]) as path:
+        _curve_sheet(run, results.answer).save(path)
+    store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
 
 
-def conditions(run: Input, element: Element) -> str:
+def draw_state(run: Input, results: FemResults, state: State, store: Store) -> str:
+    """Draw one state again; returns the name of its picture."""
+    name = picture_of(run, state)
+    with store.writing(name) as path:
+        _state_sheet(run, results.answer["element"], state, _views(results.mesh, state)).save(path)
+    return name
+
+
+def picture_of(run: Input, state: State) -> str:
+    """The name of the picture of a state."""
+    is_end = not state.past_equilibrium and state.kh not in run.fem.kh
+    return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
+
+
+def conditions(run: Input, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
     flow = "ψ = φ" if run.fem.flow == "associated" else "ψ as given (" + _dilations(run) + ")"
     kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
@@ -62,9 +74,11 @@ class Views(NamedTuple):
     slip: np.ndarray
     stretch: float
     largest: float
+    window: Window
 
 
-def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
+def _views(mesh: QuadMesh, state: State) -> Views:
+    window = Window.around(mesh.points)
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.04 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
@@ -76,7 +90,7 @@ def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
         points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
         points["u"] = np.column_stack([state.displacement[every] * stretch, np.zeros(len(every))])
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
-        plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=PATH, lighting=False)
+        plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=CONTINUUM, lighting=False)
 
     def safety(plotter: pv.Plotter) -> None:
         grid.cell_data["safety"] = np.digitize(state.safety_factor, SAFETY_BOUNDS[1:-1])
@@ -86,10 +100,11 @@ def _views(mesh: QuadMesh, state: State, window: Window) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest)
+    return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest, window)
 
 
-def _state_sheet(run: Input, element: Element, state: State, window: Window, views: Views) -> Sheet:
+def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
+    window = views.window
     title = f"{run.title or run.name}: FEM, {state.label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
     shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
@@ -120,32 +135,31 @@ def nice_number(value: float) -> float:
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 
 
-def _curve_sheet(run: Input, result: CriticalResult) -> Sheet:
+def _curve_sheet(run: Input, answer: dict[str, Any]) -> Sheet:
     sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
-    axes = sheet.views[0]
-    moving = [step for step in result.steps if not step.at_rest]
-    resting = [step for step in result.steps if step.balanced]
+    axes = sheet.plot(
+        0,
+        "mean horizontal displacement, weighted by seismic mass (cm)",
+        "seismic coefficient Kh (-)",
+        f"critical Kh = {answer['kc']:.3f}, at most {answer['kc_upper']:.3f}: {answer['verdict']}; "
+        f"{conditions(run, answer['element'])}",
+    )
+    moving = [step for step in answer["curve"] if not step["at_rest"]]
+    resting = [step for step in answer["curve"] if step["balanced"]]
     axes.plot(
-        [0.0, *(100 * s.displacement for s in moving)], [0.0, *(s.factor for s in moving)],
-        color=PATH, marker="o", markersize=2.5, linewidth=1.2,
+        [0.0, *(100 * s["displacement"] for s in moving)], [0.0, *(s["factor"] for s in moving)],
+        color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2,
     )  # fmt: skip
-    axes.plot([100 * s.displacement for s in resting], [s.factor for s in resting], "s", color=INK, markersize=3.5)
-    axes.axhspan(result.lower, result.upper, color="#b3202c", alpha=0.15, linewidth=0)
-    axes.axhline(result.kc, color="#b3202c", linewidth=1.0)
+    axes.plot(
+        [100 * s["displacement"] for s in resting], [s["factor"] for s in resting], "s", color=INK, markersize=3.5
+    )
+    axes.axhspan(answer["kc_lower"], answer["kc_upper"], color=CRITICAL, alpha=0.15, linewidth=0)
+    axes.axhline(answer["kc"], color=CRITICAL, linewidth=1.0)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("mean horizontal displacement, weighted by seismic mass (cm)", fontsize=8, color=INK)
-    axes.set_ylabel("seismic coefficient Kh (-)", fontsize=8, color=INK)
-    axes.tick_params(labelsize=8, colors=INK)
-    axes.grid(color="#dddddd", linewidth=0.5)
-    axes.set_title(
-        f"critical Kh = {result.kc:.3f}, at most {result.upper:.3f}: {result.verdict}; "
-        f"{conditions(run, result.element)}",
-        fontsize=9, loc="left", color=INK, pad=4,
-    )  # fmt: skip
     handles = [
-        Line2D([], [], color=PATH, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
-        Line2D([], [], color="#b3202c", linewidth=1.0, label="largest Kh in equilibrium, and its bracket"),
+        Line2D([], [], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
+        Line2D([], [], color=CRITICAL, linewidth=1.0, label="largest Kh in equilibrium, and its bracket"),
     ]
     if resting:
         handles.append(

@@ -1,7 +1,5 @@
 """The stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
 
-import json
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -13,29 +11,41 @@ from fem.path import Walk
 from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.quadrilaterals import QuadMesh
 from workflow import fem_figures, figures
+from workflow.errors import NoAnswerError
+from workflow.fem_results import ANSWER, COLLECTION, FemResults, fields_file
+from workflow.progress import Progress
 from workflow.settings import Input
 from workflow.store import Store
 
-Progress = Callable[[str, Walk], None]
 
-
-def fem_stage(
-    run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progress: Progress
-) -> tuple[CriticalResult, list[SafetyFactor]]:
+def fem_stage(run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progress: Progress) -> None:
     """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png.
 
-    Every rank computes; only the one with a store writes. Raises InputError, UnstableError.
+    Every rank computes; only the one with a store writes. Raises InputError, UnstableError, and, when all is written,
+    NoAnswerError if the path ended undecided.
     """
-    result = critical_coefficient(run, mesh, run.fem, comm, lambda walk: progress("Kh", walk))
+
+    def tell(what: str, walk: Walk) -> None:
+        step = walk.steps[-1]
+        progress(
+            f"step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
+            f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic",
+            None,
+        )
+
+    progress("gravity", None)
+    result = critical_coefficient(run, mesh, run.fem, comm, lambda walk: tell("Kh", walk))
     factors = [
-        safety_factor(run, mesh, run.fem, kh, comm, lambda walk: progress("factor of safety", walk))
+        safety_factor(run, mesh, run.fem, kh, comm, lambda walk: tell("factor of safety", walk))
         for kh in run.fem.safety_factor_at
     ]
     if store is not None:
-        store.write_text("fem/critical.json", json.dumps(as_json(run, mesh, result, factors), indent=1) + "\n")
+        store.write_json(ANSWER, as_json(run, mesh, result, factors))
         write_fields(run, mesh, result.states, store)
-        fem_figures.draw_all(run, mesh, result, store)
-    return result, factors
+        progress(f"Kh = {result.kc:.4f}; pictures", None)
+        fem_figures.draw_all(run, FemResults.load(run, store), store)
+    if result.verdict == "undecided":
+        raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
 def as_json(run: Input, mesh: QuadMesh, result: CriticalResult, factors: list[SafetyFactor]) -> dict[str, Any]:
@@ -91,21 +101,20 @@ def write_fields(run: Input, mesh: QuadMesh, states: list[State], store: Store) 
     """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
     entries = []
     for number, state in enumerate(state for state in states if not state.past_equilibrium):
-        grid = figures.unstructured(mesh)
+        grid = figures.grid_of(run, mesh)
         grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
         grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
         grid.cell_data["safety_factor"] = state.safety_factor
         grid.cell_data["shear_strain"] = state.shear_strain
         grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
         figures.add_texts(grid, "state", [state.label])
-        if run.reconstruction:
-            figures.add_texts(grid, "reconstruction", [run.reconstruction_note])
-        name = f"fields_{number}.vtu"
-        store.write_grid(f"fem/{name}", grid)
-        entries.append(f'    <DataSet timestep="{state.kh!r}" file="{name}"/>\n')
+        store.write_grid(f"fem/{fields_file(number)}", grid)
+        entries.append(f'    <DataSet timestep="{state.kh!r}" file="{fields_file(number)}"/>\n')
     collection = "".join(entries)
     store.write_text(
-        "fem/fields.pvd",
+        COLLECTION,
         f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n{collection}'
         "  </Collection>\n</VTKFile>\n",
     )
+    kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
+    store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))

@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyvista as pv
@@ -40,15 +41,28 @@ def surfaces(section: Section) -> list[tuple[int, pv.PolyData]]:
     return pieces
 
 
-def draw_section(section: Section, path: Path) -> None:
-    """The layers in colour, the liquefiable ones dotted, the water table, true proportions."""
+class Overlay(NamedTuple):
+    """A line drawn over a section: its points (n, 2) in m, colour, pattern of dashes, and what it is."""
+
+    points: np.ndarray
+    colour: str
+    dashes: tuple[int, tuple[int, ...]]
+    label: str
+
+
+def draw_section(section: Section, path: Path, title: str = "layers", lines: Sequence[Overlay] = ()) -> None:
+    """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it."""
     window = Window.around(section.outline())
 
     def draw(plotter: pv.Plotter) -> None:
         for k, surface in surfaces(section):
             plotter.add_mesh(surface, color=soil_colour(k), lighting=False)
 
-    sheet = _sheet(section, f"{section.title or section.name}: layers", window, _legend_of(section))
+    handles = _legend_of(section)
+    handles += [
+        Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
+    ]
+    sheet = _sheet(section, f"{section.title or section.name}: {title}", window, handles)
     for axes in _show(sheet, window, draw):
         for k, stratum in enumerate(section.strata):
             hatch = HATCH if stratum.liquefiable else None
@@ -58,6 +72,8 @@ def draw_section(section: Section, path: Path) -> None:
         water = section.water_points()
         if water is not None:
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
+        for line in lines:
+            axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
     sheet.save(path)
 
 
@@ -116,6 +132,15 @@ def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
     grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
     grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
     add_texts(grid, "strata", mesh.strata)
+    return grid
+
+
+def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
+    """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
+    grid = unstructured(mesh)
+    add_texts(grid, "section", [section.title or section.name])
+    if section.reconstruction:
+        add_texts(grid, "reconstruction", [section.reconstruction_note])
     return grid
 
 

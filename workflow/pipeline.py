@@ -1,79 +1,196 @@
-"""The stages of a run, each from the input to the files it leaves behind."""
+"""A run: the stages one after the other, each from the input to the files it leaves behind."""
 
-import math
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
+from typing import Protocol
 
-import numpy as np
-
+from dem.errors import DemError
+from fem.errors import UnstableError
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh, check, generate, read
-from meshes.section import Section
-from workflow import figures
+from meshes.quadrilaterals import BadMeshError
+from workflow.errors import NoAnswerError
+from workflow.lock import locked
+from workflow.log import Log
+from workflow.plan import Choice, Step, made_from, plan
+from workflow.progress import Progress
+from workflow.record import Entry, Record, sizes
 from workflow.settings import Input
+from workflow.stages import Job, Stage
 from workflow.store import Store
 
+# How far (s) the clock of a file system may be behind.
+CLOCK = 0.1
 
-def check_stage(run: Input, store: Store) -> None:
-    """Draw the section as it was read."""
-    with store.writing("figures/section.png") as path:
-        figures.draw_section(run, path)
+# What ends a stage without an answer; all else is a fault of the input, of the machine, or of the program.
+NO_ANSWER = (NoAnswerError, BadMeshError, UnstableError, DemError)
 
 
-def mesh_stage(run: Input, store: Store) -> QuadMesh:
-    """Mesh the section; leaves section.toml, mesh/section.msh and mesh/section.vtu.
+class Listener(Protocol):
+    """Who is told how a run goes."""
 
-    Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
+    def begin(self, step: Step) -> Progress:
+        """A stage begins; returns whom it tells how far it is."""
+
+    def end(self, step: Step, entry: Entry) -> None:
+        """A stage has ended, with or without an answer, or is reused."""
+
+    def skip(self, step: Step, why: str) -> None:
+        """A stage does not run."""
+
+
+def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
+    """Do what has to be done, with the folder locked; ``what`` is the command, for the log.
+
+    Raises InputError if something cannot be used or written. A stage without an answer keeps those from running that
+    need it; all others run, and then its error is raised.
     """
-    with store.writing("mesh/section.msh") as path:
-        mesh = generate(run, run.mesh, path)
+    with locked(job.store.folder):
+        job.store.sweep()
+        record, log = Record(job.store), Log(job.store)
+        steps = plan(job, record, choice)
+        log.begin(what)
+        failures: dict[str, Exception] = {}
+        try:
+            for step in steps:
+                _take(step, job, record, listener, log, failures)
+        except BaseException as error:
+            log.stop(error)
+            raise
+        log.done()
+        if failures:
+            raise next(iter(failures.values()))
+
+
+def _take(step: Step, job: Job, record: Record, listener: Listener, log: Log, failures: dict[str, Exception]) -> None:
+    """Do what a step says, unless a stage that it needs has no answer."""
+    stage, before = step.stage, record[step.stage.name]
+    if step.action == "off":
+        return listener.skip(step, step.why)
+    without = [name for name in stage.needs if name in failures]
+    if without and stage.name != "report":
+        failures[stage.name] = failures[without[0]]
+        return listener.skip(step, f"{without[0]} has no answer")
+    if step.action == "reuse" and before is not None:
+        listener.end(step, before)
+        log.line(f"{stage.name}: reused, made in {before.seconds:.1f} s until {before.ended}")
+    elif step.action == "redraw" and stage.redraw is not None:
+        _redraw(stage, job, record, listener.begin(step))
+        log.line(f"{stage.name}: pictures drawn again")
+        listener.end(step, record.entries[stage.name])
+    else:
+        step = replace(step, inputs=made_from(stage, job, record))  # a report's depend on how the others have ended
+        progress = _logged(listener.begin(step), stage, log)
+        failure = _run(step, replace(job, progress=progress), record, log)
+        listener.end(step, record.entries[stage.name])
+        if failure is not None:
+            failures[stage.name] = failure
+        return None
+    entry = record.entries[stage.name]
+    if entry.outcome == "no answer":
+        failures[stage.name] = NoAnswerError(entry.reason, entry.remedy)
+    return None
+
+
+def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
+    """Run a stage and keep how it ended; returns what kept it from an answer."""
+    stage, store, before = step.stage, job.store, record[step.stage.name]
+    goes_on = before is not None and before.inputs == step.inputs and step.why != "asked for"
+    if not goes_on:
+        store.remove(stage.leftovers)
+    log.line(f"{stage.name}: begins ({step.why})")
+    record.put(stage.name, Entry(step.inputs, "begun"))
+    start, failure = time.perf_counter(), None
+    # What lies there after a stage that failed may be of other inputs, but for a stage that goes on and has cleaned up.
+    since = 0.0 if stage.leftovers else time.time() - CLOCK
+    try:
+        stage.work(job)
+    except NO_ANSWER as error:
+        failure = error
+    seconds = time.perf_counter() - start
+    part = stage.name == "slide" and job.cases is not None
+    entry = Entry(
+        step.inputs,
+        "no answer" if failure else "part" if part else "done",
+        failure.reason if isinstance(failure, NoAnswerError) else str(failure or ""),
+        failure.remedy if isinstance(failure, NoAnswerError) else "",
+        round(seconds, 2),
+        datetime.now().isoformat(" ", "seconds"),
+        sizes(store, store.matching(stage.results, since)),
+        store.matching(stage.pictures, since),
+    )
+    if failure is None:
+        leave_input(job.run, store)
+    record.put(stage.name, entry)
+    log.line(f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else ""))
+    return failure
+
+
+def _redraw(stage: Stage, job: Job, record: Record, progress: Progress) -> None:
+    assert stage.redraw is not None
+    progress("pictures", None)
+    stage.redraw(job)
+    record.put(stage.name, replace(record.entries[stage.name], pictures=job.store.matching(stage.pictures)))
+
+
+def _logged(progress: Progress, stage: Stage, log: Log, every: float = 30.0) -> Progress:
+    """The same, with a line in the log now and then."""
+    last = time.monotonic()
+
+    def tell(line: str, share: float | None) -> None:
+        nonlocal last
+        progress(line, share)
+        if time.monotonic() - last > every:
+            last = time.monotonic()
+            log.line(f"{stage.name}: {line}")
+
+    return tell
+
+
+def leave_input(run: Input, store: Store) -> None:
+    """Leave section.toml, the input as used, and beside it the record that it names."""
+    record = Path(run.sliding_block.accelerogram) if run.sliding_block.accelerogram else None
+    if record is not None:
+        with store.writing(record.name) as path:
+            path.write_bytes(record.read_bytes())
+        block = run.sliding_block.model_copy(update={"accelerogram": record.name})
+        run = run.model_copy(update={"sliding_block": block})
     store.write_text("section.toml", run.to_toml())
-    grid = figures.unstructured(mesh)
-    figures.add_texts(grid, "section", [run.title or run.name])
-    if run.reconstruction:
-        figures.add_texts(grid, "reconstruction", [run.reconstruction_note])
-    store.write_grid("mesh/section.vtu", grid)
-    return mesh
 
 
-def given_mesh(run: Input, path: Path) -> QuadMesh:
-    """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
-    mesh = read(path)
-    names = [stratum.name for stratum in run.strata]
-    problems = [f'there is no surface group "{name}"' for name in names if name not in mesh.strata]
-    problems += [f'the surface group "{name}" is no stratum of {run.name}' for name in mesh.strata if name not in names]
-    if problems:
-        raise InputError(str(path), problems)
-    place = np.array([names.index(name) for name in mesh.strata])
-    given = replace(mesh, stratum=place[mesh.stratum], strata=tuple(names), method="given")
-    check(given)
-    return given
+def redraw_all(job: Job, listener: Listener) -> list[str]:
+    """Draw all pictures again from what is stored; returns the stages whose pictures could not be drawn, with why."""
+    told = []
+    with _folder(job) as (record, steps):
+        for step in steps:
+            if step.action == "off":
+                told.append(f"{step.stage.name}: no pictures, because {step.why}")
+            elif step.stage.redraw is None:
+                told.append(f"{step.stage.name}: its pictures are drawn when it runs")
+            else:
+                _redraw(step.stage, job, record, listener.begin(step))
+                listener.end(step, record.entries[step.stage.name])
+    return told
 
 
-def mesh_figures(run: Input, mesh: QuadMesh, store: Store) -> None:
-    """Draw the section and its mesh."""
-    check_stage(run, store)
-    with store.writing("figures/mesh.png") as path:
-        figures.draw_mesh(run, mesh, path)
+@contextmanager
+def _folder(job: Job) -> Iterator[tuple[Record, list[Step]]]:
+    """A locked folder in which nothing is computed: what it holds for this input."""
+    with locked(job.store.folder):
+        job.store.sweep()
+        record = Record(job.store)
+        yield record, plan(job, record, Choice(()))
 
 
-def strata_rows(section: Section) -> Iterator[list[str]]:
-    """Every stratum as a person reads it: name, area, thickness, reach, and its parameters."""
-    layers = section.layering
-    at_left, at_right = layers.thickness()
-    for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
-        here = layers.present()[:, k]
-        ends = [*at_left[here, k], *at_right[here, k]]
-        start, end = layers.x[:-1][here].min(), layers.x[1:][here].max()
-        yield [
-            stratum.name,
-            f"{area:.1f}",
-            f"{min(ends):.1f}-{max(ends):.1f}",
-            f"{start:.4g}-{end:.4g}",
-            f"{stratum.youngs_modulus / 1e6:.4g}",
-            f"{stratum.poissons_ratio:g}",
-            f"{stratum.density_ordinary / 1e3:.4g}/{stratum.density_seismic / 1e3:.4g}",
-            f"{stratum.cohesion / 1e3:.4g}",
-            f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation_angle):.3g}",
-        ]
+def stored_job(folder: Path) -> Job:
+    """What a folder's results were made from; raises InputError if it holds no run."""
+    path = folder / "section.toml"
+    if not path.is_file():
+        raise InputError(str(folder), ["holds no run: there is no section.toml; expected a folder that noshiro wrote"])
+    store = Store(folder)
+    mesh = Record(store)["mesh"]
+    given = mesh is not None and mesh.inputs.get("the mesh given")
+    return Job(Input.load(path), store, mesh_file=folder / "mesh/section.msh" if given else None)

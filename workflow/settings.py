@@ -1,17 +1,50 @@
-"""The whole input of a run: a section, and how to mesh it and compute with it."""
+"""The whole input of a run: a section, and how to mesh it, compute with it and draw it."""
 
-from collections.abc import Mapping
+import hashlib
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
-from pydantic import Field, model_validator
+import tomli_w
+from pydantic import Field, StrictBool, model_validator
 
+from dem.settings import DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
+from meshes.errors import InputError
 from meshes.quadrilaterals import MeshSettings
-from meshes.section import Section, read_toml
+from meshes.section import Model, Section, read_toml
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
+
+
+class FigureSettings(Model):
+    """Settings of the pictures and of the report, a table [figures]."""
+
+    report_width: int = Field(
+        default=1600, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
+    )
+    report_animations: StrictBool = Field(default=True, description="true if the report shall hold the animations")
+
+
+class SlidingBlockSettings(Model):
+    """What the slide of the discs is compared with, a table [sliding_block]."""
+
+    accelerogram: str = Field(
+        default="", description="a file with a record of the ground's acceleration: .AT2, K-NET or .csv"
+    )
+    unit: Literal["", "g", "m/s^2", "gal"] = Field(
+        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
+    )
+    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
+    kh: float | None = Field(
+        default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
+    )
+    seconds: float = Field(
+        default=10.0, gt=0.0, le=3600.0, description="how long the constant coefficient acts (s), such as 10"
+    )
 
 
 class Input(Section):
@@ -20,25 +53,93 @@ class Input(Section):
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
     bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
+    dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
+    slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
+    sliding_block: SlidingBlockSettings = Field(
+        default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
+    )
+    figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
-        problems = self.mesh.problems(self)
+        problems = self.mesh.problems(self) + self.dem.problems(self)
         if problems:
             raise ValueError("\n".join(problems))
         return self
 
     @classmethod
+    def tables(cls) -> list[str]:
+        """The names of the tables of settings."""
+        return [name for name in cls.model_fields if name not in Section.model_fields]
+
+    def sha256(self) -> str:
+        """A fingerprint of the section alone, without the settings."""
+        section = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude=set(self.tables()))
+        return hashlib.sha256(tomli_w.dumps(section).encode()).hexdigest()
+
+    @classmethod
     def load(cls, path: Path | str, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Self:
         """The input in a TOML file, with settings of the command line put over those of the file.
 
-        Raises InputError with every problem found.
+        Files that it names are looked for beside it, those of the command line where that is given. Raises InputError
+        with every problem found.
         """
         data = read_toml(path)
+        _find_beside(data, Path(path).parent)
         for table, values in (overrides or {}).items():
             given = {key: value for key, value in values.items() if value is not None}
+            _find_beside({table: given}, Path())
             if given and isinstance(data.get(table, {}), dict):
-                replaced = {other for key in given for other in REPLACES.get((table, key), ())}
+                replaced = {other for key in given for other in REPLACES.get((table, key), ())} - given.keys()
                 kept = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
-                data[table] = {**kept, **given}
+                data[table] = merged(kept, given)
         return cls.parse(data, str(path))
+
+
+def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
+    """Make the path of the accelerogram, if one is named, an absolute one."""
+    block = data.get("sliding_block")
+    if isinstance(block, dict) and isinstance(name := block.get("accelerogram"), str) and name:
+        block["accelerogram"] = str((folder / name).absolute())
+
+
+def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
+    """Two nested tables as one; where both say something the upper one counts."""
+    both = {**lower, **upper}
+    for key in lower.keys() & upper.keys():
+        if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):
+            both[key] = merged(lower[key], upper[key])
+    return both
+
+
+def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Settings of the command line, such as ``fem.sides=fixed``, as tables.
+
+    A value is read as TOML; what is not TOML is text. Raises InputError with every one that cannot be understood.
+    """
+    tables: dict[str, Any] = {}
+    problems = []
+    for text in texts:
+        setting = _setting(text)
+        if setting is None:
+            problems.append(f"{text!r}: expected table.key=value, such as fem.sides=fixed or mesh.size='2 m'")
+        elif next(iter(setting)) not in Input.tables():
+            problems.append(f"{text!r}: expected a setting of {', '.join(Input.tables())}")
+        else:
+            tables = merged(tables, setting)
+    if problems:
+        raise InputError("--set", problems)
+    return tables
+
+
+def _setting(text: str) -> dict[str, Any] | None:
+    key, equals, value = text.partition("=")
+    if not equals or "\n" in text:
+        return None
+    for written in (value, json.dumps(value, ensure_ascii=False)):
+        try:
+            setting = tomllib.loads(f"{key} = {written}")
+        except tomllib.TOMLDecodeError:
+            continue
+        return setting if isinstance(next(iter(setting.values())), dict) else None
+    return None

@@ -1,14 +1,21 @@
 """The folder of a run: every file is written beside its place and then moved there whole."""
 
 import errno
+import json
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-
-import pyvista as pv
+from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
+
+if TYPE_CHECKING:
+    import pyvista as pv
+
+# What `writing` calls a file that is not whole yet: its writer's number, then its name.
+BESIDE = re.compile(r"\.(\d+)-.+")
 
 
 class Store:
@@ -35,7 +42,7 @@ class Store:
             with suppress(OSError):
                 beside.unlink()
 
-    def write_grid(self, name: str, grid: pv.UnstructuredGrid) -> Path:
+    def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path."""
         with self.writing(name) as path:
             grid.save(path)
@@ -48,3 +55,45 @@ class Store:
         with self.writing(name) as path:
             path.write_text(text, encoding="utf-8")
         return self.folder / name
+
+    def write_json(self, name: str, data: Any) -> Path:
+        """Write a JSON file; returns its path. Raises ValueError for what JSON has no number for."""
+        return self.write_text(name, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+    def read_json(self, name: str) -> Any:
+        """What a JSON file holds; raises InputError if it is not there or not JSON."""
+        path = self.folder / name
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise InputError(str(path), ["there is no such file; run the stage that writes it"]) from None
+        except (OSError, ValueError) as error:
+            raise InputError(str(path), [f"cannot be read: {error}; delete it and run again"]) from None
+
+    def has(self, name: str) -> bool:
+        """Whether a file is there."""
+        return (self.folder / name).is_file()
+
+    def matching(self, patterns: Sequence[str], since: float = 0.0) -> list[str]:
+        """Names of the whole files that match any of some patterns, in order; only those written ``since`` a time."""
+        found = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
+        found = {path for path in found if path.stat().st_mtime >= since}
+        return sorted(str(path.relative_to(self.folder)) for path in found if not BESIDE.fullmatch(path.name))
+
+    def remove(self, patterns: Sequence[str]) -> None:
+        """Remove the files that match, and the folders among them that are then empty.
+
+        Raises InputError if one cannot be removed.
+        """
+        for name in self.matching(patterns):
+            try:
+                (self.folder / name).unlink()
+            except OSError as error:
+                raise InputError(str(self.folder / name), [f"cannot be removed: {error.strerror}"]) from error
+
+    def sweep(self) -> None:
+        """Remove what writers that were killed left half-written; to be called by who holds the folder."""
+        for path in self.folder.rglob(".*"):
+            if BESIDE.fullmatch(path.name) and path.is_file():
+                with suppress(OSError):
+                    path.unlink()

@@ -14,7 +14,6 @@ import tomli_w
 from matplotlib.image import imread
 
 from tests.sections import slope
-from workflow.bounds_stage import judged
 from workflow.cli import main
 
 TOP = Path(__file__).parents[2]
@@ -105,15 +104,6 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
     assert done.returncode == 130
     assert "Stopped." in told
     assert not list(tmp_path.rglob("*.json"))
-
-
-def test_what_the_bracket_says_of_the_finite_elements() -> None:
-    answer = {"lower": 0.35, "upper": 0.36}
-    assert "between the strict bounds 0.3500 and 0.3600" in judged(answer, 0.355)
-    assert "above the strict bounds" in judged(answer, 0.378)
-    assert "by 5.0 %" in judged(answer, 0.378)
-    assert "below the strict bounds" in judged(answer, 0.34)
-    assert "no bracket" in judged({"lower": None, "upper": 0.36}, 0.34)
 
 
 def test_it_needs_no_dolfinx() -> None:

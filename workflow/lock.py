@@ -1,0 +1,59 @@
+"""A lock that keeps two runs out of one folder, and that no dead run can hold."""
+
+import errno
+import fcntl
+import json
+import os
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+
+from meshes.errors import InputError
+
+NAME = ".noshiro/lock"
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold the folder, which is made if need be, until the end of the block.
+
+    The lock is the kernel's: it goes with its process, however that ends, and is not handed on to children. What stands
+    in the file only tells others who holds it. Raises InputError if another run does, or if nothing can be written.
+    """
+    path = folder / NAME
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error
+    try:
+        _take(descriptor, folder)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _take(descriptor: int, folder: Path) -> None:
+    try:
+        fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno in (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL):
+            return  # a file system without locks: rather no lock than no run
+        who = _holder(descriptor)
+        raise InputError(str(folder), [f"is in use by another run{who}; wait for it, or take another --out"]) from None
+    me = {"pid": os.getpid(), "host": socket.gethostname(), "since": datetime.now().isoformat(" ", "seconds")}
+    try:
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, json.dumps(me).encode(), 0)
+    except OSError:
+        pass  # a full disk: the lock holds without its note
+
+
+def _holder(descriptor: int) -> str:
+    try:
+        who = json.loads(os.pread(descriptor, 1000, 0))
+        return f" (process {who['pid']} on {who['host']}, since {who['since']})"
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""

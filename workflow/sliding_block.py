@@ -1,0 +1,129 @@
+"""The rigid block on the slip surface, to compare the slide of the discs with (Newmark 1965)."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+GRAVITY = 9.80665  # m/s²
+
+
+@dataclass(frozen=True)
+class Slide:
+    """Where a block is in time: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the ground."""
+
+    time: np.ndarray
+    velocity: np.ndarray
+    displacement: np.ndarray
+
+    @property
+    def permanent(self) -> float:
+        """How far it is in the end (m)."""
+        return float(self.displacement[-1])
+
+    @property
+    def moving(self) -> bool:
+        """Whether it still moves when the record is over."""
+        return bool(self.velocity[-1] > 0.0)
+
+
+def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> Slide:
+    """The slide of a rigid block that resists kc g, under a record of the ground's acceleration.
+
+    N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: the block lags
+    behind by the acceleration beyond kc g from the moment that is exceeded until both move alike again; it does not
+    slide back. ``time`` (n,) in s, not falling, with two equal times for a step; ``acceleration`` (n,) in m/s², linear
+    in between, positive where it drives the block; kc > 0. The motion is integrated in closed form from corner to
+    corner, so that there is no time step. Where the record ends while the block slides it slides on, with no
+    acceleration, until it stops. Raises ValueError if kc is not above 0.
+    """
+    if not kc > 0.0:
+        raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block never stops")
+    excess = np.asarray(acceleration, dtype=float) - kc * GRAVITY
+    t, v, u = [float(time[0])], [0.0], [0.0]
+    for i in range(len(time) - 1):
+        span = float(time[i + 1] - time[i])
+        if span <= 0.0:
+            continue
+        # where the excess changes its sign the block may set out
+        a, b = float(excess[i]), float(excess[i + 1])
+        cuts = [0.0, span * a / (a - b), span] if a * b < 0.0 else [0.0, span]
+        for start, end in pairwise(cuts):
+            _slide_on(t, v, u, a + (b - a) * start / span, (b - a) / span, end - start)
+    if v[-1] > 0.0:
+        _slide_on(t, v, u, -kc * GRAVITY, 0.0, v[-1] / (kc * GRAVITY))
+    return Slide(np.array(t), np.array(v), np.array(u))
+
+
+def _slide_on(t: list[float], v: list[float], u: list[float], a: float, slope: float, span: float) -> None:
+    """Add the end of a span in which the excess is a + slope s of one sign, and before it where the block stops."""
+    speed = v[-1]
+    if speed == 0.0 and a + 0.5 * slope * span <= 0.0:
+        t.append(t[-1] + span)
+        v.append(0.0)
+        u.append(u[-1])
+        return
+    stop = _first_stop(speed, a, slope, span)
+    moving = span if stop is None else stop
+    v_end = 0.0 if stop is not None else speed + a * moving + 0.5 * slope * moving**2
+    u_end = u[-1] + speed * moving + 0.5 * a * moving**2 + slope * moving**3 / 6.0
+    t.append(t[-1] + moving)
+    v.append(max(v_end, 0.0))
+    u.append(u_end)
+    if moving < span:
+        t.append(t[-1] + span - moving)
+        v.append(0.0)
+        u.append(u_end)
+
+
+def _first_stop(speed: float, a: float, slope: float, span: float) -> float | None:
+    """When within a span the speed + a s + slope s²/2 first falls to 0; None if it does not."""
+    if speed == 0.0:
+        return None  # it sets out: the excess is positive
+    if slope == 0.0:
+        roots = [-speed / a] if a != 0.0 else []
+    else:
+        inside = a * a - 2.0 * slope * speed
+        if inside < 0.0:
+            return None
+        # q has no cancellation, whichever sign a has
+        q = -(a + np.copysign(np.sqrt(inside), a))
+        roots = [q / slope] + ([2.0 * speed / q] if q != 0.0 else [])
+    within = [root for root in roots if 0.0 < root <= span]
+    return float(min(within)) if within else None
+
+
+def rectangular_pulse(kc: float, k: float, duration: float) -> float:
+    """How far (m) a block that resists kc g slides under k g held for a duration (s).
+
+    Newmark (1965), the closed form for a rectangular pulse: u = V² / (2 g kc) (1 - kc / k) with V = k g t.
+    """
+    if k <= kc:
+        return 0.0
+    speed = k * GRAVITY * duration
+    return speed**2 / (2.0 * GRAVITY * kc) * (1.0 - kc / k)
+
+
+@dataclass(frozen=True)
+class SmoothPlane:
+    """A block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), pushed by ``kh``."""
+
+    slope: float
+    kh: float = 0.0
+
+    @property
+    def acceleration(self) -> float:
+        """Along the plane (m/s²): g (sin β + Kh cos β)."""
+        return GRAVITY * float(np.sin(self.slope) + self.kh * np.cos(self.slope))
+
+    def speed(self, seconds: float) -> float:
+        """m/s after a time from rest."""
+        return self.acceleration * seconds
+
+    def distance(self, seconds: float) -> float:
+        """m after a time from rest."""
+        return 0.5 * self.acceleration * seconds**2
+
+    def time_for(self, distance: float) -> float:
+        """Seconds from rest for a distance (m)."""
+        return float(np.sqrt(2.0 * distance / self.acceleration))

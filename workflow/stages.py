@@ -1,0 +1,182 @@
+"""The stages of a run, each declared once: what it is made from, what it leaves, and the function that does it."""
+
+import importlib
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from workflow.progress import Progress, silent
+from workflow.ranks import Ranks
+from workflow.settings import Input
+from workflow.store import Store
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a stage may need: the input, the folder, who listens, and the options that are no settings."""
+
+    run: Input
+    store: Store
+    progress: Progress = silent
+    mesh_file: Path | None = None
+    cases: tuple[int, ...] | None = None
+    ranks: Ranks | None = None
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage. ``work`` computes, writes and draws; ``redraw`` draws again from what is stored, where it can.
+
+    ``needs`` are the stages whose results it reads, ``tables`` the settings that matter to it, ``code`` the packages
+    and modules whose text is its version. ``results`` and ``pictures`` are patterns of the files that it leaves,
+    ``leftovers`` of those it goes on from after a stop, which are removed when they belong to other inputs. Where it is
+    not ``wanted`` it is not run, and what it left before is used if it fits.
+    """
+
+    name: str
+    what: str
+    module: str
+    needs: tuple[str, ...]
+    tables: tuple[str, ...]
+    code: tuple[str, ...]
+    results: tuple[str, ...]
+    pictures: tuple[str, ...]
+    work: Callable[[Job], None]
+    redraw: Callable[[Job], None] | None = None
+    leftovers: tuple[str, ...] = ()
+    wanted: Callable[[Input], bool] = lambda run: True
+
+    @property
+    def exists(self) -> bool:
+        """Whether this installation has the stage."""
+        return importlib.util.find_spec(self.module) is not None
+
+
+def _mesh(job: Job) -> None:
+    from workflow.mesh_stage import mesh_stage
+
+    mesh_stage(job.run, job.store, job.progress, job.mesh_file)
+
+
+def _mesh_pictures(job: Job) -> None:
+    from workflow.mesh_stage import mesh_figures, stored_mesh
+
+    mesh_figures(job.run, stored_mesh(job.run, job.store), job.store)
+
+
+def _fem(job: Job) -> None:
+    from workflow.fem_stage import fem_stage
+    from workflow.mesh_stage import stored_mesh
+
+    ranks = job.ranks or Ranks()
+    mesh = stored_mesh(job.run, job.store)
+    ranks.call()
+    fem_stage(job.run, mesh, job.store, ranks.comm, job.progress)
+
+
+def help_compute(job: Job, ranks: Ranks) -> None:
+    """What a rank does that is not the first: its share of the finite element analysis, if there is to be one."""
+    from workflow.fem_stage import fem_stage
+    from workflow.mesh_stage import stored_mesh
+
+    if ranks.called():
+        fem_stage(job.run, stored_mesh(job.run, job.store), None, ranks.comm, silent)
+
+
+def _fem_pictures(job: Job) -> None:
+    from workflow import fem_figures
+    from workflow.fem_results import FemResults
+
+    fem_figures.draw_all(job.run, FemResults.load(job.run, job.store), job.store)
+
+
+def _bounds(job: Job) -> None:
+    _function("workflow.bounds_stage", "bounds_stage")(job.run, job.store, job.progress)
+
+
+def _bounds_wanted(run: Input) -> bool:
+    return bool(getattr(getattr(run, "bounds", None), "run", False))
+
+
+def _calibrate(job: Job) -> None:
+    _function("workflow.calibrate_stage", "calibrate_stage")(job.run, job.store, job.progress)
+
+
+def _slide(job: Job) -> None:
+    _function("workflow.slide_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
+
+
+def _dem_pictures(stage: str) -> Callable[[Job], None]:
+    return lambda job: _function(f"workflow.{stage}_stage", f"{stage}_pictures")(job.run, job.store)
+
+
+def _function(module: str, name: str) -> Callable[..., Any]:
+    function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+    return function
+
+
+def _report(job: Job) -> None:
+    from workflow.report_stage import report_stage
+
+    report_stage(job)
+
+
+def _report_pictures(job: Job) -> None:
+    from workflow.report_figures import draw_all
+    from workflow.results import Results
+
+    draw_all(Results.of(job))
+
+
+DRAWING = ("workflow.canvas", "workflow.figures")
+
+ALL = (
+    Stage(
+        "mesh", "mesh of quadrilaterals", "workflow.mesh_stage", (), ("mesh",),
+        ("meshes", "workflow.mesh_stage", *DRAWING),
+        ("mesh/section.msh", "mesh/section.vtu"), ("figures/section.png", "figures/mesh.png"), _mesh, _mesh_pictures,
+    ),
+    Stage(
+        "fem", "critical Kh by finite elements", "workflow.fem_stage", ("mesh",), ("fem",),
+        ("meshes", "fem", "workflow.fem_stage", "workflow.fem_results", "workflow.fem_figures", *DRAWING),
+        ("fem/critical.json", "fem/fields.pvd", "fem/fields_*.vtu"), ("figures/fem_*.png",), _fem, _fem_pictures,
+    ),
+    Stage(
+        "bounds", "strict bounds of the critical Kh", "workflow.bounds_stage", (), ("fem", "bounds"),
+        ("meshes", "fem", "workflow.bounds_stage", *DRAWING),
+        ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds, wanted=_bounds_wanted,
+    ),
+    Stage(
+        "calibrate", "discs that fail at the same Kh", "workflow.calibrate_stage", ("fem",), ("dem",),
+        ("meshes", "dem", "workflow.calibrate_stage", "workflow.dem_figures", *DRAWING),
+        ("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"), ("figures/dem_*.png",),
+        _calibrate, _dem_pictures("calibrate"), leftovers=("dem/**/*",),
+    ),
+    Stage(
+        "slide", "slides once layers have liquefied", "workflow.slide_stage", ("calibrate",), ("dem", "slide"),
+        ("meshes", "dem", "workflow.slide_stage", "workflow.disc_grids", "workflow.slide_figures", *DRAWING),
+        ("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
+        ("figures/case*.png", "figures/case*.gif", "figures/history.png"),
+        _slide, _dem_pictures("slide"),
+        leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/history.csv"),
+    ),
+    Stage(
+        "report", "pictures of all, summary and report", "workflow.report_stage",
+        ("mesh", "fem", "bounds", "calibrate", "slide"), ("sliding_block", "figures"), ("workflow",),
+        ("summary.json", "report.html"),
+        ("figures/curves.png", "figures/slip_surfaces.png", "figures/calibration.png", "figures/sliding_block.png"),
+        _report, _report_pictures,
+    ),
+)  # fmt: skip
+
+
+def stages() -> tuple[Stage, ...]:
+    """The stages of this installation, in their order."""
+    return tuple(stage for stage in ALL if stage.exists)
+
+
+def by_name(name: str) -> Stage:
+    """The stage with a name that is known to exist."""
+    return next(stage for stage in stages() if stage.name == name)
