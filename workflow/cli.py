@@ -184,6 +184,25 @@ def fem(
 
 
 @app.command()
+def bounds(
+    section: SectionFile,
+    folder: Out = None,
+    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
+    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
+    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
+    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ: the judge of the finite elements."""
+    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
+    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
+
+
+@app.command()
 def plot(
     folder: Folder,
     field: Annotated[
@@ -259,8 +278,6 @@ def slide_command() -> None:
         _execute(job, Choice.up_to("slide", force), quiet, verbose)
 
 
-if any(stage.name == "bounds" for stage in stages()):
-    stage_command("bounds", "Strict lower and upper bounds of the critical seismic coefficient.")
 if any(stage.name == "slide" for stage in stages()):
     stage_command("calibrate", "Calibrate the discs so that they fail at the Kh that the FEM found.")
     slide_command()

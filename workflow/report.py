@@ -154,6 +154,9 @@ def _sides(results: Results) -> str:
 def _bounds(results: Results) -> str:
     bounds = results.bounds
     assert bounds is not None
+    if bounds["davis"]:
+        reduced = f"Between {bounds['lower']:.4f} and {bounds['upper']:.4f} ({bounds['sides']} sides), {bounds['flow']}"
+        return reduced + " The answer above is not judged by them."
     told = f"With ψ = φ the critical Kh lies between {bounds['lower']:.4f} and {bounds['upper']:.4f} ({bounds['sides']} sides)."
     if results.kc is None or results.run.fem.flow != "associated" or results.run.fem.sides != bounds["sides"]:
         return told + " The answer above is for other conditions, and is not judged by them."

@@ -36,7 +36,8 @@ def fem_sentences(answer: dict[str, Any]) -> Iterator[str]:
 
 def bounds_sentences(answer: dict[str, Any]) -> Iterator[str]:
     """The bracket of fem/bounds.json."""
-    yield f"Strict bounds, ψ = φ: critical Kh between {answer['lower']:.4f} and {answer['upper']:.4f}."
+    yield f"Strict bounds, sides {answer['sides']}: {answer['words']}. Flow {answer['flow']}"
+    yield answer["reason"]
 
 
 def calibrate_sentences(answer: dict[str, Any]) -> Iterator[str]:
