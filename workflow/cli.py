@@ -21,6 +21,7 @@ from workflow.display import NORMAL, QUIET, VERBOSE, Display
 from workflow.plan import Choice, plan
 from workflow.ranks import Ranks
 from workflow.record import Record
+from workflow.results import Results
 from workflow.settings import Input, dotted, merged
 from workflow.stages import Job, help_compute, stages
 from workflow.store import Store
@@ -37,7 +38,7 @@ app = typer.Typer(
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
-SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", show_default=False)]
+SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
 Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
 Out = Annotated[
     Path | None,
@@ -294,10 +295,9 @@ def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
 
 def _tell(job: Job, choice: Choice) -> None:
     """What the stages found that have an answer, and where it all is."""
-    record = Record(job.store)
+    ends = Results.of(job).ends
     for name in choice.chosen:
-        entry = record[name]
-        if entry is not None and entry.outcome == "done":
+        if name in ends and ends[name].outcome in ("done", "part"):
             for line in sentences(name, job.run, job.store):
                 out.print(escape(line))
     if "report" in choice.chosen and job.store.has("report.html"):

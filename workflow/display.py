@@ -102,6 +102,9 @@ class Display:
         elif entry.outcome == "no answer":
             row.line = f"no answer: {entry.reason}"
             self._say(f"{step.stage.name}: {row.line}")
+        elif step.action == "redraw":
+            row.line = "pictures drawn again"
+            self._say(f"{step.stage.name}: {row.line}")
         else:
             row.line = step.stage.what
             self._say(f"{step.stage.name}: done in {duration(entry.seconds)}")

@@ -49,7 +49,7 @@ class Picture:
 
 def collect(names: list[str], folder: Path, width: int, animations: bool) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    found = []
+    found: list[Picture] = []
     room = LARGEST_ANIMATIONS
     for pattern, part, words in CAPTIONS:
         for name in sorted(names):
@@ -75,7 +75,7 @@ def _still(path: Path, name: str, part: str, caption: str, width: int) -> Pictur
     if small.width > width:
         small = small.resize((width, round(small.height * width / small.width)), Image.Resampling.LANCZOS)
     buffer = io.BytesIO()
-    small.quantize(256, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
+    small.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
     return Picture(name, part, caption, _uri("png", buffer.getvalue()), *small.size)
 
 

@@ -1,8 +1,12 @@
 """What the paper says of section S-13, against what was computed here, and why they differ where they do."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
+
+import numpy as np
 
 from meshes.section import Section
 from workflow.results import Results
@@ -117,8 +121,6 @@ def share_of_surface(run: Section, line: list[list[float]], names: tuple[str, ..
     """The share of the points [x, z] of a slip surface that lie in the strata with these names."""
     if not line:
         return 0.0
-    import numpy as np
-
     points = np.array(line)
     inside = run.stratum_at(points[:, 0], points[:, 1])
     wanted = [k for k, stratum in enumerate(run.strata) if stratum.name in names]
@@ -163,17 +165,17 @@ def _slides(results: Results, name: str) -> Iterator[Row]:
 
     for number, paper in SETTLEMENT.items():
         yield row(number, "settlement uphill", f"{paper:g} m", "Sec. 4(3)",
-                  lambda case, paper=paper: near(case["settlement_uphill_m"], paper))  # fmt: skip
+                  partial(near, "settlement_uphill_m", paper))  # fmt: skip
     yield row("1", "slide", "uphill half only", "Fig. 14", lambda case: _uphill_only(results.run, case))
     for number, paper in SLIDE.items():
         yield row(number, "largest slide", f"{paper:g} m", "Sec. 4(3)",
-                  lambda case, paper=paper: near(case["slide_max_m"], paper))  # fmt: skip
+                  partial(near, "slide_max_m", paper))  # fmt: skip
     yield row("3", "slide", "whole surface but for the right side", "Fig. 16", _almost_all)
 
 
-def near(value: float, paper: float) -> tuple[str, bool]:
-    """A length in words, and whether it is within 30 % of the paper's."""
-    return f"{value:.2f} m", abs(value - paper) <= WITHIN * paper
+def near(key: str, paper: float, case: dict[str, Any]) -> tuple[str, bool]:
+    """A length (m) of a case in words, and whether it is within 30 % of the paper's."""
+    return f"{case[key]:.2f} m", abs(case[key] - paper) <= WITHIN * paper
 
 
 def _almost_all(case: dict[str, Any]) -> tuple[str, bool]:
@@ -201,8 +203,6 @@ def _measured(results: Results) -> Row:
 
 
 def _smooth() -> Row:
-    import math
-
     plane = SmoothPlane(math.radians(SLOPE_DEG))
     told = (
         f"{plane.acceleration:.2f} m/s²; {plane.speed(9.0):.1f} m/s after 9 s (but then {plane.distance(9.0):.0f} m; "

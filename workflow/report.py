@@ -154,7 +154,10 @@ def _sides(results: Results) -> str:
 def _bounds(results: Results) -> str:
     bounds = results.bounds
     assert bounds is not None
-    told = f"With ψ = φ the critical Kh lies between {bounds['lower']:.4f} and {bounds['upper']:.4f} ({bounds['sides']} sides)."
+    told = (
+        f"With ψ = φ the critical Kh lies between {bounds['lower']:.4f} and {bounds['upper']:.4f} "
+        f"({bounds['sides']} sides)."
+    )
     if results.kc is None or results.run.fem.flow != "associated" or results.run.fem.sides != bounds["sides"]:
         return told + " The answer above is for other conditions, and is not judged by them."
     inside = bounds["lower"] <= results.kc <= bounds["upper"]

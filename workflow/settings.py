@@ -137,5 +137,6 @@ def _setting(text: str) -> dict[str, Any] | None:
             setting = tomllib.loads(f"{key} = {written}")
         except tomllib.TOMLDecodeError:
             continue
-        return setting if isinstance(next(iter(setting.values())), dict) else None
+        table, inside = next(iter(setting.items()))
+        return setting if isinstance(inside, dict) or table not in Input.tables() else None
     return None

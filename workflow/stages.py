@@ -27,7 +27,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage. ``work`` computes, writes and draws; ``redraw`` draws again from what is stored, where it can.
+    """One stage. ``work`` computes, writes and draws; ``redraw`` draws again from what is stored, and says if it can.
 
     ``needs`` are the stages whose results it reads, ``tables`` the settings that matter to it, ``code`` the packages
     and modules whose text is its version. ``results`` and ``pictures`` are patterns of the files that it leaves,
@@ -44,7 +44,7 @@ class Stage:
     results: tuple[str, ...]
     pictures: tuple[str, ...]
     work: Callable[[Job], None]
-    redraw: Callable[[Job], None] | None = None
+    redraw: Callable[[Job], bool] = lambda job: False
     leftovers: tuple[str, ...] = ()
     wanted: Callable[[Input], bool] = lambda run: True
 
@@ -60,10 +60,11 @@ def _mesh(job: Job) -> None:
     mesh_stage(job.run, job.store, job.progress, job.mesh_file)
 
 
-def _mesh_pictures(job: Job) -> None:
+def _mesh_pictures(job: Job) -> bool:
     from workflow.mesh_stage import mesh_figures, stored_mesh
 
     mesh_figures(job.run, stored_mesh(job.run, job.store), job.store)
+    return True
 
 
 def _fem(job: Job) -> None:
@@ -85,11 +86,12 @@ def help_compute(job: Job, ranks: Ranks) -> None:
         fem_stage(job.run, stored_mesh(job.run, job.store), None, ranks.comm, silent)
 
 
-def _fem_pictures(job: Job) -> None:
+def _fem_pictures(job: Job) -> bool:
     from workflow import fem_figures
     from workflow.fem_results import FemResults
 
     fem_figures.draw_all(job.run, FemResults.load(job.run, job.store), job.store)
+    return True
 
 
 def _bounds(job: Job) -> None:
@@ -108,8 +110,17 @@ def _slide(job: Job) -> None:
     _function("workflow.dem_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
 
 
-def _dem_pictures(name: str) -> Callable[[Job], None]:
-    return lambda job: _function("workflow.dem_stage", name)(job.run, job.store)
+def _optional_pictures(module: str, name: str) -> Callable[[Job], bool]:
+    """A function (run, store) that draws a stage's pictures again, where its module has one."""
+
+    def redraw(job: Job) -> bool:
+        draw = getattr(importlib.import_module(module), name, None)
+        if draw is None:
+            return False
+        draw(job.run, job.store)
+        return True
+
+    return redraw
 
 
 def _function(module: str, name: str) -> Callable[..., Any]:
@@ -123,11 +134,12 @@ def _report(job: Job) -> None:
     report_stage(job)
 
 
-def _report_pictures(job: Job) -> None:
+def _report_pictures(job: Job) -> bool:
     from workflow.report_figures import draw_all
     from workflow.results import Results
 
     draw_all(Results.of(job))
+    return True
 
 
 DRAWING = ("workflow.canvas", "workflow.figures")
@@ -146,20 +158,21 @@ ALL = (
     Stage(
         "bounds", "strict bounds of the critical Kh", "workflow.bounds_stage", (), ("fem", "bounds"),
         ("meshes", "fem", "workflow.bounds_stage", *DRAWING),
-        ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds, wanted=_bounds_wanted,
+        ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds,
+        _optional_pictures("workflow.bounds_stage", "bounds_pictures"), wanted=_bounds_wanted,
     ),
     Stage(
         "calibrate", "discs that fail at the same Kh", "workflow.dem_stage", ("fem",), ("dem",),
         ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
         ("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"), ("figures/dem_*.png",),
-        _calibrate, _dem_pictures("calibrate_pictures"), leftovers=("dem/**/*",),
+        _calibrate, _optional_pictures("workflow.dem_stage", "calibrate_pictures"), leftovers=("dem/**/*",),
     ),
     Stage(
         "slide", "slides once layers have liquefied", "workflow.dem_stage", ("calibrate",), ("dem", "slide"),
         ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
         ("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
         ("figures/case*.png", "figures/case*.gif", "figures/history.png"),
-        _slide, _dem_pictures("slide_pictures"),
+        _slide, _optional_pictures("workflow.dem_stage", "slide_pictures"),
         leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/history.csv"),
     ),
     Stage(
