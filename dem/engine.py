@@ -45,8 +45,8 @@ def largest_step(model: DiscModel) -> StableStep:
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     seconds, disc = stable_step(
         model.x, model.z, model.radius, invmass, invmass * model.ease, model.pair_i, model.pair_j,
-        model.kind(model.pair_i, model.pair_j), model.pore_length, pairs.pairs, model.line_disc, model.line_id,
-        model.layer[model.line_disc], model.lines, pairs.lines,
+        model.kind(model.pair_i, model.pair_j), model.pore_length, model.skin, pairs.pairs, model.line_disc,
+        model.line_id, model.layer[model.line_disc], model.lines, pairs.lines,
     )  # fmt: skip
     return StableStep(float(seconds), int(disc))
 

@@ -27,3 +27,7 @@ class EscapeError(DemError):
 
 class SpeedError(DemError):
     """A disc moves so far in one step that it could pass another without touching it."""
+
+
+class ConfinementError(DemError):
+    """A patch for an element test does not come to rest under its pressure."""

@@ -5,6 +5,7 @@ times angle, since that is what contacts work with. Everything a run needs is he
 checkpoint is this and no more, and a run from a checkpoint has the same bits as the run without.
 """
 
+import copy
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -332,6 +333,10 @@ class DiscModel:
         nz = (self.z[self.pair_j] - self.z[self.pair_i]) / distance
         self.force_x += normal * nx + tangential * nz
         self.force_z += normal * nz - tangential * nx
+
+    def copy(self) -> "DiscModel":
+        """The same discs once more, to go another way."""
+        return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
         """Checkpoint: all of it into one HDF5 file, written beside and moved into place so that none is ever half."""

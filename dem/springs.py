@@ -74,15 +74,15 @@ class LayerSprings:
         if not (self.alpha >= 1.0 and self.beta > 1.0):
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
-    def liquefied(self, stiffness: float, damping: float = 0.1) -> "LayerSprings":
-        """Sec. 4(3): element springs times `stiffness`, dashpots times `damping`, no friction, no cohesion.
+    def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
+        """Sec. 4(3): factors on element springs, dashpots and friction; no cohesion.
 
         The pore springs of the layer are to be cut as well; they stand in the discs' model, see `cut_pore_springs`.
         """
         return replace(
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
-            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, friction=0.0, pore_friction=0.0,
-            cohesion=0.0,
+            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, friction=self.friction * friction,
+            pore_friction=0.0, cohesion=0.0,
         )  # fmt: skip
 
 

@@ -7,7 +7,8 @@ damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic
 -1), and what holds for the bound holds for the mode.
 
 Every listed pair counts as touching, whether it does or not, and every pore spring as compressed: the bound stays true
-until the list is made anew, when it is taken again. Equal discs on a triangular lattice give
+until the list is made anew, when it is taken again. Only cracked pairs too far apart to meet by then are left out; they
+stay listed for their memory alone. Equal discs on a triangular lattice give
 max(6 kn + 6 ks, 24 ks)/m for omega_max^2, where max(6 kn + 2 ks, 24 ks)/m is exact.
 """
 
@@ -49,6 +50,7 @@ def stable_step(
     j: np.ndarray,
     kind: np.ndarray,
     length: np.ndarray,
+    skin: float,
     table: np.ndarray,
     line_disc: np.ndarray,
     line_id: np.ndarray,
@@ -58,7 +60,8 @@ def stable_step(
 ) -> tuple[float, int]:
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
-    invmass: 1/m or 0 for fixed discs; rim: r^2/I; pairs i, j with column `kind` of `table` and pore length `length`.
+    invmass: 1/m or 0 for fixed discs; rim: r^2/I; pairs i, j with column `kind` of `table` and pore length `length`;
+    skin (m): how much nearer a pair may come before the list is made anew.
     """
     n = len(x)
     springs = np.zeros((n, 6))
@@ -67,6 +70,8 @@ def stable_step(
         a, b, k = i[c], j[c], kind[c]
         dx, dz = x[b] - x[a], z[b] - z[a]
         d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
+        if length[c] <= 0.0 and d > max(radius[a] + radius[b], -length[c]) + skin:
+            continue
         nx, nz = dx / d, dz / d
         # overlap only shortens the lever
         lever = max(d / (radius[a] + radius[b]), 1.0)

@@ -1,9 +1,11 @@
-"""Pictures of the discs: layers, pore springs, velocities and force chains, in true proportions.
+"""Pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
 
-Each function takes the model, and writes one picture to a path.
+Each function takes a model, and writes one picture to a path. `in_section` gives a model as it lies in the section.
 """
 
+import copy
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 import pyvista as pv
@@ -13,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from dem.forces import contact_forces
+from dem.ground import Ground
 from dem.model import DiscModel
 from workflow.canvas import INK, Sheet, Window, render, soil_colour
 
@@ -21,19 +24,39 @@ PALE = "#e3e6e8"
 WHOLE = "#2c7a3f"
 CRACKED = "#d0342c"
 SPEEDS = "viridis"
+FAR = "YlOrRd"
 
 
-def window_of(model: DiscModel) -> Window:
+def window_of(model: Circles) -> Window:
     """All discs with their rims, and a margin."""
     x, z, r = model.x, model.z, model.radius
     return Window.around(np.array([[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]), 0.015)
 
 
-def discs(model: DiscModel, which: np.ndarray, height: float = 0.0) -> pv.PolyData:
+class Circles(Protocol):
+    """What can be drawn as discs: centres and radii (m)."""
+
+    @property
+    def x(self) -> np.ndarray: ...
+    @property
+    def z(self) -> np.ndarray: ...
+    @property
+    def radius(self) -> np.ndarray: ...
+
+
+def in_section(model: DiscModel, ground: Ground) -> DiscModel:
+    """The discs where they are in the section, for drawing alone: forces and velocities stay in their own frame."""
+    view = copy.copy(model)
+    view.x, view.z = ground.to_section(model.x, model.z)
+    view.roll = model.roll - ground.tilt * model.radius
+    return view
+
+
+def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData:
     """Some of the discs as filled circles."""
     if not which.any():
         return pv.PolyData()
-    cloud = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model), height)])[which])
+    cloud = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model.x), height)])[which])
     cloud["radius"] = model.radius[which]
     cloud["disc"] = np.flatnonzero(which)
     return cloud.glyph(orient=False, scale="radius", geom=pv.Disc(inner=0.0, outer=1.0, c_res=30))
@@ -98,6 +121,63 @@ def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs"
         Line2D([], [], color=CRACKED, lw=3, label=f"cracked ({cracked.sum()})"),
     ]
     _write(path, title, window, draw, model, handles)
+
+
+def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
+    """Two views, as the paper's Figs 12 and 13: how far every disc has come since `before`, and its pore springs."""
+    window = window_of(model)
+    far = np.hypot(model.x - before.x, model.z - before.z)
+    norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
+    whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
+    near = model.distance() < 1.5 * np.abs(model.pore_length)
+    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
+
+    def moved(plotter: pv.Plotter) -> None:
+        draw_values(plotter, model, far, norm, model.fixed)
+
+    def springs(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
+        for which, colour in ((whole, WHOLE), (cracked & near, CRACKED)):
+            mesh = bars(model, which, width)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=colour, lighting=False)
+
+    foot = f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed; {int(cracked.sum())} of "
+    foot += f"{int(cracked.sum() + whole.sum())} pore springs cracked"
+    sheet = Sheet(title, [window.proportion] * 2, foot, 2)
+    sheet.show(0, render(window, moved), window, "displacement")
+    sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
+    colour_bar(sheet, "displacement (m)", norm)
+    sheet.save(path)
+
+
+def nice(value: float) -> float:
+    """The next round number above a positive one: 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * (1 - 1e-9)))
+
+
+def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
+    """Discs in the colour of a value, and some of them dark."""
+    mesh = discs(model, ~dark)
+    mesh["value"] = values[mesh["disc"]]
+    plotter.add_mesh(
+        mesh, scalars="value", cmap=FAR, clim=(norm.vmin, norm.vmax), lighting=False, show_scalar_bar=False
+    )
+    fixed = discs(model, dark)
+    if fixed.n_points:
+        plotter.add_mesh(fixed, color=BOUNDARY, lighting=False)
+
+
+def colour_bar(sheet: Sheet, label: str, norm: Normalize) -> None:
+    """A scale under the views."""
+    left, top = sheet.legend_at
+    box = sheet.figure.add_axes((left, top - 0.012, 0.35, 0.018))
+    bar = sheet.figure.colorbar(ScalarMappable(norm, FAR), cax=box, orientation="horizontal", extend="max")
+    bar.set_label(label, fontsize=7.5, color=INK, labelpad=1)
+    bar.ax.tick_params(labelsize=7, colors=INK, length=2)
 
 
 def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> None:

@@ -10,6 +10,7 @@ from typing import Any, Literal, Self
 import tomli_w
 from pydantic import Field, StrictBool, model_validator
 
+from dem.settings import DemSettings, SlideSettings
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import MeshSettings
@@ -51,6 +52,8 @@ class Input(Section):
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
+    dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
+    slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
     sliding_block: SlidingBlockSettings = Field(
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from workflow.errors import NoAnswerError
 from workflow.progress import Progress, silent
 from workflow.ranks import Ranks
 from workflow.settings import Input
@@ -95,7 +96,11 @@ def _fem_pictures(job: Job) -> bool:
 
 
 def _bounds(job: Job) -> None:
-    _function("workflow.bounds_stage", "bounds_stage")(job.run, job.store, job.progress)
+    in_words = _function("workflow.bounds_stage", "in_words")
+    stage = _function("workflow.bounds_stage", "bounds_stage")
+    answer = stage(job.run, job.store, lambda found: job.progress(in_words(found), None))
+    if answer["verdict"] == "no bracket":
+        raise NoAnswerError(answer["reason"].rstrip("."), "allow more cells with bounds.max_cells")
 
 
 def _bounds_wanted(run: Input) -> bool:
@@ -103,18 +108,18 @@ def _bounds_wanted(run: Input) -> bool:
 
 
 def _calibrate(job: Job) -> None:
-    _function("workflow.dem_stage", "calibrate_stage")(job.run, job.store, job.progress)
+    _function("workflow.calibrate_stage", "calibrate_stage")(job.run, job.store, job.progress)
 
 
 def _slide(job: Job) -> None:
-    _function("workflow.dem_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
+    _function("workflow.slide_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
 
 
-def _optional_pictures(module: str, name: str) -> Callable[[Job], bool]:
-    """A function (run, store) that draws a stage's pictures again, where its module has one."""
+def _pictures_of(stage: str) -> Callable[[Job], bool]:
+    """A stage's own function (run, store) that draws its pictures again, where its module has one."""
 
     def redraw(job: Job) -> bool:
-        draw = getattr(importlib.import_module(module), name, None)
+        draw = getattr(importlib.import_module(f"workflow.{stage}_stage"), f"{stage}_pictures", None)
         if draw is None:
             return False
         draw(job.run, job.store)
@@ -159,21 +164,21 @@ ALL = (
         "bounds", "strict bounds of the critical Kh", "workflow.bounds_stage", (), ("fem", "bounds"),
         ("meshes", "fem", "workflow.bounds_stage", *DRAWING),
         ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds,
-        _optional_pictures("workflow.bounds_stage", "bounds_pictures"), wanted=_bounds_wanted,
+        _pictures_of("bounds"), wanted=_bounds_wanted,
     ),
     Stage(
-        "calibrate", "discs that fail at the same Kh", "workflow.dem_stage", ("fem",), ("dem",),
-        ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
+        "calibrate", "discs that fail at the same Kh", "workflow.calibrate_stage", ("fem",), ("dem",),
+        ("meshes", "dem", "workflow.calibrate_stage", "workflow.dem_figures", *DRAWING),
         ("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"), ("figures/dem_*.png",),
-        _calibrate, _optional_pictures("workflow.dem_stage", "calibrate_pictures"), leftovers=("dem/**/*",),
+        _calibrate, _pictures_of("calibrate"), leftovers=("dem/**/*",),
     ),
     Stage(
-        "slide", "slides once layers have liquefied", "workflow.dem_stage", ("calibrate",), ("dem", "slide"),
-        ("meshes", "dem", "workflow.dem_stage", "workflow.dem_figures", *DRAWING),
+        "slide", "slides once layers have liquefied", "workflow.slide_stage", ("calibrate",), ("dem", "slide"),
+        ("meshes", "dem", "workflow.slide_stage", "workflow.disc_grids", "workflow.slide_figures", *DRAWING),
         ("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
         ("figures/case*.png", "figures/case*.gif", "figures/history.png"),
-        _slide, _optional_pictures("workflow.dem_stage", "slide_pictures"),
-        leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/history.csv"),
+        _slide, _pictures_of("slide"),
+        leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     ),
     Stage(
         "report", "pictures of all, summary and report", "workflow.report_stage",

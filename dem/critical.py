@@ -1,0 +1,126 @@
+"""The critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, the least at which
+they do not.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from dem.equilibrium import Trial, displacement, try_kh
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.settings import DemSettings
+
+PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
+STRIDE = 0.1  # Kh between two trials before the first failure
+
+Answer = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
+OnTrial = Callable[[Trial, DiscModel], None]
+
+
+class StoppedError(RuntimeError):
+    """Someone asked the search to stop."""
+
+
+@dataclass
+class Search:
+    """The bracket of the critical Kh and every trial on the way; kc is the middle of the bracket.
+
+    curve: (Kh, displacement in m) of the states that stood; flexibility: elastic displacement over Kh (m).
+    """
+
+    lower: float = 0.0
+    upper: float | None = None
+    verdict: Answer = "undecided"
+    reason: str = ""
+    flexibility: float = 0.0
+    trials: list[Trial] = field(default_factory=list)
+    curve: list[tuple[float, float]] = field(default_factory=list)
+
+    @property
+    def kc(self) -> float | None:
+        """The middle of the bracket; None without one."""
+        return None if self.upper is None or self.verdict != "bracketed" else 0.5 * (self.lower + self.upper)
+
+    def as_json(self) -> dict[str, Any]:
+        """The answer first, then what it rests on."""
+        return {
+            "kc": self.kc,
+            "kc_lower": self.lower,
+            "kc_upper": self.upper,
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "flexibility_m": self.flexibility,
+            "trials": [asdict(trial) for trial in self.trials],
+            "curve": [list(point) for point in self.curve],
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> "Search":
+        """The search that `as_json` wrote."""
+        return cls(
+            data["kc_lower"], data["kc_upper"], data["verdict"], data["reason"], data["flexibility_m"],
+            [Trial(**trial) for trial in data["trials"]], [(kh, d) for kh, d in data["curve"]],
+        )  # fmt: skip
+
+
+def critical_kh(
+    settled: DiscModel,
+    ground: Ground,
+    settings: DemSettings,
+    *,
+    resolution: float | None = None,
+    threads: int = 1,
+    on_trial: OnTrial | None = None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Search:
+    """The critical Kh of settled discs by bisection, every trial from the last state that stood.
+
+    `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
+    counts as one that does not stand, and the answer is undecided if it remains the upper end. stopped: asked at every
+    look; raises StoppedError once it says so. on_trial hears of every trial with the discs as they ended.
+    """
+
+    def watch(_: object) -> None:
+        if stopped():
+            raise StoppedError
+
+    search = Search()
+    width = settings.resolution if resolution is None else resolution
+    stood = settled.copy()
+    kh = PROBE
+    upper: Trial | None = None
+    while upper is None or upper.kh - search.lower > width * (1.0 + 1e-9):
+        if kh > settings.kh_limit:
+            search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
+            return search
+        model = stood.copy()
+        # an elastic displacement is not known before the probe has stood
+        known = search.flexibility or float("inf")
+        trial = try_kh(model, settled, ground, settings, search.lower, kh, known, threads, watch)
+        search.trials.append(trial)
+        if on_trial is not None:
+            on_trial(trial, model)
+        if trial.verdict == "stands":
+            stood, search.lower = model, kh
+            moved = displacement(model, settled, ground)
+            search.curve.append((kh, moved))
+            search.flexibility = search.flexibility or abs(moved) / kh
+        elif not search.flexibility:
+            search.upper, search.reason = kh, trial.reason
+            search.verdict = "fails under its own weight"
+            return search
+        else:
+            upper, search.upper = trial, kh
+        kh = _next(search)
+    search.verdict = "bracketed" if upper.verdict == "fails" else "undecided"
+    search.reason = upper.reason
+    return search
+
+
+def _next(search: Search) -> float:
+    if search.upper is None:
+        return float(np.ceil(search.lower / STRIDE + 1e-6) * STRIDE)
+    return 0.5 * (search.lower + search.upper)

@@ -1,0 +1,161 @@
+"""From a Section to discs: which packing, in which frame, in which layer.
+
+Two frames. The section's: x to the right, z up. The discs' own: rows lie along u; a box has its u axis along the mean
+ground surface and feels gravity tilted; lattice and random packings lie in the section's frame as they are.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dem.model import Acceleration, DiscModel, tilted_gravity
+from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
+from dem.settings import DemSettings
+from dem.springs import LayerSprings, from_strata, table2
+from meshes.errors import InputError
+from meshes.section import Section
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Discs of a section before anything acts on them.
+
+    kind: "box", "lattice" or "random"; radius: their mean (m); rows: of a box, else 0; tilt: how far the u axis dips
+    below the horizontal (rad); origin: where u = v = 0 lies in the section (m); downhill: +1 or -1 along x.
+    """
+
+    packing: Packing
+    kind: str
+    radius: float
+    rows: int
+    tilt: float
+    origin: tuple[float, float]
+    downhill: int
+
+    def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the discs' frame in the section's (m)."""
+        dx, dz = self.turned(u, v)
+        return self.origin[0] + dx, self.origin[1] + dz
+
+    def turned(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Vectors of the discs' frame in the section's."""
+        c, s = np.cos(self.tilt), np.sin(self.tilt)
+        return c * u + s * v, -s * u + c * v
+
+    def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
+        """The discs at rest, without pore springs, under gravity."""
+        return self.packing.discs(layers, gravity=tilted_gravity(self.tilt), mean=settings.mean)
+
+    def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
+        """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""
+        sign = self.downhill
+        change = Acceleration.seismic(sign * (after - before), tilt=self.tilt, ramp=(start, end))
+        held = Acceleration.seismic(sign * before, tilt=self.tilt)
+        return Acceleration(change.times, change.x + held.x[0], change.z + held.z[0])
+
+
+def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:
+    """The springs of every stratum before calibration: Table 2 as printed, or by eqs. (5)-(13)."""
+    if settings.springs == "table2":
+        layers = table2()
+    else:
+        layers = from_strata(
+            section.strata, radius, stiffness_scale=settings.stiffness_scale, damping_ratio=settings.damping_ratio
+        )
+    return [
+        replace(layer, name=stratum.name, allowed_overlap=settings.allowed_overlap)
+        for layer, stratum in zip(layers, section.strata, strict=True)
+    ]
+
+
+def ground_of(section: Section, settings: DemSettings) -> Ground:
+    """Discs of a section as the settings say. Raises InputError where they cannot be had."""
+    radius = settings.radius or radius_for(section, settings.elements)
+    kind = settings.packing
+    fits = box_fits(section, radius)
+    if kind == "auto":
+        kind = "box" if fits else "lattice"
+    if kind == "box" and not fits:
+        raise InputError(
+            section.name,
+            [
+                'dem, packing = "box": expected a straight surface with a base parallel to it; take "lattice", whose '
+                "rows run along the mean surface too and are cut to the outline"
+            ],
+        )
+    try:
+        return _box(section, radius) if kind == "box" else _cut(section, settings, kind, radius)
+    except ValueError as error:
+        raise InputError(section.name, [f"dem, packing: {error}"]) from error
+
+
+def radius_for(section: Section, elements: int) -> float:
+    """Radius (m) of which about so many discs of a triangular lattice fill the section."""
+    return float(np.sqrt(section.layering.areas().sum() / elements / (4.0 * ROW)))
+
+
+def mean_slope(section: Section) -> float:
+    """Angle (rad) by which the line between the ends of the surface dips to the right."""
+    (x0, z0), (x1, z1) = section.surface[0], section.surface[-1]
+    return float(np.arctan2(z0 - z1, x1 - x0))
+
+
+def box_fits(section: Section, radius: float) -> bool:
+    """Whether surface and base lie within a radius of two parallel straight lines."""
+    outline = section.outline()
+    tilt = mean_slope(section)
+    start = np.array(section.surface[0], float)
+    away = (outline - start) @ np.array([np.sin(tilt), np.cos(tilt)])
+    left, right = section.extent
+    top = away > 0.5 * away.min()
+    base = away[~top]
+    return bool(np.abs(away[top]).max() < radius and np.ptp(base) < 2.0 * radius and right > left)
+
+
+def _box(section: Section, radius: float) -> Ground:
+    """As many columns as the surface is long, as many rows as fit above the base; centred along the surface."""
+    tilt = mean_slope(section)
+    start, end = np.array(section.surface[0], float), np.array(section.surface[-1], float)
+    length = float(np.hypot(*(end - start)))
+    along, down = np.array([np.cos(tilt), -np.sin(tilt)]), np.array([-np.sin(tilt), -np.cos(tilt)])
+    depth = float(np.median([d for d in (section.outline() - start) @ down if d > radius]))
+    columns = int(length / (2.0 * radius) + 1e-9)
+    rows = int((depth - 2.0 * radius) / (2.0 * radius * ROW) + 1e-9) + 1
+    packing = lattice_box(columns, rows, radius)
+    rim = packing.z[packing.free].max() + radius
+    inset = 0.5 * (length - 2.0 * radius * (columns - 1))
+    origin = start + inset * along + rim * down
+    ground = Ground(
+        packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), 1 if start[1] >= end[1] else -1
+    )
+    free = packing.free
+    packing.layer[free] = _strata(section, *ground.to_section(packing.x[free], packing.z[free]))
+    return ground
+
+
+def _strata(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Stratum of each place; of places a little outside, that of the nearest point straight above or below inside."""
+    left, right = section.extent
+    inside = np.clip(x, left, right)
+    layer = np.asarray(section.stratum_at(inside, z), np.int32)
+    for step in np.linspace(0.0, 1.0, 41)[1:] * (right - left) * 0.02:
+        for away in (-step, step):
+            lost = layer < 0
+            if lost.any():
+                layer[lost] = section.stratum_at(inside[lost], z[lost] + away)
+    if (layer < 0).any():
+        raise ValueError("some discs lie outside of all strata")
+    return layer
+
+
+def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> Ground:
+    """A lattice or a random packing cut to the outline."""
+    outline, downhill = section.outline(), 1 if section.surface[0][1] >= section.surface[-1][1] else -1
+    if kind == "lattice":
+        packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
+    else:
+        packing = random_packing(
+            outline, section.stratum_at, radius, spread=settings.spread, porosity=settings.porosity, seed=settings.seed
+        )
+    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill)

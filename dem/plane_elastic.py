@@ -1,0 +1,58 @@
+"""Isotropic elasticity in the plane: the constants of discs, and what they mean for soil in plane strain."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.springs import LayerSprings
+
+
+@dataclass(frozen=True)
+class PlaneElastic:
+    """sigma_xx = M eps_xx + lame eps_zz, tau = G gamma, per metre out of plane (Pa).
+
+    E and nu are those of the soil that is as stiff in plane strain, to be compared with a Stratum's; a sheet of discs
+    that may move out of the plane has E_2d = E / (1 - nu^2) and nu_2d = nu / (1 - nu) = lame / M.
+    """
+
+    M: float
+    lame: float
+    G: float
+
+    @property
+    def nu_2d(self) -> float:
+        """Poisson's ratio of the sheet."""
+        return self.lame / self.M
+
+    @property
+    def E_2d(self) -> float:
+        """Young's modulus of the sheet (Pa)."""
+        return self.M * (1.0 - self.nu_2d**2)
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio of the soil in plane strain."""
+        return self.lame / (self.M + self.lame)
+
+    @property
+    def E(self) -> float:
+        """Young's modulus of the soil in plane strain (Pa)."""
+        return self.E_2d * (1.0 - self.nu**2)
+
+    @property
+    def anisotropy(self) -> float:
+        """G over what isotropy asks for, (M - lame)/2, less one."""
+        return 2.0 * self.G / (self.M - self.lame) - 1.0
+
+
+def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
+    """The triangular lattice of discs that stick: M = sqrt(3)/4 (3 kn + ks), G = sqrt(3)/4 (kn + ks).
+
+    Pore springs, where set, work beside the element springs: kn and ks are the sums of both. Spacing of two radii.
+    Derived from the energy of the three bonds of a disc that turns with the mean rotation, as in Griffiths and Mustoe
+    (2001), Int. J. Numer. Meth. Engng 50, 1791.
+    """
+    kn = layer.kn + (layer.kpn if pores else 0.0)
+    ks = layer.ks + (layer.kps if pores else 0.0)
+    quarter = float(np.sqrt(3.0) / 4.0)
+    return PlaneElastic(quarter * (3.0 * kn + ks), quarter * (kn - ks), quarter * (kn + ks))

@@ -1,0 +1,105 @@
+"""How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from meshes.quantity import Length
+from meshes.section import Model, Section
+
+TABLE2_STRATA = 10
+Parameter = Literal["stiffness", "friction", "pore_strength", "strength"]
+
+
+class DemSettings(Model):
+    """Settings of the discs and of the search for their critical Kh, a table [dem]."""
+
+    packing: Literal["auto", "box", "lattice", "random"] = Field(
+        default="auto",
+        description='"box": rows along the mean surface, gravity tilted; "lattice": the same rows cut to the outline; '
+        '"random"; or "auto": box where surface and base are straight and parallel, lattice elsewhere',
+    )
+    radius: Length | None = Field(default=None, description='(mean) radius of the discs, such as "0.75 m"')
+    elements: int = Field(default=3000, ge=50, le=1_000_000, description="discs wanted where no radius is given")
+    spread: float = Field(default=0.2, ge=0.0, lt=0.9, description="half width of the radii of a random packing")
+    porosity: float = Field(default=0.17, gt=0.1, lt=0.5, description="voids over area of a random packing")
+    seed: int = Field(default=0, ge=0, description="seed of a random packing")
+    springs: Literal["soil", "table2"] = Field(
+        default="soil", description='"soil": by eqs. (5)-(13) from the strata, or "table2": the paper\'s Table 2'
+    )
+    stiffness_scale: float = Field(default=0.01, gt=0.0, description="factor on the springs of eqs. (9)-(13)")
+    damping_ratio: float = Field(default=1.0, ge=0.0, description="factor on the dashpots sqrt(m K)")
+    mean: Literal["arithmetic", "harmonic"] = Field(
+        default="arithmetic", description="mean of two layers' constants at a contact between them"
+    )
+    kh: tuple[float, ...] = Field(default=(0.2, 0.3), description="seismic coefficients whose states are kept")
+    kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
+    resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
+    unbalanced: float = Field(
+        default=4e-4, gt=0.0, le=1e-2, description="stands: mean unbalanced force over mean contact force, at most"
+    )
+    kinetic: float = Field(default=1e-5, gt=0.0, description="stands: kinetic over stored energy, at most")
+    growth: float = Field(default=3.0, gt=1.0, description="fails: displacement in elastic ones, at least")
+    patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
+    parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "none"] = Field(
+        default="auto",
+        description="factor that calibration changes: on all stiffness, on friction, on stretch and cohesion of pore "
+        "springs, or on friction, cohesion and pore springs together; auto: by the sensitivities",
+    )
+    range: tuple[float, float] | None = Field(
+        default=None, description="least and largest factor allowed, [0.1, 10.0] if not given"
+    )
+    tolerance: float = Field(default=0.005, gt=0.0, le=0.1, description="allowed difference to the FEM's critical Kh")
+    out_of_reach: Literal["stop", "go on"] = Field(
+        default="stop", description='what to do where no factor reaches the FEM: "stop" or "go on" with the closest'
+    )
+    allowed_overlap: float = Field(
+        default=1.0, gt=0.0, le=2.0, description="deepest overlap over the mean radius; deeper ones stop a run"
+    )
+    workers: int = Field(default=2, ge=1, le=256, description="trials, or threads of one, at a time")
+
+    def problems(self, section: Section) -> list[str]:
+        """What does not fit the section, one sentence each."""
+        found = []
+        if self.springs == "table2" and len(section.strata) != TABLE2_STRATA:
+            found.append(
+                f'dem, springs = "table2": expected ten strata as in the paper, there are {len(section.strata)}; '
+                'take springs = "soil"'
+            )
+        if self.radius is not None:
+            width, height = (float(v) for v in section.outline().max(axis=0) - section.outline().min(axis=0))
+            if self.radius > min(width, height) / 6.0:
+                found.append(
+                    f"dem, radius = {self.radius:g} m: expected at most a sixth of the section's smaller extent, "
+                    f"{min(width, height) / 6.0:.3g} m"
+                )
+        if self.range is not None and not 0.0 < self.range[0] < self.range[1]:
+            found.append(f"dem, range = {list(self.range)}: expected two rising positive numbers")
+        return found
+
+
+class Case(Model):
+    """What liquefaction does to the layers that name this case in `liquefies_in`: factors on their springs."""
+
+    stiffness: float = Field(gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
+    damping: float = Field(default=0.1, ge=0.0, le=1.0, description="factor on the dashpots")
+    friction: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the friction")
+
+
+class SlideSettings(Model):
+    """Settings of the liquefied slides, a table [slide]."""
+
+    cases: tuple[Case, ...] = Field(
+        default=(Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01)),
+        min_length=1,
+        description="one table [[slide.cases]] for each, numbered from 1",
+    )
+    kh: float = Field(default=0.1, ge=0.0, le=1.0, description="seismic coefficient that is held")
+    onset: float = Field(
+        default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"
+    )
+    kinetic: float = Field(default=1e-4, gt=0.0, description="settled: kinetic over stored energy, at most")
+    velocity: float = Field(default=0.01, gt=0.0, description="settled: speed of the surface (m/s), at most")
+    duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
+    frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
+    seeds: tuple[int, ...] = Field(default=(), description="random packings to repeat the cases on, such as [1, 2, 3]")

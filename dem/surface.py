@@ -1,0 +1,78 @@
+"""The ground surface as the discs show it: who is on top, how far they settle and slide, and which cracks open."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.ground import Ground
+from dem.model import DiscModel
+
+NEIGHBOURS = 5  # surface discs of a running median: one that rolls away alone is no slide
+THIRDS = ("uphill", "middle", "downhill")
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The topmost disc of every column of discs, from uphill to downhill, as they were before a slide.
+
+    discs: their numbers; x, z: where they were (section's frame, m); third: 0 uphill, 1 middle, 2 downhill.
+    """
+
+    discs: np.ndarray
+    x: np.ndarray
+    z: np.ndarray
+    third: np.ndarray
+
+    @classmethod
+    def of(cls, model: DiscModel, ground: Ground) -> "Surface":
+        """The surface of discs as they lie now."""
+        free = np.flatnonzero(~model.fixed)
+        x, z = ground.to_section(model.x[free], model.z[free])
+        column = ((x - x.min()) / (2.0 * ground.radius)).astype(int)
+        order = np.lexsort((z, column))
+        last = np.flatnonzero(np.append(np.diff(column[order]) > 0, True))
+        top = order[last][:: ground.downhill]
+        third = np.minimum((np.arange(len(top)) * 3) // len(top), 2)
+        return cls(free[top], x[top], z[top], third)
+
+    def movement(self, model: DiscModel, ground: Ground) -> tuple[np.ndarray, np.ndarray]:
+        """Slide (horizontally downhill) and settlement (downwards) of each disc of the surface (m)."""
+        x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
+        return ground.downhill * (x - self.x), self.z - z
+
+    def by_thirds(self, values: np.ndarray) -> dict[str, float]:
+        """The median of each third."""
+        return {name: float(np.median(values[self.third == k])) for k, name in enumerate(THIRDS)}
+
+    def smoothed(self, values: np.ndarray) -> np.ndarray:
+        """Running median over `NEIGHBOURS` discs of the surface."""
+        half = NEIGHBOURS // 2
+        padded = np.pad(values, half, mode="edge")
+        return np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=-1)
+
+    def points(self, model: DiscModel, ground: Ground) -> np.ndarray:
+        """Tops of the discs of the surface (n, 2), from left to right (m)."""
+        x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
+        order = np.argsort(x, kind="stable")
+        return np.column_stack([x, z + model.radius[self.discs]])[order]
+
+
+def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
+    """The widest gap between discs that were near the surface, seen from above (m)."""
+    x, z = ground.to_section(model.x, model.z)
+    depth = np.interp(x, *surface.points(model, ground).T) - z
+    near = np.flatnonzero(~model.fixed & (depth < 4.0 * ground.radius))
+    begin, end = x[near] - model.radius[near], x[near] + model.radius[near]
+    order = np.argsort(begin, kind="stable")
+    covered = np.maximum.accumulate(end[order])
+    return float(max(0.0, np.max(begin[order][1:] - covered[:-1], initial=0.0)))
+
+
+def escaped(model: DiscModel) -> int:
+    """How many discs are outside of the rigid lines, by their centres."""
+    free = ~model.fixed
+    gone = np.zeros(len(model), bool)
+    for px, pz, nx, nz, begin, end in model.lines:
+        along = (model.z - pz) * nx - (model.x - px) * nz
+        gone |= ((model.x - px) * nx + (model.z - pz) * nz < 0.0) & (along > begin) & (along < end)
+    return int((gone & free).sum())
