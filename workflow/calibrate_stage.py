@@ -61,7 +61,13 @@ def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
     _write(run, store, discs, base, after, found, states, {**failing, "fem": _fem_surface(fem)})
     progress("element tests of the discs of every layer", None)
     if found is not None:
-        tests = element_tests(run.strata, changed(discs.layers, parameter, value), discs.ground.radius)
+        tests = element_tests(
+            run,
+            changed(discs.layers, parameter, value),
+            discs.ground.radius,
+            seed=run.dem.seed,
+            workers=run.dem.workers,
+        )
         store.write_json("dem/calibration.json", {**found.as_json(), "element_tests": tests})
     calibrate_pictures(run, store)
     if found is not None and found.verdict != "calibrated" and run.dem.out_of_reach == "stop":

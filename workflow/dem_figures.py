@@ -5,7 +5,7 @@ Each function takes a model, and writes one picture to a path. `in_section` give
 
 import copy
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import pyvista as pv
@@ -27,12 +27,6 @@ SPEEDS = "viridis"
 FAR = "YlOrRd"
 
 
-def window_of(model: Circles) -> Window:
-    """All discs with their rims, and a margin."""
-    x, z, r = model.x, model.z, model.radius
-    return Window.around(np.array([[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]), 0.015)
-
-
 class Circles(Protocol):
     """What can be drawn as discs: centres and radii (m)."""
 
@@ -42,6 +36,12 @@ class Circles(Protocol):
     def z(self) -> np.ndarray: ...
     @property
     def radius(self) -> np.ndarray: ...
+
+
+def window_of(model: Circles) -> Window:
+    """All discs with their rims, and a margin."""
+    x, z, r = model.x, model.z, model.radius
+    return Window.around(np.array([[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]), 0.015)
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:

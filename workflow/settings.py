@@ -61,7 +61,7 @@ class Input(Section):
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
-        problems = self.mesh.problems(self)
+        problems = self.mesh.problems(self) + self.dem.problems(self)
         if problems:
             raise ValueError("\n".join(problems))
         return self

@@ -2,6 +2,7 @@
 
 import csv
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -58,13 +59,10 @@ def name_of(run: Section, springs: str, case: int) -> str:
 
 
 def end(run: Section, path: Path, case: dict[str, Any], springs: str, number: int, out: Path) -> None:
-    """Two views of the end, as the paper's Figs 14 to 16: displacement with the surface before and after, and layers."""
+    """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     window, norm = window_of(frame), frame.scale()
     before, after = np.array(case["surface_before"]), np.array(case["surface_after"])
-
-    def moved(plotter: pv.Plotter) -> None:
-        draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
     def strata(plotter: pv.Plotter) -> None:
         for k in range(-1, len(run.strata)):
@@ -80,7 +78,12 @@ def end(run: Section, path: Path, case: dict[str, Any], springs: str, number: in
         f"after {frame.seconds:.1f} s: {case['reason']}. Stiffness of the liquefied layers times {case['stiffness']:g}."
     )
     sheet = Sheet(title, [window.proportion] * 2, foot, 2)
-    axes = sheet.show(0, render(window, moved), window, "displacement, and the surface before and after")
+    axes = sheet.show(
+        0,
+        render(window, partial(draw_frame, frame=frame, norm=norm)),
+        window,
+        "displacement, and the surface before and after",
+    )
     axes.plot(*before.T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
     axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
     sheet.show(1, render(window, strata), window, "layers")
@@ -105,7 +108,7 @@ def animate(run: Section, paths: list[Path], springs: str, number: int, out: Pat
     images = []
     for path in paths:
         frame = Frame.read(path)
-        picture = render(window, lambda p, f=frame: draw_values(p, f, f.moved, norm, ~f.free), FRAME_WIDTH)
+        picture = render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH)
         image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
         image.paste(Image.fromarray(picture), (0, 34))
         text = f"{name_of(run, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
@@ -115,6 +118,11 @@ def animate(run: Section, paths: list[Path], springs: str, number: int, out: Pat
     images[0].save(
         out, format="GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=True
     )
+
+
+def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
+    """The discs of a frame in the colour of their displacement."""
+    draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
 def history(run: Section, table: Path, out: Path) -> None:
@@ -131,7 +139,7 @@ def history(run: Section, table: Path, out: Path) -> None:
         axes = sheet.plot(view, "time since the onset (s)", label)
         for springs, case in sorted({(row["set"], int(row["case"])) for row in rows}):
             mine = [row for row in rows if row["set"] == springs and int(row["case"]) == case]
-            style = {
+            style: dict[str, Any] = {
                 "color": COLOURS.get(case, INK),
                 "linestyle": "-" if springs == "calibrated" else (0, (4, 2)),
                 "linewidth": 1.2,

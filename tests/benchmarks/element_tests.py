@@ -10,31 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.element_table import SHARES, middle_stresses
 from dem.element_test import ElementTest, element_test
 from dem.patch import PackingKind
 from dem.springs import from_strata
 from meshes.section import Section, Stratum
-
-SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
-G = 9.80665
-
-
-def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> np.ndarray:
-    """Vertical effective stress (Pa) in the middle of each stratum where it is thickest."""
-    left, right = section.extent
-    outline = section.outline()
-    found = np.zeros((len(section.strata), 2))  # thickness, stress
-    density = np.array([s.density_ordinary for s in section.strata])
-    for x in np.linspace(left, right, columns + 2)[1:-1]:
-        z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), points)
-        layer = section.stratum_at(np.full(points, x), z)
-        weight = np.where(layer >= 0, density[layer], 0.0) * G * (z[0] - z[1])
-        stress = np.cumsum(weight)
-        for k in np.unique(layer[layer >= 0]):
-            here = np.flatnonzero(layer == k)
-            if len(here) > found[k, 0]:
-                found[k] = len(here), stress[here[len(here) // 2]]
-    return found[:, 1]
 
 
 def strengths(c: float, phi: float, sure: bool) -> str:
