@@ -50,7 +50,7 @@ def rows(results: Results) -> list[Row]:
     """The paper against ours; empty for other sections."""
     if not is_s13(results.run):
         return []
-    found = [*_fem(results), *_dem(results)]
+    found = [*_fem(results), *_dem(results, "before"), *_dem(results, "after")]
     for name in _sets(results):
         found += _slides(results, name)
     found += [_measured(results), _smooth()]
@@ -127,11 +127,13 @@ def share_of_surface(run: Section, line: list[list[float]], names: tuple[str, ..
     return float(np.isin(inside, wanted).mean())
 
 
-def _dem(results: Results) -> Iterator[Row]:
-    stands = Row("DEM: stands at Kh = 0.2", "yes", "Fig. 12", _absent(results, "calibrate"), None)
-    broken = Row("DEM: pore springs broken along the Asd layers at Kh = 0.3", "yes", "Fig. 13",
+def _dem(results: Results, name: str) -> Iterator[Row]:
+    """States at the paper's two Kh, "before" calibration or "after" it."""
+    springs = {"before": ", before calibration", "after": ", calibrated"}[name]
+    stands = Row(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
+    broken = Row(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
                  _absent(results, "calibrate"), None)  # fmt: skip
-    states = {round(state["kh"], 6): state for state in results.dem["states"]} if results.dem else {}
+    states = {round(s["kh"], 6): s for s in results.dem["states"] if s.get("set", name) == name} if results.dem else {}
     if 0.2 in states:
         verdict = states[0.2]["verdict"]
         stands = Row(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",

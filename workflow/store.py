@@ -15,6 +15,7 @@ from meshes.errors import InputError
 if TYPE_CHECKING:
     import pyvista as pv
 
+
 def _finite(data: Any) -> Any:
     """The same without numbers that are not finite."""
     if isinstance(data, float):

@@ -27,12 +27,21 @@ RECORD = "time (s), acceleration (g)\n" + "\n".join(
 )
 
 
+# Without the discs, which have tests of their own.
+CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
+# Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
+FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
+SHORT_SLIDE = {"duration": 0.5, "frames": 2, "cases": [{"stiffness": 0.1}]}
+
+
 def written(folder: Path, **more: Any) -> Path:
     """A small section with a record, coarse enough for a second."""
     data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}}
     data |= {
         "fem": {"element": "bilinear", "kh": [0.2, 0.9]},
         "sliding_block": {"accelerogram": "quake.csv"},
+        "dem": FEW_DISCS,
+        "slide": SHORT_SLIDE,
         **more,
     }
     data["strata"][0]["liquefies_in"] = [1, 2, 3]
@@ -53,7 +62,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A folder in which everything has run, the discs by hand-made files."""
     folder = tmp_path_factory.mktemp("whole")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(sys.modules, "workflow.dem_stage", dem_fixture.module())
+        dem_fixture.stand_in(patch)
         assert run("run", written(folder), "--out", folder / "out") == 0
         yield folder
 
@@ -79,7 +88,7 @@ def test_all_that_the_contract_names(whole: Path) -> None:
     assert summary["mesh"]["quadrilaterals"] == fem["mesh"]["quadrilaterals"]
     assert summary["dem"] == {
         "elements": 320, "boundary_elements": 50, "kc_table2": 0.31, "kc": fem["kc"], "kc_lower": fem["kc"] - 0.005,
-        "kc_upper": fem["kc"] + 0.005, "calibrated": {"parameter": "stiffness_scale", "value": 0.0075},
+        "kc_upper": fem["kc"] + 0.005, "calibrated": {"parameter": "stiffness", "value": 0.0075},
         "verdict": "calibrated",
     }  # fmt: skip
     assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
@@ -219,17 +228,16 @@ def test_without_an_answer_the_report_says_why(
 ) -> None:
     """The calibration is out of reach: exit code 3, no slides, and a report all the same."""
     shutil.copytree(whole / "out", tmp_path / "out")
-    fixture = dem_fixture.module(calibrate_stage=dem_fixture.out_of_reach)
-    monkeypatch.setitem(sys.modules, "workflow.dem_stage", fixture)
+    dem_fixture.stand_in(monkeypatch, calibrate=dem_fixture.out_of_reach)
     assert run("run", whole / "slope.toml", "--out", tmp_path / "out", "--from", "calibrate") == 3
     told = capsys.readouterr()
-    assert "No answer: the range of stiffness_scale does not reach it; widen [dem] range" in told.err
+    assert "No answer: the range of stiffness does not reach it; widen [dem] range" in told.err
     assert "slide: not run: calibrate has no answer" in told.out
     summary = json.loads((tmp_path / "out/summary.json").read_text())
     assert summary["no_answer"]["calibrate"]["remedy"] == "widen [dem] range"
     assert summary["dem"]["verdict"] == "out of reach"
     text = (tmp_path / "out/report.html").read_text()
-    assert "The stage calibrate ended without an answer:</b> the range of stiffness_scale does not reach it." in text
+    assert "The stage calibrate ended without an answer:</b> the range of stiffness does not reach it." in text
 
 
 def test_ground_that_does_not_stand_has_a_report_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -320,8 +328,8 @@ def test_killed_again_and_again(seed: int, tmp_path: Path) -> None:
 
 def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
     path = written(tmp_path, fem={"element": "quadratic"}, mesh={"size": 0.8})
-    line_ = line("run", path, "--out", tmp_path / "out")
-    started = subprocess.Popen(line_, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP)
+    command = line("run", path, "--out", tmp_path / "out", *CONTINUUM)
+    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP)
     assert started.stdout is not None
     while not started.stdout.readline().startswith("fem:"):
         pass
@@ -356,14 +364,15 @@ def remount(place: Path, options: str) -> None:
 
 def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path) -> None:
     path = written(tmp_path)
-    full = process("run", path, "--out", mounted / "out")
+    full = process("run", path, "--out", mounted / "out", *CONTINUUM)
     assert full.returncode == 2
     assert "cannot be written: No space left on device" in full.stderr
     assert "Traceback" not in full.stderr
     assert not list(mounted.rglob(".[0-9]*"))  # nothing half-written
     remount(mounted, "size=40m")
-    done = process("run", path, "--out", mounted / "out")
+    done = process("run", path, "--out", mounted / "out", *CONTINUUM)
     assert done.returncode == 0, done.stderr
+    assert "mesh: nothing has changed: reused" in done.stdout
     assert (mounted / "out/report.html").read_text().rstrip().endswith("</html>")
 
 
