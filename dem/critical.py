@@ -3,7 +3,7 @@ they do not.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -53,7 +53,7 @@ class Search:
             "verdict": self.verdict,
             "reason": self.reason,
             "flexibility_m": self.flexibility,
-            "trials": [asdict(trial) for trial in self.trials],
+            "trials": [trial.as_json() for trial in self.trials],
             "curve": [list(point) for point in self.curve],
         }
 
@@ -62,7 +62,7 @@ class Search:
         """The search that `as_json` wrote."""
         return cls(
             data["kc_lower"], data["kc_upper"], data["verdict"], data["reason"], data["flexibility_m"],
-            [Trial(**trial) for trial in data["trials"]], [(kh, d) for kh, d in data["curve"]],
+            [Trial.from_json(trial) for trial in data["trials"]], [(kh, d) for kh, d in data["curve"]],
         )  # fmt: skip
 
 

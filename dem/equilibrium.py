@@ -1,13 +1,14 @@
 """Settling, and whether discs stand or fail under a seismic coefficient that is raised smoothly and then held.
 
 How far from rest they are is said by two numbers without units. Unbalanced force ratio: mean resultant on the discs
-that can move over mean contact force. Kinetic ratio: kinetic over stored energy. Displacement is the mean over all
-discs that can move, weighted with their mass, in the direction of the push (m): what the seismic force works on.
+that can move over mean contact force. Kinetic ratio: kinetic energy, the most since the last look, over stored energy.
+Displacement is the mean over all discs that can move, weighted with their mass, in the direction of the push (m): what
+the seismic force works on.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
 
 import numpy as np
 
@@ -56,22 +57,32 @@ class Trial:
     elastic_displacement_m: float
     seconds: float
 
+    def as_json(self) -> dict[str, Any]:
+        """What JSON can hold: None for a number that is not finite."""
+        whole = asdict(self)
+        return {key: None if isinstance(v, float) and not np.isfinite(v) else v for key, v in whole.items()}
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> "Trial":
+        """The trial that `as_json` wrote."""
+        return cls(**{key: float("inf") if value is None else value for key, value in data.items()})
+
 
 def unbalanced_ratio(model: DiscModel) -> float:
     """Mean resultant force on the discs that can move, over the mean force of the contacts that carry any."""
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
-    size = np.hypot(forces.fx, forces.fz)
+    size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
     carrying = size > 0.0
     if not carrying.any():
         return float("inf")
     return float(np.hypot(fx, fz)[~model.fixed].mean() / size[carrying].mean())
 
 
-def kinetic_ratio(model: DiscModel) -> float:
-    """Kinetic over stored energy."""
+def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
+    """Kinetic over stored energy; `kinetic` (J/m) in place of what there is now."""
     energy = Engine().measure(model)
-    return energy.kinetic / energy.stored if energy.stored > 0.0 else float("inf")
+    return (energy.kinetic if kinetic is None else kinetic) / energy.stored if energy.stored > 0.0 else float("inf")
 
 
 def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:
@@ -102,9 +113,9 @@ def settle(
 ) -> DiscModel:
     """The discs at rest under their weight, with pore springs set: the start of everything.
 
-    model: discs to go on from instead of the packing, whose pore springs are taken away. Velocities are set to zero
-    whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1984), until the unbalanced force ratio is
-    below `SETTLED`. Raises NotSettledError.
+    model: discs to go on from instead of the packing, whose pore springs are taken away. Until the unbalanced force
+    ratio is below `SETTLED`, velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping,
+    Cundall 1976). Raises NotSettledError.
     """
     if model is None:
         model = ground.model(layers, settings)
@@ -114,16 +125,9 @@ def settle(
     cycle = period(model, ground)
     limit = model.time + 40.0 * cycle
     last = 0.0
-    looks = 0
     while model.time < limit:
-        step_on(model, PULSE * cycle)
-        energy = moving_energy(model)
-        if energy < last:
-            model.set_velocity(0.0, 0.0, where=~model.fixed)
-            energy = 0.0
-        last = energy
-        looks += 1
-        if looks % 8 == 0 and unbalanced_ratio(model) < SETTLED:
+        last, _ = calm(model, LOOK * cycle, last)
+        if unbalanced_ratio(model) < SETTLED:
             model.set_velocity(0.0, 0.0, where=~model.fixed)
             model.set_pore_springs()
             return model
@@ -131,6 +135,21 @@ def settle(
         f"after {limit:.3g} s under its weight the ground is not at rest: unbalanced force ratio "
         f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is asked for. Take stiffer springs or smaller discs."
     )
+
+
+def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
+    """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most."""
+    pulses = round(LOOK / PULSE)
+    most = 0.0
+    for _ in range(pulses):
+        step_on(model, seconds / pulses, threads)
+        energy = moving_energy(model)
+        most = max(most, energy)
+        if energy < last:
+            model.set_velocity(0.0, 0.0, where=~model.fixed)
+            energy = 0.0
+        last = energy
+    return last, most
 
 
 def moving_energy(model: DiscModel) -> float:
@@ -157,9 +176,10 @@ def try_kh(
 ) -> Trial:
     """Takes discs that stand at `from_kh` to `kh`, and says whether they stand there; `model` is taken along.
 
-    Kh rises by `RISE` in a period of the ground, and is held. Stands: both ratios are below their limits. Fails: the
-    displacement since `before` exceeds `growth` times the elastic one and grew at every look of the last period, and
-    neither ratio is below its limit. Else undecided: after `patience` periods, or when a DemError stopped the discs.
+    Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
+    hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
+    below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew at every
+    look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a DemError stopped the discs.
     flexibility: elastic displacement over Kh (m), infinite if not known: nothing fails then.
     """
     cycle = period(model, ground)
@@ -168,14 +188,18 @@ def try_kh(
     model.acceleration = ground.shaking(from_kh, kh, start, risen)
     elastic = flexibility * abs(kh)
     seen: list[Rest] = []
+    last = 0.0
     while model.time < risen + settings.patience * cycle:
         try:
-            step_on(model, LOOK * cycle, threads)
+            if model.time < risen:
+                step_on(model, LOOK * cycle, threads)
+                most = moving_energy(model)
+            else:
+                last, most = calm(model, LOOK * cycle, last, threads)
         except DemError as error:
             return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
-        here = Rest(
-            model.time - start, unbalanced_ratio(model), kinetic_ratio(model), displacement(model, before, ground)
-        )
+        ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
+        here = Rest(model.time - start, *ratios, displacement(model, before, ground))
         seen.append(here)
         if watch is not None:
             watch(here)

@@ -130,7 +130,9 @@ def random_packing(
     for sweep in range(0, sweeps, 10):
         grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
         i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0))
-        deepest = spread_out(x, z, grown, i, j, outline, 10)
+        spread_out(x, z, grown, i, j, outline, 10)
+        deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
+        deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))
         if grown[0] == sizes[0] and deepest <= overlap * radius:
             break
     if deepest > overlap * radius:
@@ -169,11 +171,9 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 @njit(cache=True, nogil=True, error_model="numpy")
 def spread_out(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, outline: np.ndarray, sweeps: int
-) -> float:
-    """Pushes overlapping discs apart, and those too near the outline inwards; returns the deepest overlap seen last."""
-    deepest = 0.0
+) -> None:
+    """Pushes overlapping discs apart, and those too near the outline inwards."""
     for _ in range(sweeps):
-        deepest = 0.0
         for c in range(len(i)):
             a, b = i[c], j[c]
             dx, dz = x[b] - x[a], z[b] - z[a]
@@ -183,7 +183,6 @@ def spread_out(
                 continue
             distance = max(np.sqrt(square), 1e-9)
             over = reach - distance
-            deepest = max(deepest, over)
             push = 0.5 * over / distance
             x[a] -= push * dx
             z[a] -= push * dz
@@ -192,10 +191,8 @@ def spread_out(
         for a in range(len(x)):
             inside, nx, nz = nearest_edge(x[a], z[a], outline)
             if inside < radius[a]:
-                deepest = max(deepest, radius[a] - inside)
                 x[a] += (radius[a] - inside) * nx
                 z[a] += (radius[a] - inside) * nz
-    return deepest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -282,9 +279,21 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 
 
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points evenly spread over the outline, by Roberts's R2 sequence from a random start, each shifted a little.
+
+    Even, because pushing discs apart takes very long to even out a density that varies over many discs.
+    """
     low, high = outline.min(axis=0), outline.max(axis=0)
+    plastic = 1.32471795724474602596  # root of x**3 = x + 1
+    start, n = rng.uniform(size=2), 0
     points = np.zeros((0, 2))
+    share = _area(outline) / float(np.prod(high - low))
+    total = int(count / share) + 1
+    shift = 0.25 * np.sqrt(_area(outline) / count)
     while len(points) < count:
-        more = rng.uniform(low, high, (2 * count, 2))
+        k = np.arange(n, n + total)[:, None]
+        more = low + (start + k * np.array([1.0 / plastic, 1.0 / plastic**2])) % 1.0 * (high - low)
+        more += rng.uniform(-shift, shift, more.shape)
         points = np.concatenate([points, more[clearance(more[:, 0], more[:, 1], outline) > 0.0]])
+        n, total = n + total, 16
     return points[:count, 0].copy(), points[:count, 1].copy()

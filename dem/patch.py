@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from dem.engine import Engine, Run, largest_step
+from dem.errors import EscapeError
 from dem.model import DiscModel
 from dem.packing import ROW, Packing, random_packing
 from dem.springs import LayerSprings
@@ -80,6 +81,17 @@ class Patch:
         area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
         return -np.einsum("c,ac,bc->ab", share, forces, ends[1] - ends[0]) / area
 
+    def check_frame(self) -> None:
+        """Raises EscapeError if a free disc has slipped out through the frame."""
+        at = np.abs(np.linalg.inv(self.deformation) @ np.array([self.model.x, self.model.z]))
+        gone = (at > at[:, self.frame].max(axis=1)[:, None]).any(axis=0) & ~self.frame
+        if gone.any():
+            disc = int(np.argmax(gone))
+            raise EscapeError(
+                f"disc {disc} has slipped out through the frame at t = {self.model.time:.6g} s, through a gap in it. "
+                "Test to a smaller strain, or take another seed."
+            )
+
     def unbalanced(self) -> float:
         """Mean force on a free disc that its contacts leave unbalanced, over the mean force of those that carry any."""
         model = self.model
@@ -117,6 +129,7 @@ class Press:
         run.dt = duration / steps
         run.advance(steps)
         patch.deformation = (np.eye(2) + rates * duration) @ patch.deformation
+        patch.check_frame()
 
 
 def share_inside(first: np.ndarray, second: np.ndarray, region: np.ndarray) -> np.ndarray:

@@ -145,7 +145,7 @@ def _states(
         found.append(
             {
                 "set": name,
-                **asdict(trial),
+                **trial.as_json(),
                 "file": file,
                 "cracked_share_by_stratum": cracked_shares(model),
                 "slip_surface": slip_surface(model, start, ground).tolist(),

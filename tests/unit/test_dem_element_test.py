@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dem.element_test import ElementTest, element_test
-from dem.errors import OverlapError
+from dem.errors import EscapeError, OverlapError
 from dem.forces import contact_forces, stress
 from dem.loading import Curve, confine, load, probe
 from dem.patch import lattice_patch, random_patch, share_inside
@@ -145,6 +145,15 @@ def test_refuses(changes: dict[str, object], words: str) -> None:
     arguments = {"layer": SOIL, "packing": "lattice", "radius": RADIUS, "pressures": [1e4, 2e4]} | changes
     with pytest.raises(ValueError, match=words):
         element_test(**arguments)  # type: ignore[arg-type]
+
+
+def test_a_disc_outside_of_the_frame_is_found() -> None:
+    patch = lattice_patch(SOIL, RADIUS)
+    patch.check_frame()
+    disc = int(np.flatnonzero(~patch.frame)[0])
+    patch.model.x[disc] += 100.0 * RADIUS
+    with pytest.raises(EscapeError, match=f"disc {disc} has slipped out"):
+        patch.check_frame()
 
 
 def test_discs_too_soft_for_the_pressure_are_said_to_be() -> None:

@@ -246,6 +246,19 @@ def test_too_large_a_step_is_refused_with_the_number() -> None:
     Engine(dt=0.99 * stable.seconds, balance=1.0).run(model, steps=10)
 
 
+def test_pairs_that_parted_for_good_do_not_shrink_the_step() -> None:
+    """A cracked pair stays listed for its memory, however far its discs are; it must not count as a lever so long."""
+    model = box(6, 5)
+    model.set_pore_springs()
+    model.pore_length[model.pore_length != 0.0] *= -1.0
+    before = largest_step(model).seconds
+    top = int(np.argmax(np.where(model.fixed, -np.inf, model.z)))
+    model.z[top] += 100.0 * RADIUS
+    model.make_list()
+    assert len(model.pair_i[(model.pair_i == top) | (model.pair_j == top)]) > 0
+    assert largest_step(model).seconds >= before
+
+
 def test_smallest_of_all_limits_sets_the_step() -> None:
     """One light, stiff disc among heavy ones: its limit counts, not the heaviest disc's."""
     light = replace(BARE, name="light", density=20.0, effective_density=20.0)
