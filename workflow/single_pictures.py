@@ -1,6 +1,8 @@
 """Single pictures of a run: one field at one Kh, as a file or in a window."""
 
+import ctypes
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,14 +44,15 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
 
 
 def window(job: Job, field: str, at: float | None) -> None:
-    """Open a window with a field on the displaced mesh; raises InputError where there is no screen."""
+    """Open a window with a field on the mesh; raises InputError where there is no screen."""
     results, chosen = _results(job), _field(field)
     states = _states(results, at)
-    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    missing = no_screen()
+    if missing:
         raise InputError(
             "screen",
             [
-                "there is none (neither DISPLAY nor WAYLAND_DISPLAY is set); look at the pictures in "
+                f"there is none ({missing}); look at the pictures in "
                 f"{job.store.folder / 'figures'}, draw one with noshiro plot {job.store.folder} --field {field}, or "
                 f"open {job.store.folder / 'fem/fields.pvd'} in ParaView"
             ],
@@ -59,10 +62,30 @@ def window(job: Job, field: str, at: float | None) -> None:
     plotter = pv.Plotter(title=title)
     plotter.set_background("white")
     grid = _grid(results.mesh, state, chosen)
-    plotter.add_mesh(grid, scalars="shown", cmap=chosen.colours, scalar_bar_args={"title": chosen.label, "color": INK})
+    bar = {"title": chosen.label, "color": INK}
+    plotter.add_mesh(grid, scalars="shown", cmap=chosen.colours, lighting=False, scalar_bar_args=bar)
     plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK)
     plotter.view_xy()
     plotter.show()
+
+
+def no_screen() -> str:
+    """Why no window can be opened, empty if one can. VTK draws by X, and only warns where that does not answer."""
+    if sys.platform != "linux":
+        return ""
+    display = os.environ.get("DISPLAY")
+    if not display:
+        return "DISPLAY is not set"
+    try:
+        x11 = ctypes.CDLL("libX11.so.6")
+    except OSError:
+        return "libX11 is not installed"
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    opened = x11.XOpenDisplay(None)
+    if opened is None:
+        return f"nothing answers at DISPLAY={display}"
+    x11.XCloseDisplay(ctypes.c_void_p(opened))
+    return ""
 
 
 def _results(job: Job) -> FemResults:
