@@ -29,6 +29,19 @@ class FigureSettings(Model):
     report_animations: StrictBool = Field(default=True, description="true if the report shall hold the animations")
 
 
+Variant = Literal["mesh", "element", "step", "dilation", "sides"]
+
+
+class VariantSettings(Model):
+    """On what the critical Kh hangs, a table [variants]."""
+
+    which: tuple[Variant, ...] = Field(
+        default=("element", "step", "dilation", "sides"),
+        description='what is changed, one at a time, to see how much of the critical Kh hangs on it: "mesh" (four '
+        'times the cells), "element", "step", "dilation", "sides"',
+    )
+
+
 class SlidingBlockSettings(Model):
     """What the slide of the discs is compared with, a table [sliding_block]."""
 
@@ -54,6 +67,9 @@ class Input(Section):
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
     dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
     slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
+    variants: VariantSettings = Field(
+        default=VariantSettings(), description="a table [variants] of what is changed to see what it does"
+    )
     sliding_block: SlidingBlockSettings = Field(
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
     )

@@ -95,6 +95,10 @@ def _fem_pictures(job: Job) -> bool:
     return True
 
 
+def _variants(job: Job) -> None:
+    _function("workflow.variants_stage", "variants_stage")(job.run, job.store, job.progress)
+
+
 def _bounds(job: Job) -> None:
     in_words = _function("workflow.bounds_stage", "in_words")
     stage = _function("workflow.bounds_stage", "bounds_stage")
@@ -161,6 +165,11 @@ ALL = (
         ("fem/critical.json", "fem/fields.pvd", "fem/fields_*.vtu"), ("figures/fem_*.png",), _fem, _fem_pictures,
     ),
     Stage(
+        "variants", "on what the critical Kh hangs", "workflow.variants_stage", ("fem",), ("mesh", "fem", "variants"),
+        ("meshes", "fem", "workflow.variants_stage"), ("fem/variants.json",), (), _variants,
+        wanted=lambda run: bool(run.variants.which),
+    ),
+    Stage(
         "bounds", "strict bounds of the critical Kh", "workflow.bounds_stage", (), ("fem", "bounds"),
         ("meshes", "fem", "workflow.bounds_stage", *DRAWING),
         ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds,
@@ -182,7 +191,7 @@ ALL = (
     ),
     Stage(
         "report", "pictures of all, summary and report", "workflow.report_stage",
-        ("mesh", "fem", "bounds", "calibrate", "slide"), ("sliding_block", "figures"), ("workflow",),
+        ("mesh", "fem", "variants", "bounds", "calibrate", "slide"), ("sliding_block", "figures"), ("workflow",),
         ("summary.json", "report.html"),
         ("figures/curves.png", "figures/slip_surfaces.png", "figures/calibration.png", "figures/sliding_block.png"),
         _report, _report_pictures,

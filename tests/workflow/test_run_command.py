@@ -40,6 +40,7 @@ def written(folder: Path, **more: Any) -> Path:
     data |= {
         "fem": {"element": "bilinear", "kh": [0.2, 0.9]},
         "sliding_block": {"accelerogram": "quake.csv"},
+        "variants": {"which": ["step"]},
         "dem": FEW_DISCS,
         "slide": SHORT_SLIDE,
         **more,
@@ -93,7 +94,8 @@ def test_all_that_the_contract_names(whole: Path) -> None:
     }  # fmt: skip
     assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
     assert summary["no_answer"] == {}
-    assert set(summary["seconds"]) == {"mesh", "fem", "calibrate", "slide", "report"}
+    assert set(summary["seconds"]) == {"mesh", "fem", "variants", "calibrate", "slide", "report"}
+    assert summary["fem_variants"]["step"]["kc"] == pytest.approx(fem["kc"], rel=0.02)
     assert "paper" not in summary  # it is not the paper's section
 
 
@@ -117,7 +119,7 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     capsys.readouterr()
     assert run("run", whole / "slope.toml", "--out", out) == 0
     told = capsys.readouterr().out
-    assert told.count("nothing has changed: reused") == 5
+    assert told.count("nothing has changed: reused") == 6
     after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}
     # the folder knows its own input, the record with it
