@@ -6,8 +6,8 @@ pore_strength: cohesion and stretch at which pore springs break; strength: frict
 """
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from threading import Event, Lock
 from typing import Any, Literal
@@ -20,6 +20,7 @@ from dem.equilibrium import NotSettledError, settle
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import DemSettings, Parameter
+from dem.side_by_side import side_by_side
 from dem.springs import LayerSprings
 
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength")
@@ -152,20 +153,7 @@ class Calibrator:
 
     def search_all(self, wanted: Sequence[Key]) -> list[Search]:
         """Several searches at a time. On an interrupt all of them stop at their next look."""
-        with ThreadPoolExecutor(self.settings.workers) as pool:
-            jobs = [pool.submit(self.search, *key) for key in wanted]
-            try:
-                left = set(jobs)
-                while left:
-                    done, left = wait(left, return_when=FIRST_COMPLETED)
-                    for job in done:
-                        job.result()
-            except BaseException:
-                self.stop.set()
-                for job in jobs:
-                    job.cancel()
-                raise
-            return [job.result() for job in jobs]
+        return side_by_side([partial(self.search, *key) for key in wanted], self.settings.workers, self.stop)
 
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:

@@ -12,16 +12,13 @@ from dem.equilibrium import Trial, displacement, try_kh
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import DemSettings
+from dem.side_by_side import StoppedError
 
 PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
 STRIDE = 0.1  # Kh between two trials before the first failure
 
 Answer = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 OnTrial = Callable[[Trial, DiscModel], None]
-
-
-class StoppedError(RuntimeError):
-    """Someone asked the search to stop."""
 
 
 @dataclass

@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.engine import Engine, largest_step
 from dem.errors import DemError
-from dem.forces import contact_forces, resultants
+from dem.forces import contact_forces, keep_slip, resultants
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import DemSettings
@@ -65,7 +65,8 @@ class Trial:
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> "Trial":
         """The trial that `as_json` wrote."""
-        return cls(**{key: float("inf") if value is None else value for key, value in data.items()})
+        values: dict[str, Any] = {key: float("inf") if value is None else value for key, value in data.items()}
+        return cls(**values)
 
 
 def unbalanced_ratio(model: DiscModel) -> float:
@@ -128,7 +129,7 @@ def settle(
     while model.time < limit:
         last, _ = calm(model, LOOK * cycle, last)
         if unbalanced_ratio(model) < SETTLED:
-            model.set_velocity(0.0, 0.0, where=~model.fixed)
+            stop(model)
             model.set_pore_springs()
             return model
     raise NotSettledError(
@@ -146,10 +147,16 @@ def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tup
         energy = moving_energy(model)
         most = max(most, energy)
         if energy < last:
-            model.set_velocity(0.0, 0.0, where=~model.fixed)
+            stop(model)
             energy = 0.0
         last = energy
     return last, most
+
+
+def stop(model: DiscModel) -> None:
+    """Takes the velocity away from all discs that can move."""
+    keep_slip(model)
+    model.set_velocity(0.0, 0.0, where=~model.fixed)
 
 
 def moving_energy(model: DiscModel) -> float:
@@ -179,7 +186,8 @@ def try_kh(
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
     hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
     below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew at every
-    look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a DemError stopped the discs.
+    look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a
+    DemError stopped the discs.
     flexibility: elastic displacement over Kh (m), infinite if not known: nothing fails then.
     """
     cycle = period(model, ground)

@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 
 from dem.chunks import SCRATCH
-from dem.layout import LANES, LINK_FIELDS, count_slots
+from dem.layout import LANES, LINK_FIELDS, Layout, count_slots
 from dem.model import DiscModel
-from dem.packer import pack
+from dem.packer import pack, unpack
 from dem.stepping import LEDGER, contacts_of_slice
 
 
@@ -34,14 +34,8 @@ def contact_forces(
     model: DiscModel, *, pulls: bool = False, crack_by: Literal["contact", "pore"] = "contact"
 ) -> ContactForces:
     """The forces of all contacts, taken by the stepping kernel itself from a copy of the model's state."""
-    layout = pack(model)
-    scratch = np.zeros(SCRATCH)
+    layout = _evaluated(model, pulls, crack_by)
     slices = len(layout.chunk_start) - 1
-    for p in range(slices):
-        contacts_of_slice(
-            p, layout, model.springs.pairs, model.lines, model.springs.lines, scratch, -1, model.last_dt,
-            -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" else 0.0, False, np.zeros((slices, LEDGER)),
-        )  # fmt: skip
     number = np.empty(len(model), np.int32)
     number[model.order] = np.arange(len(model), dtype=np.int32)
     owner = number[model.pair_i]
@@ -54,6 +48,24 @@ def contact_forces(
     nx = (model.x[model.pair_j] - model.x[model.pair_i]) / distance
     nz = (model.z[model.pair_j] - model.z[model.pair_i]) / distance
     return ContactForces(fx, fz, rim, fx * nx + fz * nz, fx * nz - fz * nx, line_fx, line_fz, line_rim)
+
+
+def keep_slip(model: DiscModel, *, crack_by: Literal["contact", "pore"] = "contact") -> None:
+    """Lets the springs remember the slip of the step just taken, as the next step would: to be called before velocities
+    are set by hand, since that slip is known by them alone."""
+    unpack(_evaluated(model, False, crack_by), model)
+
+
+def _evaluated(model: DiscModel, pulls: bool, crack_by: str) -> Layout:
+    layout = pack(model)
+    scratch = np.zeros(SCRATCH)
+    slices = len(layout.chunk_start) - 1
+    for p in range(slices):
+        contacts_of_slice(
+            p, layout, model.springs.pairs, model.lines, model.springs.lines, scratch, -1, model.last_dt,
+            -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" else 0.0, False, np.zeros((slices, LEDGER)),
+        )  # fmt: skip
+    return layout
 
 
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

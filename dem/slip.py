@@ -45,20 +45,29 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
     found = []
     for c in range(column.max() + 1):
         here = np.flatnonzero(column == c)
-        here = here[np.argsort(z[here], kind="stable")]
-        # discs of one row stand in a column side by side: they count as one
-        level, row = np.unique(((z[here] - z.min()) / (1.7 * ground.radius)).astype(int), return_inverse=True)
-        if len(level) < 2:
-            continue
-        count = np.bincount(row)
-        height, travel = np.bincount(row, z[here]) / count, np.bincount(row, moved[here]) / count
-        jump = np.abs(np.diff(travel))
-        k = int(np.argmax(jump))
-        found.append((float(x[here].mean()), 0.5 * float(height[k] + height[k + 1]), float(jump[k])))
+        level, jump = _largest_jump(z[here], moved[here], 1.8 * ground.radius)
+        if np.isfinite(level):
+            found.append((float(x[here].mean()), level, jump))
     if not found:
         return np.zeros((0, 2))
     table = np.array(found)
     return table[table[:, 2] > STANDS_OUT * table[:, 2].max(), :2]
+
+
+def _largest_jump(z: np.ndarray, moved: np.ndarray, reach: float) -> tuple[float, float]:
+    """Level (m) at which the mean displacement of the discs within `reach` above and below differs most, and by how
+    much (m); not a number without discs on both sides."""
+    order = np.argsort(z, kind="stable")
+    z, moved = z[order], moved[order]
+    total = np.append(0.0, np.cumsum(moved))
+    levels = 0.5 * (z[1:] + z[:-1])
+    middle = np.arange(1, len(z))
+    low, high = np.searchsorted(z, levels - reach), np.searchsorted(z, levels + reach)
+    jump = np.abs((total[high] - total[middle]) / (high - middle) - (total[middle] - total[low]) / (middle - low))
+    if not len(jump):
+        return float("nan"), 0.0
+    k = int(np.argmax(jump))
+    return float(levels[k]), float(jump[k])
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:

@@ -58,10 +58,10 @@ class Surface:
 
 
 def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:
-    """The widest gap between discs that were near the surface, seen from above (m)."""
+    """The widest gap between the discs on top, as wide as one could look into it (m)."""
     x, z = ground.to_section(model.x, model.z)
     depth = np.interp(x, *surface.points(model, ground).T) - z
-    near = np.flatnonzero(~model.fixed & (depth < 4.0 * ground.radius))
+    near = np.flatnonzero(~model.fixed & (depth < 1.6 * ground.radius))
     begin, end = x[near] - model.radius[near], x[near] + model.radius[near]
     order = np.argsort(begin, kind="stable")
     covered = np.maximum.accumulate(end[order])

@@ -4,13 +4,12 @@ It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), tri
 a critical Kh, from which a stopped run goes on), critical.json, calibration.json and the states that are drawn.
 """
 
-import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from dem.calibration import ONE_AT_A_TIME, Calibration, Calibrator, Key, calibrate, changed, likeliest, sensitivities
+from dem.calibration import ONE_AT_A_TIME, Calibration, Calibrator, calibrate, changed, likeliest, sensitivities
 from dem.critical import Search
 from dem.element_table import element_tests
 from dem.equilibrium import Trial, settle, try_kh, unbalanced_ratio
@@ -19,6 +18,7 @@ from dem.model import DiscModel
 from dem.slip import compare, cracked_shares, slip_surface
 from dem.springs import LayerSprings
 from workflow.errors import NoAnswerError
+from workflow.journal import Journal
 from workflow.progress import Progress
 from workflow.settings import Input
 from workflow.store import Store
@@ -89,37 +89,23 @@ def settled_discs(run: Input, store: Store, progress: Progress) -> Discs:
 
 
 def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
-    known = _journal(store)
+    journal = Journal(store, JOURNAL)
     wanted = 1 if run.dem.parameter == "none" else 1 + 2 * len(ONE_AT_A_TIME) + BRENT
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = min(0.99, len(calibrator.searches) / wanted)
         progress(f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share)
 
-    def on_search(parameter: str, factor: float, search: Search) -> None:
-        line = {"parameter": parameter, "factor": factor, "search": search.as_json()}
-        (store.folder / "dem").mkdir(parents=True, exist_ok=True)
-        with (store.folder / JOURNAL).open("a", encoding="utf-8") as file:
-            file.write(json.dumps(line) + "\n")
-
     calibrator = Calibrator(
-        discs.ground, discs.layers, discs.settled, run.dem, known=known, on_trial=on_trial, on_search=on_search
+        discs.ground,
+        discs.layers,
+        discs.settled,
+        run.dem,
+        known=journal.known(),
+        on_trial=on_trial,
+        on_search=journal.add,
     )
     return calibrator
-
-
-def _journal(store: Store) -> dict[Key, Search]:
-    """The searches of an earlier run; a last line that is half written is no line."""
-    known: dict[Key, Search] = {}
-    if not store.has(JOURNAL):
-        return known
-    for line in (store.folder / JOURNAL).read_text(encoding="utf-8").splitlines():
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            continue
-        known[entry["parameter"], entry["factor"]] = Search.from_json(entry["search"])
-    return known
 
 
 def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | None:

@@ -7,8 +7,8 @@ dem/slide_* let a stopped run go on.
 import csv
 import io
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -16,16 +16,14 @@ from typing import Any
 from dem.ground import ground_of
 from dem.liquefaction import Row, Slide, Slider
 from dem.model import DiscModel
+from dem.side_by_side import StoppedError, side_by_side
 from workflow.disc_grids import write_collection, write_frame
 from workflow.progress import Progress
+from workflow.random_packings import random_table
 from workflow.settings import Input
 from workflow.store import Store
 
 ALONE = 0  # the number of the case without liquefaction, Kh alone
-
-
-class StoppedError(RuntimeError):
-    """Another slide was interrupted."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,9 @@ def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, 
     tasks = [Task(springs, n) for n in sorted({ALONE, *wanted}, reverse=True) for springs in starts] if wanted else []
     slides = _run_all(run, store, progress, tasks, starts, strata)
     answer: dict[str, Any] = {"sets": {name: {} for name in starts}, "random": None}
-    if store.has("dem/cases.json"):
-        answer["random"] = store.read_json("dem/cases.json")["random"]
+    if run.slide.seeds and wanted:
+        target = store.read_json("fem/critical.json")["kc"]
+        answer["random"] = random_table(run, store, progress, target, {n: strata[n] for n in wanted})
     for task, slide in slides.items():
         if task.case != ALONE:
             alone = slides[Task(task.springs, ALONE)]
@@ -88,7 +87,7 @@ def _run_all(
     starts: dict[str, DiscModel],
     strata: dict[int, list[int]],
 ) -> dict[Task, Slide]:
-    """Slides side by side; their results do not depend on how many at a time. On an interrupt all stop at a look."""
+    """All slides, side by side."""
     ground = ground_of(run, run.dem)
     stop = Event()
     done = dict.fromkeys(tasks, 0.0)
@@ -116,15 +115,8 @@ def _run_all(
         done[task] = 1.0
         return slide
 
-    with ThreadPoolExecutor(run.dem.workers) as pool:
-        jobs = {task: pool.submit(work, task) for task in tasks}
-        try:
-            return {task: job.result() for task, job in jobs.items()}
-        except BaseException:
-            stop.set()
-            for job in jobs.values():
-                job.cancel()
-            raise
+    slides = side_by_side([partial(work, task) for task in tasks], run.dem.workers, stop)
+    return dict(zip(tasks, slides, strict=True))
 
 
 def _history(slides: dict[Task, Slide]) -> str:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from dem.calibration import Calibrator, calibrate, changed, sensitivities
-from dem.critical import Search, StoppedError, critical_kh
-from dem.equilibrium import displacement, period, settle, step_on, try_kh, unbalanced_ratio
+from dem.critical import Search, critical_kh
+from dem.equilibrium import displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.settings import DemSettings
+from dem.side_by_side import StoppedError
 from dem.springs import LayerSprings
 from tests.dem_cases import FLOOR, RADIUS, SOIL
 
@@ -29,7 +30,7 @@ def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tup
     model = packing.discs(layers, gravity=gravity, turns=False)
     for _ in range(40):
         step_on(model, 0.05)
-        model.set_velocity(0.0, 0.0)
+        stop(model)
     assert unbalanced_ratio(model) < 1e-3
     return ground, model
 
