@@ -1,5 +1,7 @@
 """Settings by their dotted names."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -7,6 +9,7 @@ import tomli_w
 
 from meshes.errors import InputError
 from tests.sections import slope
+from workflow.example import example
 from workflow.settings import Input, dotted, merged
 
 
@@ -77,3 +80,18 @@ def test_a_record_is_looked_for_beside_the_file(tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     run = Input.load(path, dotted(["sliding_block.accelerogram=quake.csv"]))
     assert run.sliding_block.accelerogram == str(tmp_path / "quake.csv")
+
+
+def test_the_commented_settings_of_the_example_exist() -> None:
+    """Without their comment marks they are a valid input, and but for the examples among them the defaults."""
+    text = example()
+    section, settings = text[: text.index("[mesh]")], text[text.index("[mesh]") :]
+    settings = re.sub(r"(?m)^# (\w+ = |\[\[)", r"\1", settings)
+    run = Input.parse(tomllib.loads(section + settings))
+    plain = Input.parse(tomllib.loads(text))
+    assert run.mesh.size == 1.5
+    assert run.fem.safety_factor_at == (0.0,)
+    assert run.fem.model_copy(update={"safety_factor_at": ()}) == plain.fem
+    assert run.dem == plain.dem
+    assert run.variants == plain.variants
+    assert run.figures == plain.figures
