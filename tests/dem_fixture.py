@@ -134,7 +134,19 @@ def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, 
     table = io.StringIO()
     csv.writer(table).writerow(["set", "case", "time_s"])
     store.write_text("dem/history.csv", table.getvalue())
-    random = {"seeds": [1, 2], "cases": {"1": {"slide_max_m": {"mean": 0.5, "spread": 0.1, "values": [0.4, 0.6]}}}}
+    spread = {"mean": 0.5, "spread": 0.1, "values": [0.4, 0.6]}
+    seeds = [
+        {
+            "seed": 1,
+            "kc_before": 0.4,
+            "parameter": "stiffness",
+            "value": 0.5,
+            "kc": 0.3,
+            "verdict": "calibrated",
+            "reason": "",
+        }
+    ]
+    random = {"seeds": seeds, "cases": {"1": {"slide_max_m": spread, "settlement_uphill_m": spread}}}
     store.write_json("dem/cases.json", {"sets": {"calibrated": wanted}, "random": random})
     draw(store, "figures/history.png", "history")
 

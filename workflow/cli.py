@@ -288,9 +288,12 @@ def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
     try:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(job, choice, display, what)
-    finally:
-        if verbosity > QUIET and job.store.has(".noshiro/stages.json"):
+    except pipeline.NO_ANSWER:
+        if verbosity > QUIET:
             _tell(job, choice)
+        raise
+    if verbosity > QUIET:
+        _tell(job, choice)
 
 
 def _tell(job: Job, choice: Choice) -> None:

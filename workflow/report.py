@@ -43,7 +43,6 @@ def page(results: Results, summary: dict[str, Any]) -> str:
         kh=constant_kh(results.run),
         paper=rows(results),
         is_s13=is_s13(results.run),
-        case_set=results.case_set(),
         pictures=_pictures(results),
         stages=[stage for stage in stages() if stage.name != "report"],
         versions=versions(),

@@ -342,7 +342,8 @@ def test_the_log_says_what_ran_with_what_and_for_how_long(toys: dict[str, Stage]
     for words in (
         "--- test",
         "host: ",
-        "versions: noshiro 0.1.0, python 3.",
+        "versions: python 3.",
+        "noshiro 0.1.0",
         "numpy ",
         "mesh: begins (it has not run yet)",
     ):

@@ -206,6 +206,7 @@ def test_the_report_in_a_browser(whole: Path) -> None:
         heads = tab.value("[...document.querySelectorAll('h2')].map(head => head.textContent)")
         assert heads == ["What was asked", "Answers", "How sure this is", "The ground", "Pictures", "Methods",
                          "The full input", "Provenance"]  # fmt: skip
+        assert "0.50 m ± 0.10 m" in text  # on random packings
         # nothing is wider than the page, nor narrower than can be read
         assert tab.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
         assert tab.pdf().startswith(b"%PDF")
