@@ -225,46 +225,55 @@ def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> No
     _execute(pipeline.stored_job(folder), Choice(("report",), ("report",)), quiet, verbose)
 
 
-def stage_command(name: str, words: str) -> None:
-    """Add the command of a stage that takes no options but the general ones."""
-
-    @app.command(name, help=words)
-    def command(
-        section: SectionFile,
-        folder: Out = None,
-        settings: Set = None,
-        force: Force = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        run = _input(section, {}, settings)
-        _execute(Job(run, _store(run, folder)), Choice.up_to(name, force), quiet, verbose)
-
-
-def slide_command() -> None:
-    """Add the command `slide`, where the discs are installed."""
-
-    @app.command("slide")
-    def slide(
-        section: SectionFile,
-        folder: Out = None,
-        case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
-        settings: Set = None,
-        force: Force = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """How far the calibrated discs slide once layers have liquefied."""
-        run = _input(section, {}, settings)
-        job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
-        _execute(job, Choice.up_to("slide", force), quiet, verbose)
+def bounds(
+    section: SectionFile,
+    folder: Out = None,
+    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
+    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
+    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
+    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
+    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
+    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
 
 
-if any(stage.name == "bounds" for stage in stages()):
-    stage_command("bounds", "Strict lower and upper bounds of the critical seismic coefficient.")
-if any(stage.name == "slide" for stage in stages()):
-    stage_command("calibrate", "Calibrate the discs so that they fail at the Kh that the FEM found.")
-    slide_command()
+def calibrate(
+    section: SectionFile,
+    folder: Out = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Calibrate the discs so that they fail at the Kh that the finite elements found."""
+    run = _input(section, {}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("calibrate", force), quiet, verbose)
+
+
+def slide(
+    section: SectionFile,
+    folder: Out = None,
+    case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """How far the calibrated discs slide once layers have liquefied."""
+    run = _input(section, {}, settings)
+    job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
+    _execute(job, Choice.up_to("slide", force), quiet, verbose)
+
+
+for command in (bounds, calibrate, slide):  # as far as they are installed
+    if any(stage.name == command.__name__ for stage in stages()):
+        app.command()(command)
 
 
 def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:
