@@ -80,7 +80,7 @@ def calibration(kc: float, reached: bool) -> dict[str, Any]:
 def case(stiffness: float, slide: float) -> dict[str, Any]:
     return {
         "stiffness": stiffness, "settlement_uphill_m": 0.01 / stiffness, "settlement_middle_m": 0.005 / stiffness,
-        "settlement_downhill_m": 0.0, "slide_max_m": slide, "slide_max_at_x_m": 30.0, "slides_over_share": slide / 6.0,
+        "settlement_downhill_m": 0.0, "slide_max_m": slide, "slide_max_at_x_m": 30.0, "slides_over_share": slide / 5.9,
         "settled": slide < 4.0, "reason": "at rest" if slide < 4.0 else "the time is over", "escaped": 0,
         "cracked_pore_springs": 12, "crack_opening_m": 0.3, "seconds_simulated": 20.0,
         "surface_before": [[0.0, 20.0], [100.0, 10.0]], "surface_after": [[0.0, 19.5], [100.0, 10.0]],

@@ -92,7 +92,7 @@ def _fem(results: Results) -> Iterator[Row]:
     if end is not None:
         share = share_of_surface(results.run, end["slip_surface"], ASD)
         yield Row(surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
-                  f"{SECTION}; drawn through the largest shear strain, which lies deeper here")  # fmt: skip
+                  f"{SECTION}; it is drawn where the shear strain is largest along x")  # fmt: skip
     state = _state(results, 0.3)
     yield at_03 if state is None else _past(at_03, state)
 
@@ -110,7 +110,7 @@ def _past(row: Row, state: dict[str, Any]) -> Row:
     told = ("past equilibrium; " if state["past_equilibrium"] else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
     return Row(row.quantity, row.paper, row.where, told, state["past_equilibrium"] and reaches,
-               f"critical Kh is higher here: {SECTION}")  # fmt: skip
+               f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure")  # fmt: skip
 
 
 def _shares(shares: dict[str, float]) -> str:
@@ -139,11 +139,14 @@ def _dem(results: Results, name: str) -> Iterator[Row]:
         stands = Row(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",
                      f"{states[0.2]['reason']}; {SECTION}")  # fmt: skip
     if 0.3 in states:
-        shares = {name: states[0.3]["cracked_share_by_stratum"].get(name, 0.0) for name in ASD}
-        rest = [share for name, share in states[0.3]["cracked_share_by_stratum"].items() if name not in ASD]
+        cracked = states[0.3]["cracked_share_by_stratum"]
+        shares = {name: cracked.get(name, 0.0) for name in ASD}
+        rest = {name: share for name, share in cracked.items() if name not in ASD}
+        most = max(shares.values())
+        others = {name: share for name, share in rest.items() if share > most}
+        why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
         broken = Row(broken.quantity, broken.paper, broken.where, _shares(shares) + " broken",
-                     max(shares.values()) >= AT_FAILURE and max(shares.values()) >= max(rest, default=0.0),
-                     f"{SECTION}; others break more, or too few break")  # fmt: skip
+                     most >= AT_FAILURE and not others, f"{why}; {SECTION}")  # fmt: skip
     yield from (stands, broken)
 
 

@@ -112,6 +112,12 @@ def _bounds_wanted(run: Input) -> bool:
 
 
 def _calibrate(job: Job) -> None:
+    fem = job.store.read_json("fem/critical.json")
+    if fem["verdict"] == "no failure":
+        raise NoAnswerError(
+            f"the section does not fail ({fem['reason']}), so there is no critical Kh to calibrate the discs to",
+            "raise fem.kh_limit, or look at a weaker section",
+        )
     _function("workflow.calibrate_stage", "calibrate_stage")(job.run, job.store, job.progress)
 
 
