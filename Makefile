@@ -2,7 +2,7 @@
 BIN := .venv/bin
 SECTION ?= meshes/s13.toml
 
-.PHONY: help setup run lint test test-all clean
+.PHONY: help setup run lint test test-all browser clean
 
 help:       ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 12
@@ -19,11 +19,14 @@ lint: setup ## style, types, and who may import whom
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint  ## what every change must pass
+test: lint browser ## what every change must pass
 	$(BIN)/python -m pytest
 
-test-all: lint ## and the long studies
+test-all: lint browser ## and the long studies
 	$(BIN)/python -m pytest -m ''
+
+browser:    ## Chromium, with which the tests look at the report
+	@.ci/setup browser
 
 clean:      ## forget the environment and the results
 	rm -rf .venv runs

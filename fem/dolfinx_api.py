@@ -26,6 +26,8 @@ def require() -> None:
     try:
         import dolfinx
     except ImportError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # how pybind11 passes Ctrl-C on
+            raise KeyboardInterrupt from None
         raise InputError("dolfinx", [f"cannot be imported ({error}); {HOW_TO_GET_IT}"]) from None
     version = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
     if version < OLDEST:

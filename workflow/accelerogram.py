@@ -125,7 +125,7 @@ def _columns(path: Path, lines: Sequence[str], unit: str) -> Accelerogram:
         rows.append((time, acceleration))
     if len(rows) < 2:
         raise ValueError(
-            "is no accelerogram: expected PEER .AT2, K-NET, or two columns of two lines or more, time (s) and acceleration"
+            "is no accelerogram: expected PEER .AT2, K-NET, or lines of two numbers, time (s) and acceleration"
         )
     if not unit:
         raise ValueError('sliding_block, unit: expected "g", "m/s^2" or "gal", or a heading such as time (s), a (g)')

@@ -21,6 +21,7 @@ from workflow.display import NORMAL, QUIET, VERBOSE, Display
 from workflow.plan import Choice, plan
 from workflow.ranks import Ranks
 from workflow.record import Record
+from workflow.results import Results
 from workflow.settings import Input, dotted, merged
 from workflow.stages import Job, help_compute, stages
 from workflow.store import Store
@@ -37,7 +38,7 @@ app = typer.Typer(
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
-SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", show_default=False)]
+SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
 Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
 Out = Annotated[
     Path | None,
@@ -184,25 +185,6 @@ def fem(
 
 
 @app.command()
-def bounds(
-    section: SectionFile,
-    folder: Out = None,
-    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
-    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
-    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
-    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
-    settings: Set = None,
-    force: Force = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-) -> None:
-    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ: the judge of the finite elements."""
-    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
-    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
-
-
-@app.command()
 def plot(
     folder: Folder,
     field: Annotated[
@@ -243,44 +225,55 @@ def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> No
     _execute(pipeline.stored_job(folder), Choice(("report",), ("report",)), quiet, verbose)
 
 
-def stage_command(name: str, words: str) -> None:
-    """Add the command of a stage that takes no options but the general ones."""
-
-    @app.command(name, help=words)
-    def command(
-        section: SectionFile,
-        folder: Out = None,
-        settings: Set = None,
-        force: Force = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        run = _input(section, {}, settings)
-        _execute(Job(run, _store(run, folder)), Choice.up_to(name, force), quiet, verbose)
-
-
-def slide_command() -> None:
-    """Add the command `slide`, where the discs are installed."""
-
-    @app.command("slide")
-    def slide(
-        section: SectionFile,
-        folder: Out = None,
-        case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
-        settings: Set = None,
-        force: Force = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """How far the calibrated discs slide once layers have liquefied."""
-        run = _input(section, {}, settings)
-        job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
-        _execute(job, Choice.up_to("slide", force), quiet, verbose)
+def bounds(
+    section: SectionFile,
+    folder: Out = None,
+    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
+    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
+    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
+    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
+    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
+    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
 
 
-if any(stage.name == "slide" for stage in stages()):
-    stage_command("calibrate", "Calibrate the discs so that they fail at the Kh that the FEM found.")
-    slide_command()
+def calibrate(
+    section: SectionFile,
+    folder: Out = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Calibrate the discs so that they fail at the Kh that the finite elements found."""
+    run = _input(section, {}, settings)
+    _execute(Job(run, _store(run, folder)), Choice.up_to("calibrate", force), quiet, verbose)
+
+
+def slide(
+    section: SectionFile,
+    folder: Out = None,
+    case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """How far the calibrated discs slide once layers have liquefied."""
+    run = _input(section, {}, settings)
+    job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
+    _execute(job, Choice.up_to("slide", force), quiet, verbose)
+
+
+for command in (bounds, calibrate, slide):  # as far as they are installed
+    if any(stage.name == command.__name__ for stage in stages()):
+        app.command()(command)
 
 
 def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:
@@ -304,17 +297,19 @@ def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
     try:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(job, choice, display, what)
-    finally:
-        if verbosity > QUIET and job.store.has(".noshiro/stages.json"):
+    except pipeline.NO_ANSWER:
+        if verbosity > QUIET:
             _tell(job, choice)
+        raise
+    if verbosity > QUIET:
+        _tell(job, choice)
 
 
 def _tell(job: Job, choice: Choice) -> None:
     """What the stages found that have an answer, and where it all is."""
-    record = Record(job.store)
+    ends = Results.of(job).ends
     for name in choice.chosen:
-        entry = record[name]
-        if entry is not None and entry.outcome == "done":
+        if name in ends and ends[name].outcome in ("done", "part"):
             for line in sentences(name, job.run, job.store):
                 out.print(escape(line))
     if "report" in choice.chosen and job.store.has("report.html"):

@@ -61,7 +61,7 @@ class Display:
         self.rows = {stage.name: Row(stage) for stage in stages}
         self.live: Live | None = None
         if err.is_terminal and verbosity == NORMAL:
-            self.live = Live(console=err, get_renderable=self._table, refresh_per_second=4, transient=True)
+            self.live = Live(console=err, get_renderable=self._table, refresh_per_second=4)
 
     def __enter__(self) -> "Display":
         self.context: AbstractContextManager[object] = self.live or nullcontext()
@@ -101,6 +101,9 @@ class Display:
             self._say(f"{step.stage.name}: {row.line}")
         elif entry.outcome == "no answer":
             row.line = f"no answer: {entry.reason}"
+            self._say(f"{step.stage.name}: {row.line}")
+        elif step.action == "redraw":
+            row.line = "pictures drawn again"
             self._say(f"{step.stage.name}: {row.line}")
         else:
             row.line = step.stage.what

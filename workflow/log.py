@@ -14,8 +14,21 @@ from meshes.errors import InputError
 from workflow.store import Store
 
 NAME = "log.txt"
-PACKAGES = ("numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "gmsh", "meshio", "vtk", "pyvista", "matplotlib",
-            "h5py", "clarabel")  # fmt: skip
+PACKAGES = (
+    "noshiro",
+    "numpy",
+    "scipy",
+    "numba",
+    "fenics-dolfinx",
+    "petsc4py",
+    "gmsh",
+    "meshio",
+    "vtk",
+    "pyvista",
+    "matplotlib",
+    "h5py",
+    "clarabel",
+)
 
 
 class Log:
@@ -77,10 +90,7 @@ def versions() -> dict[str, str]:
 
 
 def _versions() -> Iterator[tuple[str, str]]:
-    yield "noshiro", metadata.version("noshiro")
     yield "python", platform.python_version()
     for name in PACKAGES:
-        try:
+        with suppress(metadata.PackageNotFoundError):  # Debian's h5py comes without its name
             yield name, metadata.version(name)
-        except metadata.PackageNotFoundError:  # Debian's h5py comes without its name
-            continue

@@ -27,8 +27,12 @@ CAPTIONS = (
     (r"curves", "both", "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh."),
     (r"slip_surfaces", "both", "Slip surfaces of the continuum and of the discs."),
     (r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."),
-    (r"dem_.*?(\d+\.\d+).*", "dem", "Discs at Kh = {0}."),
+    (r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
+    (r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement and pore springs."),
+    (r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
     (r"dem_.*", "dem", "The discs."),
+    (r"case(\d+)", "slide", "Case {0}, calibrated discs."),
+    (r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),
     (r"case(\d+).*", "slide", "Case {0}."),
     (r"history", "slide", "Settlement and slide in time."),
     (r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways."),
@@ -49,7 +53,7 @@ class Picture:
 
 def collect(names: list[str], folder: Path, width: int, animations: bool) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    found = []
+    found: list[Picture] = []
     room = LARGEST_ANIMATIONS
     for pattern, part, words in CAPTIONS:
         for name in sorted(names):
@@ -75,7 +79,7 @@ def _still(path: Path, name: str, part: str, caption: str, width: int) -> Pictur
     if small.width > width:
         small = small.resize((width, round(small.height * width / small.width)), Image.Resampling.LANCZOS)
     buffer = io.BytesIO()
-    small.quantize(256, dither=Image.Dither.NONE).save(buffer, "PNG", optimize=True)
+    small.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
     return Picture(name, part, caption, _uri("png", buffer.getvalue()), *small.size)
 
 

@@ -77,8 +77,7 @@ def _take(step: Step, job: Job, record: Record, listener: Listener, log: Log, fa
     if step.action == "reuse" and before is not None:
         listener.end(step, before)
         log.line(f"{stage.name}: reused, made in {before.seconds:.1f} s until {before.ended}")
-    elif step.action == "redraw" and stage.redraw is not None:
-        _redraw(stage, job, record, listener.begin(step))
+    elif step.action == "redraw" and _redraw(stage, job, record, listener.begin(step)):
         log.line(f"{stage.name}: pictures drawn again")
         listener.end(step, record.entries[stage.name])
     else:
@@ -129,11 +128,13 @@ def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
     return failure
 
 
-def _redraw(stage: Stage, job: Job, record: Record, progress: Progress) -> None:
-    assert stage.redraw is not None
+def _redraw(stage: Stage, job: Job, record: Record, progress: Progress) -> bool:
+    """Draw a stage's pictures again; returns whether it could be done without computing."""
     progress("pictures", None)
-    stage.redraw(job)
+    if not stage.redraw(job):
+        return False
     record.put(stage.name, replace(record.entries[stage.name], pictures=job.store.matching(stage.pictures)))
+    return True
 
 
 def _logged(progress: Progress, stage: Stage, log: Log, every: float = 30.0) -> Progress:
@@ -167,12 +168,13 @@ def redraw_all(job: Job, listener: Listener) -> list[str]:
     with _folder(job) as (record, steps):
         for step in steps:
             if step.action == "off":
-                told.append(f"{step.stage.name}: no pictures, because {step.why}")
-            elif step.stage.redraw is None:
-                told.append(f"{step.stage.name}: its pictures are drawn when it runs")
-            else:
-                _redraw(step.stage, job, record, listener.begin(step))
+                told.append(f"{step.stage.name}: no pictures: {step.why}")
+                continue
+            step = replace(step, action="redraw", why="drawn again")
+            if _redraw(step.stage, job, record, listener.begin(step)):
                 listener.end(step, record.entries[step.stage.name])
+            else:
+                told.append(f"{step.stage.name}: its pictures are drawn only when it runs")
     return told
 
 

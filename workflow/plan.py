@@ -59,7 +59,8 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Step]:
     steps: list[Step] = []
     for stage in stages():
         step = _step(stage, made_from(stage, job, record), job, record, choice)
-        if stage.name == "report" and step.action != "off" and any(other.action == "run" for other in steps):
+        news = any(other.action == "run" for other in steps)
+        if stage.name == "report" and step.action in ("reuse", "redraw") and stage.name in choice.chosen and news:
             step = replace(step, action="run", why=step.why or "there are new results")
         steps.append(step)
     off = {step.stage.name: step.why for step in steps if step.action == "off"}
@@ -92,7 +93,7 @@ def _step(stage: Stage, prints: dict[str, str], job: Job, record: Record, choice
     if asked or why:
         return Step(stage, "run", "asked for" if asked else why, prints)
     if not record.pictures_left(stage.name):
-        return Step(stage, "redraw" if stage.redraw else "run", "pictures are missing", prints)
+        return Step(stage, "redraw", "pictures are missing", prints)
     return Step(stage, "reuse", "", prints)
 
 
@@ -100,7 +101,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     """Why what a stage left cannot be used again, in words; empty if it can."""
     entry = record[stage.name]
     if entry is None:
-        return "it has not run"
+        return "it has not run yet"
     changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
     if changed:
         return f"changed: {', '.join(changed)}"

@@ -28,7 +28,6 @@ class Entry:
     ended: str = ""
     files: dict[str, int] = field(default_factory=dict)
     pictures: list[str] = field(default_factory=list)
-    versions: dict[str, str] = field(default_factory=dict)
 
 
 class Record:

@@ -64,11 +64,11 @@ def _curves(results: Results, name: str) -> bool:
 
 
 def _discs(axes: Any, search: dict[str, Any], colour: str, marker: str) -> float:
-    """The trials of a search; returns the largest displacement of those that stood, doubled (m)."""
+    """The trials of a search; returns a little more than the largest displacement of those that stood (m)."""
     curve = np.array(sorted(search["curve"])).reshape(-1, 2)
     axes.plot(curve[:, 1], curve[:, 0], color=colour, marker=marker, markersize=3, linewidth=0.9)
     stood = [trial["displacement_m"] for trial in search["trials"] if trial["verdict"] == "stands"]
-    return 2.0 * max(stood, default=0.0)
+    return 1.3 * max(stood, default=0.0)
 
 
 def _brackets(results: Results) -> str:
@@ -113,7 +113,7 @@ def _surfaces(results: Results, name: str) -> bool:
 def _calibration(results: Results, name: str) -> bool:
     """Which parameter moves the critical Kh of the discs, and the trials of the one that was solved for."""
     answer = results.calibration
-    if answer is None:
+    if answer is None or answer["target_kc"] is None:
         return False
     sheet = Sheet(f"{_title(results)}: calibration of the discs", [0.34, 0.34], foot(results.run), legend_rows=1)
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")

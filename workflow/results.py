@@ -11,6 +11,7 @@ from workflow.store import Store
 
 FILES = {
     "fem": ("fem", "fem/critical.json"),
+    "variants": ("variants", "fem/variants.json"),
     "bounds": ("bounds", "fem/bounds.json"),
     "dem": ("calibrate", "dem/critical.json"),
     "calibration": ("calibrate", "dem/calibration.json"),
@@ -22,8 +23,8 @@ FILES = {
 class Results:
     """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show.
 
-    The answers are those of the files, None where there is none: ``fem`` of fem/critical.json, ``bounds``, ``dem`` of
-    dem/critical.json, ``calibration`` and ``cases``.
+    The answers are those of the files, None where there is none: ``fem`` of fem/critical.json, ``variants``,
+    ``bounds``, ``dem`` of dem/critical.json, ``calibration`` and ``cases``.
     """
 
     run: Input
@@ -31,6 +32,7 @@ class Results:
     ends: dict[str, Entry]
     missing: dict[str, str]
     fem: dict[str, Any] | None
+    variants: dict[str, Any] | None
     bounds: dict[str, Any] | None
     dem: dict[str, Any] | None
     calibration: dict[str, Any] | None

@@ -29,6 +29,19 @@ class FigureSettings(Model):
     report_animations: StrictBool = Field(default=True, description="true if the report shall hold the animations")
 
 
+Variant = Literal["mesh", "element", "step", "dilation", "sides"]
+
+
+class VariantSettings(Model):
+    """On what the critical Kh hangs, a table [variants]."""
+
+    which: tuple[Variant, ...] = Field(
+        default=("element", "step", "dilation", "sides"),
+        description='what is changed, one at a time, to see how much of the critical Kh hangs on it: "mesh" (four '
+        'times the cells), "element", "step", "dilation", "sides"',
+    )
+
+
 class SlidingBlockSettings(Model):
     """What the slide of the discs is compared with, a table [sliding_block]."""
 
@@ -55,6 +68,9 @@ class Input(Section):
     bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
     dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
     slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
+    variants: VariantSettings = Field(
+        default=VariantSettings(), description="a table [variants] of what is changed to see what it does"
+    )
     sliding_block: SlidingBlockSettings = Field(
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
     )
@@ -141,5 +157,6 @@ def _setting(text: str) -> dict[str, Any] | None:
             setting = tomllib.loads(f"{key} = {written}")
         except tomllib.TOMLDecodeError:
             continue
-        return setting if isinstance(next(iter(setting.values())), dict) else None
+        table, inside = next(iter(setting.items()))
+        return setting if isinstance(inside, dict) or table not in Input.tables() else None
     return None

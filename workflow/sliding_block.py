@@ -10,7 +10,7 @@ GRAVITY = 9.80665  # m/s²
 
 @dataclass(frozen=True)
 class Slide:
-    """Where a block is in time: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the ground."""
+    """A block in time: ``time`` (n,) in s, ``velocity`` in m/s and ``displacement`` in m, relative to the ground."""
 
     time: np.ndarray
     velocity: np.ndarray

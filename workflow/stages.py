@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from workflow.errors import NoAnswerError
 from workflow.progress import Progress, silent
 from workflow.ranks import Ranks
 from workflow.settings import Input
@@ -27,7 +28,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Stage:
-    """One stage. ``work`` computes, writes and draws; ``redraw`` draws again from what is stored, where it can.
+    """One stage. ``work`` computes, writes and draws; ``redraw`` draws again from what is stored, and says if it can.
 
     ``needs`` are the stages whose results it reads, ``tables`` the settings that matter to it, ``code`` the packages
     and modules whose text is its version. ``results`` and ``pictures`` are patterns of the files that it leaves,
@@ -44,7 +45,7 @@ class Stage:
     results: tuple[str, ...]
     pictures: tuple[str, ...]
     work: Callable[[Job], None]
-    redraw: Callable[[Job], None] | None = None
+    redraw: Callable[[Job], bool] = lambda job: False
     leftovers: tuple[str, ...] = ()
     wanted: Callable[[Input], bool] = lambda run: True
 
@@ -60,10 +61,11 @@ def _mesh(job: Job) -> None:
     mesh_stage(job.run, job.store, job.progress, job.mesh_file)
 
 
-def _mesh_pictures(job: Job) -> None:
+def _mesh_pictures(job: Job) -> bool:
     from workflow.mesh_stage import mesh_figures, stored_mesh
 
     mesh_figures(job.run, stored_mesh(job.run, job.store), job.store)
+    return True
 
 
 def _fem(job: Job) -> None:
@@ -85,15 +87,24 @@ def help_compute(job: Job, ranks: Ranks) -> None:
         fem_stage(job.run, stored_mesh(job.run, job.store), None, ranks.comm, silent)
 
 
-def _fem_pictures(job: Job) -> None:
+def _fem_pictures(job: Job) -> bool:
     from workflow import fem_figures
     from workflow.fem_results import FemResults
 
     fem_figures.draw_all(job.run, FemResults.load(job.run, job.store), job.store)
+    return True
+
+
+def _variants(job: Job) -> None:
+    _function("workflow.variants_stage", "variants_stage")(job.run, job.store, job.progress)
 
 
 def _bounds(job: Job) -> None:
-    _function("workflow.bounds_stage", "bounds_stage")(job.run, job.store, job.progress)
+    in_words = _function("workflow.bounds_stage", "in_words")
+    stage = _function("workflow.bounds_stage", "bounds_stage")
+    answer = stage(job.run, job.store, lambda found: job.progress(in_words(found), None))
+    if answer["verdict"] == "no bracket":
+        raise NoAnswerError(answer["reason"].rstrip("."), "allow more cells with bounds.max_cells")
 
 
 def _bounds_wanted(run: Input) -> bool:
@@ -101,6 +112,12 @@ def _bounds_wanted(run: Input) -> bool:
 
 
 def _calibrate(job: Job) -> None:
+    fem = job.store.read_json("fem/critical.json")
+    if fem["verdict"] == "no failure":
+        raise NoAnswerError(
+            f"the section does not fail ({fem['reason']}), so there is no critical Kh to calibrate the discs to",
+            "raise fem.kh_limit, or look at a weaker section",
+        )
     _function("workflow.calibrate_stage", "calibrate_stage")(job.run, job.store, job.progress)
 
 
@@ -108,8 +125,17 @@ def _slide(job: Job) -> None:
     _function("workflow.slide_stage", "slide_stage")(job.run, job.store, job.progress, job.cases)
 
 
-def _dem_pictures(stage: str) -> Callable[[Job], None]:
-    return lambda job: _function(f"workflow.{stage}_stage", f"{stage}_pictures")(job.run, job.store)
+def _pictures_of(stage: str) -> Callable[[Job], bool]:
+    """A stage's own function (run, store) that draws its pictures again, where its module has one."""
+
+    def redraw(job: Job) -> bool:
+        draw = getattr(importlib.import_module(f"workflow.{stage}_stage"), f"{stage}_pictures", None)
+        if draw is None:
+            return False
+        draw(job.run, job.store)
+        return True
+
+    return redraw
 
 
 def _function(module: str, name: str) -> Callable[..., Any]:
@@ -123,11 +149,12 @@ def _report(job: Job) -> None:
     report_stage(job)
 
 
-def _report_pictures(job: Job) -> None:
+def _report_pictures(job: Job) -> bool:
     from workflow.report_figures import draw_all
     from workflow.results import Results
 
     draw_all(Results.of(job))
+    return True
 
 
 DRAWING = ("workflow.canvas", "workflow.figures")
@@ -144,27 +171,33 @@ ALL = (
         ("fem/critical.json", "fem/fields.pvd", "fem/fields_*.vtu"), ("figures/fem_*.png",), _fem, _fem_pictures,
     ),
     Stage(
+        "variants", "on what the critical Kh hangs", "workflow.variants_stage", ("fem",), ("mesh", "fem", "variants"),
+        ("meshes", "fem", "workflow.variants_stage"), ("fem/variants.json",), (), _variants,
+        wanted=lambda run: bool(run.variants.which),
+    ),
+    Stage(
         "bounds", "strict bounds of the critical Kh", "workflow.bounds_stage", (), ("fem", "bounds"),
         ("meshes", "fem", "workflow.bounds_stage", *DRAWING),
-        ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds, wanted=_bounds_wanted,
+        ("fem/bounds.json",), ("figures/bounds_*.png",), _bounds,
+        _pictures_of("bounds"), wanted=_bounds_wanted,
     ),
     Stage(
         "calibrate", "discs that fail at the same Kh", "workflow.calibrate_stage", ("fem",), ("dem",),
         ("meshes", "dem", "workflow.calibrate_stage", "workflow.dem_figures", *DRAWING),
         ("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"), ("figures/dem_*.png",),
-        _calibrate, _dem_pictures("calibrate"), leftovers=("dem/**/*",),
+        _calibrate, _pictures_of("calibrate"), leftovers=("dem/**/*",),
     ),
     Stage(
         "slide", "slides once layers have liquefied", "workflow.slide_stage", ("calibrate",), ("dem", "slide"),
         ("meshes", "dem", "workflow.slide_stage", "workflow.disc_grids", "workflow.slide_figures", *DRAWING),
         ("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
         ("figures/case*.png", "figures/case*.gif", "figures/history.png"),
-        _slide, _dem_pictures("slide"),
-        leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/history.csv"),
+        _slide, _pictures_of("slide"),
+        leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     ),
     Stage(
         "report", "pictures of all, summary and report", "workflow.report_stage",
-        ("mesh", "fem", "bounds", "calibrate", "slide"), ("sliding_block", "figures"), ("workflow",),
+        ("mesh", "fem", "variants", "bounds", "calibrate", "slide"), ("sliding_block", "figures"), ("workflow",),
         ("summary.json", "report.html"),
         ("figures/curves.png", "figures/slip_surfaces.png", "figures/calibration.png", "figures/sliding_block.png"),
         _report, _report_pictures,

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -13,6 +14,16 @@ from meshes.errors import InputError
 
 if TYPE_CHECKING:
     import pyvista as pv
+
+
+def _finite(data: Any) -> Any:
+    """The same without numbers that are not finite."""
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    return [_finite(value) for value in data] if isinstance(data, list | tuple) else data
+
 
 # What `writing` calls a file that is not whole yet: its writer's number, then its name.
 BESIDE = re.compile(r"\.(\d+)-.+")
@@ -57,8 +68,8 @@ class Store:
         return self.folder / name
 
     def write_json(self, name: str, data: Any) -> Path:
-        """Write a JSON file; returns its path. Raises ValueError for what JSON has no number for."""
-        return self.write_text(name, json.dumps(data, indent=1, allow_nan=False) + "\n")
+        """Write a JSON file, with null for what JSON has no number for; returns its path."""
+        return self.write_text(name, json.dumps(_finite(data), indent=1, allow_nan=False) + "\n")
 
     def read_json(self, name: str) -> Any:
         """What a JSON file holds; raises InputError if it is not there or not JSON."""

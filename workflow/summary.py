@@ -17,6 +17,9 @@ def summary(results: Results, report_seconds: float) -> dict[str, Any]:
         "mesh": _mesh(results),
         "fem": _fem(results),
     }
+    if results.variants is not None:
+        kept = ("change", "kc", "kc_upper", "verdict")
+        data["fem_variants"] = {v["name"]: {key: v[key] for key in kept} for v in results.variants["variants"]}
     if results.bounds is not None:
         data["bounds"] = {"lower": results.bounds["lower"], "upper": results.bounds["upper"]}
     if results.dem is not None:

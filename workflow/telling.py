@@ -36,13 +36,19 @@ def fem_sentences(answer: dict[str, Any]) -> Iterator[str]:
 
 def bounds_sentences(answer: dict[str, Any]) -> Iterator[str]:
     """The bracket of fem/bounds.json."""
-    yield f"Strict bounds, sides {answer['sides']}: {answer['words']}. Flow {answer['flow']}"
-    yield answer["reason"]
+    yield f"Strict bounds: {answer['words']}"
 
 
 def calibrate_sentences(answer: dict[str, Any]) -> Iterator[str]:
     """How the discs were calibrated, from dem/calibration.json."""
-    if answer["verdict"] == "calibrated":
+    if answer["kc"] is None:
+        yield f"Discs: no critical Kh: {answer['verdict']}, {answer['reason']}."
+    elif answer["range"] is None:
+        yield (
+            f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}), not "
+            f"calibrated: {answer['reason']}."
+        )
+    elif answer["verdict"] == "calibrated":
         yield (
             f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}) for "
             f"{answer['target_kc']:.4f} asked, with {answer['parameter']} = {answer['value']:.4g}."

@@ -14,19 +14,10 @@ import pyvista as pv
 import tomli_w
 from matplotlib.image import imread
 
+from tests.command_line import run
 from tests.sections import slope
-from workflow.cli import main
 
 SMALL = ("--element", "bilinear", "--size", "3 m")
-
-
-def run(*arguments: object) -> int:
-    """The exit code of the command, in this process."""
-    try:
-        main([str(argument) for argument in arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    return 0
 
 
 def written(folder: Path, **changes: Any) -> Path:

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import meshio
@@ -18,23 +17,14 @@ from matplotlib.image import imread
 
 from meshes.quadrilaterals import BadMeshError, MeshSettings, QuadMesh, read
 from meshes.section import Section
+from tests.command_line import process, run
 from tests.sections import layer, slope
 from workflow import canvas, mesh_stage
-from workflow.cli import main
 from workflow.settings import Input
 
 FOLDER = Path(__file__).parents[2] / "meshes"
 S13 = FOLDER / "s13.toml"
 LEFT_BEHIND = ["figures/mesh.png", "figures/section.png", "mesh/section.msh", "mesh/section.vtu", "section.toml"]
-
-
-def run(*arguments: object) -> int:
-    """The exit code of the command, in this process."""
-    try:
-        main([str(argument) for argument in arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    return 0
 
 
 def files(folder: Path) -> list[str]:
@@ -58,9 +48,9 @@ def out(tmp_path: Path) -> Path:
 # --- What it leaves behind ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["mesh", "run"])
-def test_s13(command: str, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(command, S13, "--out", out) == 0
+@pytest.mark.parametrize("command", [("mesh",), ("run", "--only", "mesh")])
+def test_s13(command: tuple[str, ...], out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(*command, S13, "--out", out) == 0
     assert set(LEFT_BEHIND) <= set(files(out))
     told = capsys.readouterr()
     assert "611 quadrilaterals, 672 nodes (mapped)" in told.out
@@ -250,12 +240,6 @@ def test_no_usable_mesh_is_another_exit_code(
 # --- Failures while it runs ---------------------------------------------------------------------------------------
 
 
-def command(*arguments: object, before: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:
-    """The command as a process of its own."""
-    line = [sys.executable, "-m", "workflow.cli", *map(str, arguments)]
-    return subprocess.run(line, capture_output=True, text=True, preexec_fn=before, timeout=60, check=False)
-
-
 @pytest.mark.parametrize("kilobytes", [1, 4, 12, 30])
 def test_a_full_disk_leaves_nothing_half_written(kilobytes: int, section: Path, out: Path) -> None:
     """No file may become larger than so many kilobytes: each file is then there whole, or not at all."""
@@ -264,7 +248,7 @@ def test_a_full_disk_leaves_nothing_half_written(kilobytes: int, section: Path, 
         resource.setrlimit(resource.RLIMIT_FSIZE, (1024 * kilobytes, 1024 * kilobytes))
 
     assert run("mesh", section, "--out", out.with_name("whole")) == 0
-    done = command("mesh", section, "--out", out, before=limit)
+    done = process("mesh", section, "--out", out, before=limit)
     assert done.returncode == 2
     assert "cannot be written" in done.stderr
     assert "Traceback" not in done.stderr

@@ -3,7 +3,9 @@
 import re
 import tomllib
 from pathlib import Path
+from textwrap import dedent
 
+from meshes.polyline import Line
 from meshes.quadrilaterals import generate
 from tests.sections import assert_conforming
 from workflow.settings import Input
@@ -13,8 +15,10 @@ README = (TOP / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_section_and_the_settings_of_the_readme() -> None:
-    section, meshing, solving = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
-    used = Input.parse({**tomllib.loads(section), **tomllib.loads(meshing), **tomllib.loads(solving)})
+    section, meshing, solving, bottom, block = map(dedent, re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL))
+    texts = (section, meshing, solving, block)
+    used = Input.parse({key: value for text in texts for key, value in tomllib.loads(text).items()})
+    assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
     mesh = generate(used, used.mesh)
     assert mesh.method == "free"
     assert_conforming(mesh, used)

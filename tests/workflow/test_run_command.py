@@ -1,0 +1,426 @@
+"""`noshiro run` as a person types it, from a section to the report; what stops it, and that nothing is lost."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from matplotlib.image import imread
+
+from tests import dem_fixture
+from tests.browser import executable, page
+from tests.command_line import TOP, line, process, run
+from tests.sections import slope
+
+RECORD = "time (s), acceleration (g)\n" + "\n".join(
+    f"{0.1 * i:.1f}, {value}" for i, value in enumerate([0, 0.6, 0.6, -0.7, -0.7, -0.7, 0.2, 0])
+)
+
+
+# Without the discs, which have tests of their own.
+CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
+# Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
+FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
+SHORT_SLIDE = {"duration": 0.5, "frames": 2, "cases": [{"stiffness": 0.1}]}
+
+
+def written(folder: Path, **more: Any) -> Path:
+    """A small section with a record, coarse enough for a second."""
+    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}}
+    data |= {
+        "fem": {"element": "bilinear", "kh": [0.2, 0.9]},
+        "sliding_block": {"accelerogram": "quake.csv"},
+        "variants": {"which": ["step"]},
+        "dem": FEW_DISCS,
+        "slide": SHORT_SLIDE,
+        **more,
+    }
+    data["strata"][0]["liquefies_in"] = [1, 2, 3]
+    (folder / "quake.csv").write_text(RECORD)
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+def numbers(folder: Path) -> dict[str, Any]:
+    """The summary without what differs from run to run."""
+    data: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return {key: value for key, value in data.items() if key not in ("seconds", "made_with")}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder in which everything has run, the discs by hand-made files."""
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as patch:
+        dem_fixture.stand_in(patch)
+        assert run("run", written(folder), "--out", folder / "out") == 0
+        yield folder
+
+
+# --- What it leaves -----------------------------------------------------------------------------------------------
+
+
+def test_all_that_the_contract_names(whole: Path) -> None:
+    out = whole / "out"
+    for name in (
+        "section.toml", "mesh/section.msh", "mesh/section.vtu", "fem/critical.json", "fem/fields.pvd",
+        "dem/critical.json", "dem/calibration.json", "dem/case1.pvd", "dem/history.csv", "report.html", "summary.json",
+        "log.txt", "figures/curves.png", "figures/slip_surfaces.png", "figures/calibration.png",
+        "figures/sliding_block.png",
+    ):  # fmt: skip
+        assert (out / name).stat().st_size > 0, name
+    for name in ("curves", "slip_surfaces", "calibration", "sliding_block"):
+        assert imread(out / f"figures/{name}.png").shape[1] == 1600
+    summary = json.loads((out / "summary.json").read_text())
+    fem = json.loads((out / "fem/critical.json").read_text())
+    assert summary["section"]["sha256"] == fem["section"]["sha256"]
+    assert summary["fem"]["kc"] == fem["kc"] == fem["kc_lower"] <= summary["fem"]["kc_upper"]
+    assert summary["mesh"]["quadrilaterals"] == fem["mesh"]["quadrilaterals"]
+    assert summary["dem"] == {
+        "elements": 320, "boundary_elements": 50, "kc_table2": 0.31, "kc": fem["kc"], "kc_lower": fem["kc"] - 0.005,
+        "kc_upper": fem["kc"] + 0.005, "calibrated": {"parameter": "stiffness", "value": 0.0075},
+        "verdict": "calibrated",
+    }  # fmt: skip
+    assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
+    assert summary["no_answer"] == {}
+    assert set(summary["seconds"]) == {"mesh", "fem", "variants", "calibrate", "slide", "report"}
+    assert summary["fem_variants"]["step"]["kc"] == pytest.approx(fem["kc"], rel=0.02)
+    assert "paper" not in summary  # it is not the paper's section
+
+
+def test_the_estimates_beside_the_slide(whole: Path) -> None:
+    """Slope of 10 % with 4 m of liquefied ground: 0.75 √4 ∛10 = 3.232 m; the mean of both ways is their mean."""
+    summary = json.loads((whole / "out/summary.json").read_text())
+    found = {estimate["method"]: estimate for estimate in summary["comparison"]}
+    assert found["Hamada et al., D = 0.75 √H ∛θ"]["displacement_m"] == pytest.approx(3.232, abs=1e-3)
+    ways = [found[f"rigid block under the accelerogram, {way}"]["displacement_m"] for way in ("positive", "negative")]
+    assert min(ways) > 0.0
+    assert ways[0] != ways[1]
+    mean = found["rigid block under the accelerogram, mean"]["displacement_m"]
+    assert mean == pytest.approx(sum(ways) / 2)
+    assert found["rigid block on the slip surface, Kh = 0.1"]["displacement_m"] == 0.0
+    assert all(estimate["source"] and estimate["validity"] for estimate in summary["comparison"])
+
+
+def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = whole / "out"
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
+    capsys.readouterr()
+    assert run("run", whole / "slope.toml", "--out", out) == 0
+    told = capsys.readouterr().out
+    assert told.count("nothing has changed: reused") == 6
+    after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
+    assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}
+    # the folder knows its own input, the record with it
+    shutil.copytree(out, whole / "moved")
+    assert run("report", whole / "moved", "-q") == 0
+    assert numbers(whole / "moved") == numbers(out)
+    assert capsys.readouterr().out == ""
+
+
+def test_a_dry_run_only_says_what_it_would_do(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("run", whole / "slope.toml", "--out", whole / "none", "--dry-run") == 0
+    assert not (whole / "none").exists()
+    capsys.readouterr()
+    changed = ("--set", "sliding_block.scale=2")
+    assert run("run", whole / "slope.toml", "--out", whole / "out", "--dry-run", *changed) == 0
+    told = [text.split() for text in capsys.readouterr().out.splitlines() if text.strip()]
+    assert ["slide", "be", "reused", "nothing", "has", "changed"] in told
+    assert ["report", "run", "changed:", "[sliding_block]"] in told
+
+
+def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(whole / "out", whole / "plot")
+    before = {path.name: path.read_bytes() for path in (whole / "plot/figures").glob("*.png")}
+    for path in (whole / "plot/figures").glob("*.png"):
+        if not path.name.startswith(("case", "dem", "history")):
+            path.unlink()
+    fields = (whole / "plot/fem/critical.json").stat().st_mtime_ns
+    assert run("plot", whole / "plot") == 0
+    assert "slide: its pictures are drawn only when it runs" in capsys.readouterr().out
+    assert {path.name: path.read_bytes() for path in (whole / "plot/figures").glob("*.png")} == before
+    assert (whole / "plot/fem/critical.json").stat().st_mtime_ns == fields
+    assert run("plot", whole / "plot", "--field", "shear_strain", "--at", "0.2") == 0
+    assert imread(whole / "plot/figures/field_shear_strain_kh_0.200.png").shape[1] == 1600
+    for options, words in (
+        (("--field", "strain"), "expected one of displacement, displacement_x"),
+        (("--at", "0.77"), "there is no state at this Kh; expected one of 0.200"),
+    ):
+        capsys.readouterr()
+        assert run("plot", whole / "plot", *options) == 2
+        assert words in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is always a screen")
+@pytest.mark.parametrize(
+    ("display", "words"), [("", "DISPLAY is not set"), (":5555", "nothing answers at DISPLAY=:5555")]
+)
+def test_view_needs_a_screen_and_says_so(
+    display: str, words: str, whole: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DISPLAY", display)
+    assert run("view", whole / "out") == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert words in told
+    assert "noshiro plot" in told
+
+
+@pytest.mark.parametrize("command", ["plot", "view", "report"])
+def test_a_folder_without_a_run(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(command, tmp_path) == 2
+    assert "holds no run: there is no section.toml" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- The report ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(executable() is None, reason="there is no Chromium and it could not be installed")
+def test_the_report_in_a_browser(whole: Path) -> None:
+    """No broken picture, nothing on the console, nothing fetched; and it prints."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, page(Path(profile)) as tab:
+        tab.open((whole / "out/report.html").as_uri())
+        asked = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
+        assert [url for url in asked if not url.startswith("data:")] == [(whole / "out/report.html").as_uri()]
+        assert tab.named("Log.entryAdded") == []
+        assert tab.named("Runtime.consoleAPICalled") == []
+        assert tab.named("Runtime.exceptionThrown") == []
+        widths = tab.value("[...document.images].map(image => image.naturalWidth)")
+        assert len(widths) >= 16
+        assert min(widths) > 0
+        assert tab.value("document.title").startswith("A <small> slope & more")
+        text = tab.value("document.body.innerText")
+        kc = json.loads((whole / "out/summary.json").read_text())["fem"]["kc"]
+        assert f"{kc:.3f}" in text
+        heads = tab.value("[...document.querySelectorAll('h2')].map(head => head.textContent)")
+        assert heads == ["What was asked", "Answers", "How sure this is", "The ground", "Pictures", "Methods",
+                         "The full input", "Provenance"]  # fmt: skip
+        assert "0.50 m ± 0.10 m" in text  # on random packings
+        # nothing is wider than the page, nor narrower than can be read
+        assert tab.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+        assert tab.pdf().startswith(b"%PDF")
+    assert (whole / "out/report.html").stat().st_size < 6_000_000
+
+
+def test_the_browser_test_would_see_what_is_wrong(tmp_path: Path) -> None:
+    """A page with a broken picture, a complaint, and a request."""
+    if executable() is None:
+        pytest.skip("there is no Chromium and it could not be installed")
+    bad = tmp_path / "bad.html"
+    bad.write_text('<img src="data:image/png;base64,AAAA"><img src="missing.png"><script>console.error("no")</script>')
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, page(Path(profile)) as tab:
+        tab.open(bad.as_uri())
+        assert any(event["request"]["url"].endswith("missing.png") for event in tab.named("Network.requestWillBeSent"))
+        assert tab.named("Runtime.consoleAPICalled")
+        assert tab.value("[...document.images].map(image => image.naturalWidth)") == [0, 0]
+
+
+# --- No answer ----------------------------------------------------------------------------------------------------
+
+
+def test_without_an_answer_the_report_says_why(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The calibration is out of reach: exit code 3, no slides, and a report all the same."""
+    shutil.copytree(whole / "out", tmp_path / "out")
+    dem_fixture.stand_in(monkeypatch, calibrate=dem_fixture.out_of_reach)
+    assert run("run", whole / "slope.toml", "--out", tmp_path / "out", "--from", "calibrate") == 3
+    told = capsys.readouterr()
+    assert "No answer: the range of stiffness does not reach it; widen [dem] range" in told.err
+    assert "slide: not run: calibrate has no answer" in told.out
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert summary["no_answer"]["calibrate"]["remedy"] == "widen [dem] range"
+    assert summary["dem"]["verdict"] == "out of reach"
+    text = (tmp_path / "out/report.html").read_text()
+    assert "The stage calibrate ended without an answer:</b> the range of stiffness does not reach it." in text
+
+
+def test_ground_that_does_not_stand_has_a_report_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    weak = written(tmp_path)
+    text = weak.read_text().replace('"15 kPa"', '"0.1 kPa"').replace('"25 deg"', '"0 deg"')
+    weak.write_text(text)
+    assert run("run", weak, "--out", tmp_path / "out") == 3
+    assert "fails under its own weight" in capsys.readouterr().err
+    summary = json.loads((tmp_path / "out/summary.json").read_text())
+    assert summary["fem"] is None
+    assert "fails under its own weight" in summary["no_answer"]["fem"]["reason"]
+    assert "fails under its own weight" in (tmp_path / "out/report.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (("fem.sidez=fixed",), 'fem, sidez: unknown key; did you mean "sides"'),
+        (("figures.report_width=99999",), "figures, report_width = 99999"),
+        (("sliding_block.accelerogram=none.AT2",), "there is no such accelerogram"),
+        (("name=x",), "expected a setting of mesh, fem"),
+    ],
+)
+def test_settings_that_are_refused(
+    settings: tuple[str, ...], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = [part for setting in settings for part in ("--set", setting)]
+    assert run("run", written(tmp_path), "--out", tmp_path / "out", *options) == 2
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_init_writes_a_section_that_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    assert run("init", path) == 0
+    assert run("check", path, "--out", tmp_path / "out") == 0
+    before = path.read_text()
+    assert run("init", path) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert path.read_text() == before
+
+
+# --- Killed, stopped, locked out ----------------------------------------------------------------------------------
+
+
+def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
+    """Start a run and stop it after so many seconds; returns its exit code, negative for a signal."""
+    started = subprocess.Popen(
+        line("run", path, "--out", out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
+        stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        started.communicate(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        started.send_signal(how)
+        started.communicate(timeout=60)
+    return started.returncode
+
+
+def finished_after_kills(tmp_path: Path, kills: int, seed: int) -> tuple[Path, Path]:
+    """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
+    path = written(tmp_path)
+    start = time.monotonic()
+    assert process("run", path, "--out", tmp_path / "alone").returncode == 0
+    span = time.monotonic() - start
+    draw = random.Random(seed)
+    for _ in range(kills):
+        killed_at(path, tmp_path / "killed", draw.uniform(0.2, 1.0) * span, signal.SIGKILL)
+        for file in (tmp_path / "killed").rglob("*.json"):
+            json.loads(file.read_text())  # whatever is there is whole
+    assert process("run", path, "--out", tmp_path / "killed").returncode == 0
+    return tmp_path / "alone", tmp_path / "killed"
+
+
+def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
+    alone, killed = finished_after_kills(tmp_path, 1, 20260101)
+    assert numbers(alone) == numbers(killed)
+    names = [{str(path.relative_to(out)) for path in out.rglob("*")} for out in (alone, killed)]
+    assert names[0] == names[1]  # nothing half-written is left
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_killed_again_and_again(seed: int, tmp_path: Path) -> None:
+    alone, killed = finished_after_kills(tmp_path, 6, seed)
+    assert numbers(alone) == numbers(killed)
+
+
+def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
+    path = written(tmp_path, fem={"element": "quadratic"}, mesh={"size": 0.8})
+    command = line("run", path, "--out", tmp_path / "out", *CONTINUUM)
+    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP)
+    assert started.stdout is not None
+    while not started.stdout.readline().startswith("fem:"):
+        pass
+    time.sleep(1.0)
+    started.send_signal(signal.SIGINT)
+    _, told = started.communicate(timeout=60)
+    assert (started.returncode, told) == (130, "Stopped.\n")
+    assert not (tmp_path / "out/fem/critical.json").exists()
+    assert "stopped after" in (tmp_path / "out/log.txt").read_text()
+    done = process("run", path, "--out", tmp_path / "out", "--dry-run")
+    assert "it was stopped, and goes on" in done.stdout
+
+
+# --- Folders that cannot be written to ----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def mounted(tmp_path: Path) -> Iterator[Path]:
+    """A file system of its own of 400 kB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "none", place], capture_output=True, check=False)
+    if done.returncode:
+        pytest.skip(f"mounting is not permitted here: {done.stderr.decode().strip()}")
+    yield place
+    subprocess.run(["umount", place], check=True)
+
+
+def remount(place: Path, options: str) -> None:
+    subprocess.run(["mount", "-o", f"remount,{options}", place], check=True)
+
+
+def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path) -> None:
+    path = written(tmp_path)
+    full = process("run", path, "--out", mounted / "out", *CONTINUUM)
+    assert full.returncode == 2
+    assert "cannot be written: No space left on device" in full.stderr
+    assert "Traceback" not in full.stderr
+    assert not list(mounted.rglob(".[0-9]*"))  # nothing half-written
+    remount(mounted, "size=40m")
+    done = process("run", path, "--out", mounted / "out", *CONTINUUM)
+    assert done.returncode == 0, done.stderr
+    assert "mesh: nothing has changed: reused" in done.stdout
+    assert (mounted / "out/report.html").read_text().rstrip().endswith("</html>")
+
+
+def test_a_read_only_folder(mounted: Path, tmp_path: Path) -> None:
+    """The section lies where nothing can be written: so by default nothing can, and elsewhere all goes well."""
+    path = written(mounted)
+    remount(mounted, "ro")
+    done = process("check", path, folder=mounted)
+    assert done.returncode == 2
+    assert "cannot be written: Read-only file system" in done.stderr
+    done = process("run", path, "--only", "mesh", folder=mounted)
+    assert done.returncode == 2
+    assert "cannot be written: Read-only file system" in done.stderr
+    assert process("run", path, "--only", "mesh", "--out", tmp_path / "out", folder=mounted).returncode == 0
+
+
+def nobody() -> None:
+    """Give up all rights for good; root could write anywhere."""
+    if os.geteuid() == 0:
+        os.setgroups([])
+        os.setgid(65534)
+        os.setuid(65534)
+
+
+def test_a_missing_permission() -> None:
+    """As somebody who may read the section and not write the folder of its results."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        path = written(folder)
+        (folder / "out").mkdir(mode=0o555)
+        trial = subprocess.run(
+            [sys.executable, "-c", "import workflow.cli"], cwd=TOP, preexec_fn=nobody, capture_output=True, check=False
+        )
+        if trial.returncode:
+            pytest.skip("nobody but the owner may read this copy of the program")
+        done = process("run", path, "--out", folder / "out", before=nobody)
+        assert done.returncode == 2
+        assert "cannot be written: Permission denied" in done.stderr
+        assert "Traceback" not in done.stderr
+        assert list((folder / "out").iterdir()) == []
+        path.chmod(0o200)
+        done = process("run", path, "--out", folder / "out", before=nobody)
+        assert done.returncode == 2
+        assert "cannot be read: Permission denied" in done.stderr
