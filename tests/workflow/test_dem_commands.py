@@ -1,4 +1,4 @@
-"""`noshiro calibrate` and `noshiro slide` on a small slope: what they leave behind, going on after a stop, same bits."""
+"""`noshiro calibrate` and `noshiro slide` on a small slope: what they leave, going on after a stop, same bits."""
 
 import csv
 import json
