@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from meshes.quantity import Length
 from meshes.section import Model, Section
@@ -56,6 +56,7 @@ class DemSettings(Model):
     allowed_overlap: float = Field(
         default=1.0, gt=0.0, le=2.0, description="deepest overlap over the mean radius; deeper ones stop a run"
     )
+    element_tests: StrictBool = Field(default=True, description="true to test patches of every layer's discs as well")
     workers: int = Field(default=2, ge=1, le=256, description="trials, or threads of one, at a time")
 
     def problems(self, section: Section) -> list[str]:

@@ -59,8 +59,8 @@ def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
         states += _states(run, store, discs.ground, name, start, search)
         failing[name] = _failing(run, store, discs.ground, name, start, search)
     _write(run, store, discs, base, after, found, states, {**failing, "fem": _fem_surface(fem)})
-    progress("element tests of the discs of every layer", None)
-    if found is not None:
+    if found is not None and run.dem.element_tests:
+        progress("element tests of the discs of every layer", None)
         tests = element_tests(
             run,
             changed(discs.layers, parameter, value),

@@ -17,6 +17,7 @@ from dem.ground import ground_of
 from dem.liquefaction import Row, Slide, Slider
 from dem.model import DiscModel
 from dem.side_by_side import StoppedError, side_by_side
+from meshes.errors import InputError
 from workflow.disc_grids import write_collection, write_frame
 from workflow.progress import Progress
 from workflow.random_packings import random_table
@@ -42,6 +43,11 @@ class Task:
 def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
     """Slides of the cases asked for, or of all. Raises InputError for cases that there are not."""
     strata = liquefying(run)
+    if cases is not None and (unknown := sorted(set(cases) - set(strata))):
+        told = (
+            f"expected cases in which a stratum liquefies, of {', '.join(map(str, strata)) or 'which there are none'}"
+        )
+        raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
     wanted = [n for n in strata if cases is None or n in cases]
     starts = _starts(run, store)
     tasks = [Task(springs, n) for n in sorted({ALONE, *wanted}, reverse=True) for springs in starts] if wanted else []

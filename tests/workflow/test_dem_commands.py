@@ -22,18 +22,18 @@ from tests.sections import layer
 SECTION: dict[str, Any] = {
     "name": "small",
     "title": "Small slope",
-    "surface": [[0.0, 8.0], [30.0, 7.0]],
-    "base": {"depth": 7.0},
+    "surface": [[0.0, 8.0], [36.0, 6.5]],
+    "base": {"depth": 3.7},
     "strata": [
-        layer("crust", bottom={"depth": 2.2}, cohesion="4 kPa", friction_angle="30 deg"),
-        layer("loose", bottom={"depth": 4.6}, cohesion="0 kPa", friction_angle="30 deg", liquefies_in=[1, 2]),
-        layer("firm", cohesion="20 kPa", friction_angle="35 deg"),
+        layer("crust", bottom={"depth": 1.1}, cohesion="1 kPa", friction_angle="25 deg"),
+        layer("loose", bottom={"depth": 2.8}, cohesion="0 kPa", friction_angle="25 deg", liquefies_in=[1, 2]),
+        layer("firm", cohesion="2 kPa", friction_angle="30 deg"),
     ],
-    "mesh": {"columns": 12, "rows": 5},
+    "mesh": {"columns": 18, "rows": 4},
     "fem": {"element": "bilinear", "kh": [0.1]},
     "dem": {
-        "radius": "0.5 m", "stiffness_scale": 0.02, "kh": [0.1], "resolution": 0.02, "tolerance": 0.05,
-        "out_of_reach": "go on",
+        "radius": "0.5 m", "kh": [0.1], "resolution": 0.04, "tolerance": 0.1,
+        "out_of_reach": "go on", "element_tests": False, "parameter": "all", "range": [0.25, 4.0],
     },
     "slide": {"duration": 4.0, "frames": 4, "cases": [{"stiffness": 0.1}, {"stiffness": 0.03}]},
 }  # fmt: skip
@@ -68,10 +68,11 @@ def test_the_model_and_the_bracket(whole: Path) -> None:
     assert found["model"]["pore_springs"] > 2 * found["model"]["elements"]
     for search in (found["before"], found["after"]):
         assert search["verdict"] == "bracketed"
-        assert search["kc_upper"] - search["kc_lower"] <= 0.02 * (1.0 + 1e-9)
+        assert search["kc_upper"] - search["kc_lower"] <= 0.04 * (1.0 + 1e-9)
         stood = [t["kh"] for t in search["trials"] if t["verdict"] == "stands"]
         failed = [t["kh"] for t in search["trials"] if t["verdict"] == "fails"]
-        assert max(stood) == search["kc_lower"] < search["kc_upper"] == pytest.approx(min(failed))
+        assert max(stood) == search["kc_lower"] < search["kc_upper"]
+        assert search["kc_upper"] in failed
         assert all(t["unbalanced_ratio"] <= 4e-4 for t in search["trials"] if t["verdict"] == "stands")
     assert {(state["set"], state["kh"]) for state in found["states"]} == {("before", 0.1), ("after", 0.1)}
     assert found["slip_surface"]["mean_distance_m"] >= 0.0
@@ -82,14 +83,12 @@ def test_the_calibration_meets_the_continuum_or_says_why_not(whole: Path) -> Non
     target = json.loads((whole / "fem/critical.json").read_text())["kc"]
     assert found["target_kc"] == target
     if found["verdict"] == "calibrated":
-        assert abs(found["kc"] - target) <= 0.05
+        assert abs(found["kc"] - target) <= 0.1
     else:
         assert "reaches critical Kh from" in found["reason"]
     rows = {(row["parameter"], row["value"]) for row in found["sensitivity"]}
     assert rows >= {(p, f) for p in ("stiffness", "friction", "pore_strength") for f in (0.5, 1.0, 2.0)}
     assert any(trial["value"] == found["value"] for trial in found["trials"])
-    tests = {(test["stratum"], test["packing"]) for test in found["element_tests"]}
-    assert tests == {(s["name"], p) for s in SECTION["strata"] for p in ("lattice", "random")}
 
 
 def test_the_slides(whole: Path) -> None:
@@ -117,17 +116,19 @@ def test_the_pictures(whole: Path) -> None:
         assert film.n_frames >= 3
 
 
+@pytest.mark.slow
 def test_the_same_bits_with_any_number_of_workers(whole: Path, tmp_path: Path) -> None:
     assert run("slide", written(tmp_path, dem={"workers": 1}), "--out", tmp_path / "out") == 0
     for name in ("calibration.json", "cases.json", "history.csv"):
         assert (tmp_path / "out/dem" / name).read_bytes() == (whole / "dem" / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_killed_it_goes_on_to_the_same_answer(whole: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     shutil.copytree(whole, out)
     for leftover in [*out.glob("dem/*.json"), *out.glob("dem/case*"), *out.glob("dem/slide*/*")]:
-        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink(missing_ok=True)
     command = line("slide", written(tmp_path), "--out", out, "--force")
     for seconds in (4.0, 5.0):
         running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -146,6 +147,17 @@ def test_a_case_by_number(whole: Path, tmp_path: Path, capsys: pytest.CaptureFix
     assert run("slide", written(tmp_path), "--out", tmp_path / "out", "--case", 7) == 2
 
 
+@pytest.mark.slow
+def test_element_tests_of_every_layer(tmp_path: Path) -> None:
+    changes = {"element_tests": True, "parameter": "friction"}
+    assert run("calibrate", written(tmp_path, dem=changes), "--out", tmp_path / "out") == 0
+    found = answer(tmp_path / "out", "calibration.json")["element_tests"]
+    tests = {(test["stratum"], test["packing"]) for test in found}
+    assert tests == {(s["name"], p) for s in SECTION["strata"] for p in ("lattice", "random")}
+    assert all(test["assembly"]["E_Pa"] > 0.0 for test in found)
+
+
+@pytest.mark.slow
 def test_out_of_reach_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     narrow = {"parameter": "pore_strength", "range": [0.9, 1.1], "tolerance": 0.001, "out_of_reach": "stop"}
     assert run("calibrate", written(tmp_path, dem=narrow), "--out", tmp_path / "out") == 3
