@@ -2,10 +2,11 @@
 
 A factor multiplies the constants of every layer alike, so that what tells the layers apart stays:
 stiffness: all springs, dashpots by its square root (the damping ratio stays); friction: of elements and pore springs;
-pore_strength: cohesion and stretch at which pore springs break; strength: friction and pore_strength together.
+pore_strength: cohesion and stretch at which pore springs break; strength: friction and pore_strength together;
+all: stiffness and strength together.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -23,7 +24,7 @@ from dem.settings import DemSettings, Parameter
 from dem.side_by_side import side_by_side
 from dem.springs import LayerSprings
 
-PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength")
+PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
 RANGE = (0.1, 10.0)
@@ -80,22 +81,17 @@ def brief(search: Search) -> dict[str, Any]:
 
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
     """The layers with a factor on one parameter. Raises ValueError for a parameter that there is not."""
-    if parameter == "stiffness":
-        root = float(np.sqrt(factor))
-        return [
-            replace(
-                s, kn=s.kn * factor, ks=s.ks * factor, kpn=s.kpn * factor, kps=s.kps * factor, cn=s.cn * root,
-                ct=s.ct * root,
-            )
-            for s in layers
-        ]  # fmt: skip
     if parameter not in PARAMETERS:
         raise ValueError(f"there is no parameter {parameter!r}; there are {', '.join(PARAMETERS)}")
-    friction = factor if parameter in ("friction", "strength") else 1.0
-    pore = factor if parameter in ("pore_strength", "strength") else 1.0
+    stiffness = factor if parameter in ("stiffness", "all") else 1.0
+    friction = factor if parameter in ("friction", "strength", "all") else 1.0
+    pore = factor if parameter in ("pore_strength", "strength", "all") else 1.0
+    root = float(np.sqrt(stiffness))
     return [
         replace(
-            s, friction=s.friction * friction, cohesion=s.cohesion * pore, beta=1.0 + (s.beta - 1.0) * pore,
+            s, kn=s.kn * stiffness, ks=s.ks * stiffness, kpn=s.kpn * stiffness, kps=s.kps * stiffness,
+            cn=s.cn * root, ct=s.ct * root, friction=s.friction * friction, cohesion=s.cohesion * pore,
+            beta=1.0 + (s.beta - 1.0) * pore,
             pore_friction=None if s.pore_friction is None else s.pore_friction * friction,
         )
         for s in layers
@@ -163,10 +159,34 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
     return [(p, f, search) for (p, f), search in zip(wanted, found, strict=True)]
 
 
-def likeliest(table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """The parameter that halved or doubled brings the critical Kh closest to the target."""
-    missed = {(p, f): abs(middle(s) - target) for p, f, s in table if p}
-    return min(missed, key=lambda key: missed[key])[0]
+def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
+    """The parameter to calibrate: of those whose range reaches the target, the one that moves the critical Kh most.
+
+    Reach is that of the end of the range towards the target; where none gets there, whichever comes closest.
+    """
+    low, high = calibrator.settings.range or RANGE
+    base = middle(next(s for p, _, s in table if not p))
+    weaker = target < base
+    ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
+    reached = {p: middle(s) for p, s in zip(ONE_AT_A_TIME, ends, strict=True)}
+    able = [p for p in ONE_AT_A_TIME if (reached[p] - target) * (base - target) <= 0.0]
+    if not able:
+        return min(ONE_AT_A_TIME, key=lambda p: abs(reached[p] - target))
+    moved = {p: abs(middle(s) - base) for p, f, s in table if p and (f < 1.0) == weaker}
+    return max(able, key=lambda p: moved[p])
+
+
+def best(
+    calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
+) -> Calibration:
+    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target."""
+    if parameter != "auto":
+        return calibrate(calibrator, target, parameter, table)
+    found = calibrate(calibrator, target, choose(calibrator, table, target), table)
+    if found.verdict == "calibrated":
+        return found
+    other = calibrate(calibrator, target, "all", table)
+    return min(found, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
 
 
 def middle(search: Search) -> float:
@@ -181,12 +201,12 @@ def calibrate(
 ) -> Calibration:
     """The factor at which the critical Kh is within the tolerance of the target, by Brent's method on its logarithm.
 
-    Bracketed first by what is known of the parameter, then by the ends of the range. Only a search that ended in a
-    bracket counts as met.
+    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range. Only a search that
+    ended in a bracket counts as met.
     """
     settings = calibrator.settings
     low, high = settings.range or RANGE
-    tried: dict[float, Search] = {f: s for p, f, s in table if p in ("", parameter) and low <= f <= high}
+    tried = {f: s for (p, f), s in calibrator.searches.items() if p in ("", parameter) and low <= f <= high}
 
     def miss(log_factor: float) -> float:
         factor = float(np.exp(log_factor))
@@ -195,14 +215,14 @@ def calibrate(
         return 0.0 if _met(search, target, settings.tolerance) else gap
 
     ends = _bracket(tried, target)
-    if ends is None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
-        missing = [f for f in (low, high) if f not in tried]
-        for factor, search in zip(missing, calibrator.search_all([(parameter, f) for f in missing]), strict=True):
-            tried[factor] = search
+    for outwards in _outwards(middle(tried[1.0]) > target if 1.0 in tried else True, low, high, settings.workers):
+        if ends is not None or any(_met(s, target, settings.tolerance) for s in tried.values()):
+            break
+        tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
         ends = _bracket(tried, target)
     if ends is not None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
         known = {float(np.log(f)): middle(tried[f]) - target for f in ends}
-        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=1e-3, maxiter=20, disp=False)
+        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=0.01, maxiter=12, disp=False)
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     met = _met(tried[value], target, settings.tolerance)
     reach = [middle(s) for s in tried.values()]
@@ -216,6 +236,15 @@ def calibrate(
         target, settings.tolerance, parameter, value, (low, high), "calibrated" if met else "out of reach", reason,
         tried[value], tuple(table), tuple(tried.items()),
     )  # fmt: skip
+
+
+def _outwards(weaker: bool, low: float, high: float, count: int) -> Iterator[list[float]]:
+    """Halves, quarters, ... down to the low end of the range, or doubles up to the high one, so many at a time."""
+    end, factor = (low, 0.5) if weaker else (high, 2.0)
+    steps = [factor**k for k in range(1, 40) if low < factor**k < high]
+    steps.append(end)
+    for start in range(0, len(steps), count):
+        yield steps[start : start + count]
 
 
 def _met(search: Search, target: float, tolerance: float) -> bool:

@@ -15,7 +15,7 @@ from dem.settings import DemSettings
 from dem.side_by_side import StoppedError
 
 PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
-STRIDE = 0.1  # Kh between two trials before the first failure
+STRIDE = 0.08  # Kh of the first steps, or the power of two of the width that is nearest
 
 Answer = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 OnTrial = Callable[[Trial, DiscModel], None]
@@ -73,7 +73,8 @@ def critical_kh(
     on_trial: OnTrial | None = None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Search:
-    """The critical Kh of settled discs by bisection, every trial from the last state that stood.
+    """The critical Kh of settled discs: Kh rises by steps from one state that stands to the next, and a step that does
+    not hold is halved, down to the width of the bracket. Both ends are so reached from the same state.
 
     `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
     counts as one that does not stand, and the answer is undecided if it remains the upper end. stopped: asked at every
@@ -86,10 +87,10 @@ def critical_kh(
 
     search = Search()
     width = settings.resolution if resolution is None else resolution
+    step = width * 2.0 ** round(np.log2(STRIDE / width)) if width < STRIDE else width
     stood = settled.copy()
     kh = PROBE
-    upper: Trial | None = None
-    while upper is None or upper.kh - search.lower > width * (1.0 + 1e-9):
+    while True:
         if kh > settings.kh_limit:
             search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
             return search
@@ -104,20 +105,19 @@ def critical_kh(
             stood, search.lower = model, kh
             moved = displacement(model, settled, ground)
             search.curve.append((kh, moved))
-            search.flexibility = search.flexibility or abs(moved) / kh
+            if not search.flexibility:
+                search.flexibility = abs(moved) / kh
+                kh = step
+                continue
         elif not search.flexibility:
             search.upper, search.reason = kh, trial.reason
             search.verdict = "fails under its own weight"
             return search
+        elif step <= width * (1.0 + 1e-9):
+            break
         else:
-            upper, search.upper = trial, kh
-        kh = _next(search)
-    search.verdict = "bracketed" if upper.verdict == "fails" else "undecided"
-    search.reason = upper.reason
+            step *= 0.5
+        kh = search.lower + step if search.lower > PROBE else step
+    search.upper, search.reason = kh, trial.reason
+    search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
     return search
-
-
-def _next(search: Search) -> float:
-    if search.upper is None:
-        return float(np.ceil(search.lower / STRIDE + 1e-6) * STRIDE)
-    return 0.5 * (search.lower + search.upper)

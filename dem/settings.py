@@ -8,7 +8,7 @@ from meshes.quantity import Length
 from meshes.section import Model, Section
 
 TABLE2_STRATA = 10
-Parameter = Literal["stiffness", "friction", "pore_strength", "strength"]
+Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
 class DemSettings(Model):
@@ -41,10 +41,10 @@ class DemSettings(Model):
     kinetic: float = Field(default=1e-5, gt=0.0, description="stands: kinetic over stored energy, at most")
     growth: float = Field(default=3.0, gt=1.0, description="fails: displacement in elastic ones, at least")
     patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
-    parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "none"] = Field(
+    parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(
         default="auto",
         description="factor that calibration changes: on all stiffness, on friction, on stretch and cohesion of pore "
-        "springs, or on friction, cohesion and pore springs together; auto: by the sensitivities",
+        "springs, on both (strength), or on all of it; auto: by the sensitivities",
     )
     range: tuple[float, float] | None = Field(
         default=None, description="least and largest factor allowed, [0.1, 10.0] if not given"

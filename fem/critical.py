@@ -14,6 +14,7 @@ from fem import dolfinx_api as api
 from fem.continuation import Forces, NewtonSettings
 from fem.errors import UnstableError
 from fem.fields import State, state_of
+from fem.loads import GRAVITY, push, soils
 from fem.path import PathSettings, Step, Walk
 from fem.plane_strain import PlaneStrain
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
@@ -21,8 +22,6 @@ from fem.settings import Element, FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
 from meshes.section import Section, Stratum
-
-GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 
 # Elastic displacements under all of a load after which bringing it on is given up.
 LONGEST_LOADING = 10.0
@@ -97,30 +96,6 @@ def critical_coefficient(
         gravity_iterations=gravity_walk.solves,
         gravity_plastic_share=gravity_walk.steps[-1].plastic_share,
     )
-
-
-def push(section: Section, settings: FemSettings) -> int:
-    """+1 if the ground is pushed to the right, -1 if to the left."""
-    return downhill(section) * (1 if settings.direction == "downhill" else -1)
-
-
-def downhill(section: Section) -> int:
-    """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
-    return 1 if section.surface[0][1] >= section.surface[-1][1] else -1
-
-
-def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
-    """The strata with the flow rule that the settings ask for; raises InputError for one without strength."""
-    weak = [
-        f'strata {k} "{s.name}": cohesion and friction angle are both 0; expected some strength'
-        for k, s in enumerate(section.strata, start=1)
-        if s.cohesion == 0.0 and s.friction_angle == 0.0
-    ]
-    if weak:
-        raise InputError(section.name, weak)
-    if settings.flow == "associated":
-        return tuple(s.model_copy(update={"dilation_angle": s.friction_angle}) for s in section.strata)
-    return section.strata
 
 
 def is_associated(strata: Sequence[Stratum]) -> bool:

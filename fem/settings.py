@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from meshes.section import Model
 
@@ -43,3 +43,16 @@ class FemSettings(Model):
         default=(), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
     )
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
+
+
+class BoundsSettings(Model):
+    """Settings of limit analysis, a table [bounds]; sides, direction and vertical coefficient are those of [fem]."""
+
+    run: StrictBool = Field(default=False, description="true if `noshiro run` shall find them, too")
+    gap: float = Field(
+        default=0.02, ge=1e-4, le=1.0, description="(upper - lower) over their mean at which to stop, such as 0.02"
+    )
+    max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
+    davis: StrictBool = Field(
+        default=False, description="Davis's reduction of c and tan φ where ψ < φ: a proxy, and no bound"
+    )

@@ -1,4 +1,4 @@
-"""Free meshes: quadrilaterals of a wanted size in any section, conforming to every interface."""
+"""Free meshes of any section, conforming to every interface: quadrilaterals of a wanted size, or triangles."""
 
 from collections.abc import Mapping as MappingABC
 from itertools import pairwise
@@ -42,6 +42,16 @@ def build_free(
     option("Mesh.RecombinationAlgorithm", 0)
     option("Mesh.RecombineMinimumQuality", 0.3)  # a worse pair is better left as two triangles to divide
     option("Mesh.SubdivisionAlgorithm", 1)
+    gmsh.model.mesh.generate(2)
+
+
+def build_triangles(section: Section, size: float, sizes: MappingABC[str, float]) -> None:
+    """Mesh the section in the current gmsh model with triangles of about ``size`` (m), or ``sizes`` by stratum."""
+    surfaces, curves = _geometry(section)
+    _size_field(section, surfaces, curves, size, sizes, {}, 1.0)
+    gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: takes any geometry
     gmsh.model.mesh.generate(2)
 
 

@@ -243,11 +243,11 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
 
     cells, stratum, boundaries = [], [], {}
     for k, layer in enumerate(section.strata):
-        nodes = _group_nodes(2, layer.name, GMSH_QUADRILATERAL, 4)
+        nodes = group_nodes(2, layer.name, GMSH_QUADRILATERAL, 4)
         cells.append(nodes)
         stratum.append(np.full(len(nodes), k))
     for name in BOUNDARIES:
-        boundaries[name] = _group_nodes(1, name, GMSH_LINE, 2)
+        boundaries[name] = group_nodes(1, name, GMSH_LINE, 2)
     quads = np.concatenate(cells)
     used = np.unique(quads)
     points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
@@ -261,7 +261,7 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
     )
 
 
-def _group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:
+def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:
     """Node tags (n, corners) of a named group, in the order of its entities."""
     for group_dimension, tag in gmsh.model.getPhysicalGroups(dimension):
         if gmsh.model.getPhysicalName(group_dimension, tag) == name:

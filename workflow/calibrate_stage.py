@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.calibration import ONE_AT_A_TIME, Calibration, Calibrator, calibrate, changed, likeliest, sensitivities
+from dem.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.critical import Search
 from dem.element_table import element_tests
 from dem.equilibrium import Trial, settle, try_kh, unbalanced_ratio
@@ -25,7 +25,7 @@ from workflow.store import Store
 
 JOURNAL = "dem/trials.jsonl"
 STATES = {"before": "before calibration", "after": "calibrated"}
-BRENT = 6  # searches that finding the factor takes, more or less
+BRENT = 7  # searches that choosing the parameter and finding the factor takes, more or less
 
 
 @dataclass(frozen=True)
@@ -111,9 +111,7 @@ def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> C
 def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | None:
     if run.dem.parameter == "none":
         return None
-    table = sensitivities(calibrator)
-    parameter = likeliest(table, target) if run.dem.parameter == "auto" else run.dem.parameter
-    return calibrate(calibrator, target, parameter, table)
+    return best(calibrator, target, run.dem.parameter, sensitivities(calibrator))
 
 
 def _states(

@@ -192,6 +192,14 @@ class Sheet:
             self.figure.savefig(path, format="png")
 
 
+def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
+    """Indices of points about evenly spread over the window, one for each box of a grid."""
+    box = (window.right - window.left) / across
+    cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
+    _, first = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_index=True)
+    return first
+
+
 def legend_columns(handles: Sequence[Artist]) -> int:
     """How many columns of a legend fit side by side: three, or fewer where labels are long."""
     longest = max(len(str(handle.get_label()).encode()) for handle in handles)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from fem.fields import State, slip_surface
 from meshes.quadrilaterals import QuadMesh
-from workflow.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render
+from workflow.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
 from workflow.fem_results import FemResults
 from workflow.figures import foot, unstructured
 from workflow.settings import Input
@@ -86,7 +86,7 @@ def _views(mesh: QuadMesh, state: State) -> Views:
     def arrows(plotter: pv.Plotter) -> None:
         plotter.add_mesh(grid, color="#efece4", lighting=False)
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
-        every = _spread(mesh.points, window)
+        every = spread(mesh.points, window)
         points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
         points["u"] = np.column_stack([state.displacement[every] * stretch, np.zeros(len(every))])
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
@@ -127,14 +127,6 @@ def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
     lines = [line for text in notes for line in textwrap.wrap(text, NOTE_CHARACTERS)]
     sheet.figure.text(0.52, top, "\n".join(lines), fontsize=7.5, color=INK, va="top")
     return sheet
-
-
-def _spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
-    """Indices of points about evenly spread over the window, one for each box of a grid."""
-    box = (window.right - window.left) / across
-    cells = np.floor((points - [window.left, window.bottom]) / box).astype(np.int64)
-    _, first = np.unique(cells[:, 0] * 100_000 + cells[:, 1], return_index=True)
-    return first
 
 
 def nice_number(value: float) -> float:

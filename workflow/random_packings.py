@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.calibration import Calibrator, calibrate, likeliest, sensitivities
+from dem.calibration import Calibrator, best, sensitivities
 from dem.equilibrium import Trial, settle
 from dem.ground import Ground, ground_of, springs_of
 from dem.liquefaction import Row, Slide, Slider
@@ -44,9 +44,9 @@ def random_table(
             ground, layers, settled, dem, known=journal.known(), on_search=journal.add,
             on_trial=partial(_tried, told),
         )  # fmt: skip
-        table = sensitivities(calibrator) if parameter == "auto" else [("", 1.0, calibrator.search("", 1.0, 2))]
-        parameter = likeliest(table, target) if parameter == "auto" else parameter
-        found = calibrate(calibrator, target, parameter, table)
+        table = sensitivities(calibrator) if parameter == "auto" else [("", 1.0, calibrator.search("", 1.0))]
+        found = best(calibrator, target, parameter, table)
+        parameter = found.parameter
         seeds.append(
             {
                 "seed": seed,

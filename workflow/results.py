@@ -54,6 +54,8 @@ class Results:
             key: job.store.read_json(file) if stage in ends and file in ends[stage].files else None
             for key, (stage, file) in FILES.items()
         }
+        if answers["bounds"] is not None and answers["bounds"]["verdict"] == "no bracket":
+            answers["bounds"] = None
         return cls(job.run, job.store, ends, missing, **answers)
 
     def no_answer(self, stage: str) -> Entry | None:

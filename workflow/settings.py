@@ -11,7 +11,7 @@ import tomli_w
 from pydantic import Field, StrictBool, model_validator
 
 from dem.settings import DemSettings, SlideSettings
-from fem.settings import FemSettings
+from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import MeshSettings
 from meshes.section import Model, Section, read_toml
@@ -65,6 +65,7 @@ class Input(Section):
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
+    bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
     dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
     slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
     variants: VariantSettings = Field(

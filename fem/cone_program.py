@@ -1,0 +1,192 @@
+"""The second-order cone program behind both bounds, and its solution by Clarabel (Goulart & Chen 2024).
+
+Both bounds are one problem, seen from two sides. Stresses at corners k, [xx, yy, xy], balance the loads,
+
+    max λ  such that  Gᵀ σ = b0 + λ b1,  |((σxx - σyy)/2, σxy)| <= c cos φ - sin φ (σxx + σyy)/2,
+
+and its dual works with rates x and strain rates ε = G x, [xx, yy, engineering xy],
+
+    min D(ε) - b0·x  such that  b1·x = 1,  εxx + εyy >= sin φ |(εxx - εyy, εxy)|,
+
+where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. Corners may
+have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel
+solves the second one, which is the smaller, and gives the stress as its multipliers.
+"""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import clarabel
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+# Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh.
+SOLVER_GAP = 5e-6
+MOST_ITERATIONS = 120
+MOST_CORRECTIONS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class ConeProgram:
+    """``strain`` is G (3 k, n); ``cohesion``, ``friction``, ``weight`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
+
+    Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one;
+    where φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
+    """
+
+    strain: sparse.csr_matrix
+    cohesion: np.ndarray
+    friction: np.ndarray
+    weight: np.ndarray
+    fixed: np.ndarray
+    live: np.ndarray
+    stress_margin: np.ndarray | float = 0.0
+    strain_margin: np.ndarray | float = 0.0
+    strain_share: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What the solver left: multiplier, rates (n,), stress (k, 3), its word, iterations and seconds.
+
+    ``ended`` is empty where it met its tolerances. ``none`` says that it showed there to be no solution:
+    "no stress" balances the loads, whatever the multiplier, or "no mechanism" lets the live load do work.
+    """
+
+    multiplier: float
+    rates: np.ndarray
+    stress: np.ndarray
+    ended: str
+    none: str
+    iterations: int
+    seconds: float
+
+
+def solve(program: ConeProgram) -> Solution:
+    """The stress and the rates of a program. Raises KeyboardInterrupt between iterations."""
+    corners, n = len(program.cohesion), len(program.live)
+    clay = np.flatnonzero(program.friction == 0.0)
+    cost, matrix, offset, cones = _assembled(program, clay)
+    solver = clarabel.DefaultSolver(
+        sparse.csc_matrix((len(cost), len(cost))), cost, matrix.tocsc(), offset, cones, _settings()
+    )
+    with _stops_at_interrupt(solver):
+        found = solver.solve()
+    status = str(found.status)
+    z = np.asarray(found.z)
+    stress = _stress(program, z[1 : 1 + len(clay)], z[1 + len(clay) :].reshape(corners, 3), clay)
+    none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
+    return Solution(
+        multiplier=-float(z[0]),
+        rates=np.asarray(found.x)[:n],
+        stress=stress,
+        ended="" if status == "Solved" else status,
+        none=none,
+        iterations=found.iterations,
+        seconds=found.solve_time,
+    )
+
+
+@contextmanager
+def _stops_at_interrupt(solver: clarabel.DefaultSolver) -> Iterator[None]:
+    """Let Ctrl-C end the solver after the iteration it is in; left alone, it would finish first and lose the signal."""
+    asked = []
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, lambda *_: asked.append(True))
+    solver.set_termination_callback(lambda info: bool(asked))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if asked:
+        raise KeyboardInterrupt
+
+
+def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray, list]:
+    """Cost, matrix, right-hand side and cones of min cost·y with matrix y + s = offset, y the rates and, for each
+    corner of φ = 0, its dissipation over c."""
+    corners = len(program.cohesion)
+    sin, cos = np.sin(program.friction), np.cos(program.friction)
+    steeper = sin * (1.0 + program.strain_share)
+    across = _volumetric(corners) @ program.strain
+    radius = program.weight * (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
+    apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
+    cost = np.concatenate([across.T @ apex - program.fixed, radius[clay]])
+    extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
+    cone = sparse.hstack([_cone_map(steeper) @ program.strain, extra])
+    equal = sparse.vstack([sparse.csr_matrix(program.live), across[clay]])
+    equal = sparse.hstack([equal, sparse.csr_matrix((1 + len(clay), len(clay)))])
+    margin = np.zeros((corners, 3))
+    margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
+    offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel()])
+    cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners]
+    return cost, sparse.vstack([equal, -cone]).tocsr(), offset, cones
+
+
+def _volumetric(corners: int) -> sparse.csr_matrix:
+    """From strain rates (3 k,) to their volumetric part (k,)."""
+    rows = np.repeat(np.arange(corners), 2)
+    columns = (3 * np.arange(corners)[:, None] + [0, 1]).ravel()
+    return sparse.csr_matrix((np.ones(2 * corners), (rows, columns)), shape=(corners, 3 * corners))
+
+
+def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
+    """From strain rates (3 k,) to what lies in a cone: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy, xy]."""
+    corners = len(sin)
+    first = 3 * np.arange(corners)
+    much = np.where(sin > 0.0, sin, 1.0)
+    dilates = np.where(sin > 0.0, 1.0, 0.0)
+    rows = np.concatenate([first, first, first + 1, first + 1, first + 2])
+    columns = np.concatenate([first, first + 1, first, first + 1, first + 2])
+    values = np.concatenate([dilates, dilates, much, -much, much])
+    return sparse.csr_matrix((values, (rows, columns)), shape=(3 * corners, 3 * corners))
+
+
+def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray) -> np.ndarray:
+    """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
+    sin, cos = np.sin(program.friction), np.cos(program.friction)
+    radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
+    z = z / program.weight[:, None]
+    mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
+    mean[clay] = pressure / program.weight[clay]
+    much = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
+    half, shear = -much * z[:, 1], -much * z[:, 2]
+    return np.stack([mean + half, mean - half, shear], axis=1)
+
+
+def _settings() -> clarabel.DefaultSettings:
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_iter = MOST_ITERATIONS
+    settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_GAP
+    settings.presolve_enable = False
+    settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
+    return settings
+
+
+def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
+    """The shortest d with ``matrix`` d = ``residual`` as nearly as rounding allows; rows may depend on each other."""
+    rows = matrix.shape[0]
+    if rows == 0 or not np.any(residual):
+        return np.zeros(matrix.shape[1])
+    matrix = sparse.csr_matrix(matrix)
+    length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
+    scaled = sparse.diags(1.0 / np.where(length > 0.0, length, 1.0)) @ matrix
+    left = residual / np.where(length > 0.0, length, 1.0)
+    normal = (scaled @ scaled.T + 1e-10 * sparse.identity(rows)).tocsc()
+    factor = splu(normal, permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    found = np.zeros(matrix.shape[1])
+    missed = np.inf
+    for _ in range(MOST_CORRECTIONS):
+        rest = left - scaled @ found
+        if not np.abs(rest).max() < 0.5 * missed:  # no longer better, or no number
+            break
+        missed = np.abs(rest).max()
+        found += scaled.T @ factor.solve(rest)
+    return found

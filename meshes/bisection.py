@@ -1,0 +1,104 @@
+"""Longest-edge bisection of triangles (Rivara 1984): marked cells are divided, and as few others as conformity asks.
+
+No angle becomes smaller than half of the smallest of the first mesh (Rosenberg & Stenger 1975).
+"""
+
+import numpy as np
+
+from meshes.triangles import TriMesh
+
+
+def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with the cells in ``marked`` (numbers or a mask) bisected at their longest edges, and the number of the
+    old cell that each new one is a part of."""
+    longest = longest_edges(mesh)
+    cut = np.zeros(len(mesh.edges), dtype=bool)
+    cut[longest[marked]] = True
+    while True:  # a cell with a cut edge is first cut at its longest one
+        more = longest[cut[mesh.cell_edges].any(axis=1) & ~cut[longest]]
+        if not len(more):
+            break
+        cut[more] = True
+    return cut_edges(mesh, cut)
+
+
+def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with the cells round points (a mask) halved from there, where their angle exceeds ``widest`` (rad), and
+    the number of the old cell that each new one is a part of.
+
+    Bisection of the longest edges alone would never bring more cells to a point.
+    """
+    corners = mesh.points[mesh.cells]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    angle = np.arctan2(cross, np.sum(ahead * back, axis=-1))
+    cut = np.zeros(len(mesh.edges), dtype=bool)
+    cut[np.roll(mesh.cell_edges, -1, axis=1)[points[mesh.cells] & (angle > widest)]] = True
+    return cut_edges(mesh, cut)
+
+
+def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
+    """The mesh with edges (a mask) cut at their middles, every cell first at its longest one of these, and the number
+    of the old cell that each new one is a part of."""
+    rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
+    first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
+    middle = np.full(len(mesh.edges), -1)
+    middle[cut] = len(mesh.points) + np.arange(np.count_nonzero(cut))
+    points = np.vstack([mesh.points, mesh.points[mesh.edges[cut]].mean(axis=1)])
+    cells, parent = _divided(mesh, first, middle)
+    boundaries = {name: _divided_edges(ends, middle[mesh.edge_numbers(ends)]) for name, ends in mesh.boundaries.items()}
+    return TriMesh(points, cells, mesh.stratum[parent], boundaries), parent
+
+
+def longest_edges(mesh: TriMesh) -> np.ndarray:
+    """Number of the longest edge of every cell; of equal ones neighbours take the same."""
+    rank = _rank(mesh)[mesh.cell_edges]
+    return np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
+
+
+def _rank(mesh: TriMesh) -> np.ndarray:
+    """Place of every edge in the order of lengths; rounding does not decide which of two equal ones comes first."""
+    ends = mesh.points[mesh.edges]
+    length = np.sum((ends[:, 1] - ends[:, 0]) ** 2, axis=1)
+    order = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
+    place = np.empty(len(length), dtype=np.int64)
+    place[order] = np.arange(len(length))
+    return place
+
+
+def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cells and their parents after every cell was cut at its base edge and its halves at their own cut edges."""
+    at = np.argmax(mesh.cell_edges == base[:, None], axis=1)
+    rows = np.arange(len(mesh.cells))
+    a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
+    m, ma, mb = (middle[mesh.cell_edges[rows, (at + k) % 3]] for k in (0, 2, 1))  # on ab, ca, bc
+    whole = m < 0
+    cells, parent = [np.stack([a, b, c], axis=1)[whole]], [rows[whole]]
+    for first, second, third, half in ((c, a, m, ma), (b, c, m, mb)):
+        once, twice = ~whole & (half < 0), ~whole & (half >= 0)
+        cells.append(np.stack([first, second, third], axis=1)[once])
+        cells.append(np.stack([first, half, third], axis=1)[twice])
+        cells.append(np.stack([half, second, third], axis=1)[twice])
+        parent += [rows[once], rows[twice], rows[twice]]
+    return np.concatenate(cells), np.concatenate(parent)
+
+
+def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Edges (k, 2) of a boundary with those cut that have a middle."""
+    cut = middle >= 0
+    start, end, mid = ends[cut, 0], ends[cut, 1], middle[cut]
+    return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])
+
+
+def split_at_middle(mesh: TriMesh, stuck: np.ndarray) -> TriMesh:
+    """The mesh with every cell of a mask divided at its middle into three."""
+    if not stuck.any():
+        return mesh
+    centre = len(mesh.points) + np.arange(np.count_nonzero(stuck))
+    points = np.vstack([mesh.points, mesh.points[mesh.cells[stuck]].mean(axis=1)])
+    corners = mesh.cells[stuck]
+    parts = [np.column_stack([corners[:, k], corners[:, (k + 1) % 3], centre]) for k in range(3)]
+    cells = np.concatenate([mesh.cells[~stuck], *parts])
+    stratum = np.concatenate([mesh.stratum[~stuck], *[mesh.stratum[stuck]] * 3])
+    return TriMesh(points, cells, stratum, mesh.boundaries)

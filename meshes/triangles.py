@@ -1,0 +1,121 @@
+"""Triangles of a section for limit analysis: from gmsh, conforming to every interface, with named boundaries."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import gmsh
+import numpy as np
+
+from meshes.free import build_triangles
+from meshes.quadrilaterals import BadMeshError, group_nodes, model
+from meshes.section import BOUNDARIES, Section
+
+GMSH_TRIANGLE, GMSH_LINE = 2, 1
+
+
+@dataclass(frozen=True, eq=False)
+class TriMesh:
+    """Triangles: ``points`` (n, 2) in m, ``cells`` (m, 3) counter-clockwise, ``stratum`` (m,) an index.
+
+    ``boundaries`` holds the edges (k, 2) of every named boundary; edge j of a cell goes from its corner j to the next.
+    """
+
+    points: np.ndarray
+    cells: np.ndarray
+    stratum: np.ndarray
+    boundaries: dict[str, np.ndarray]
+
+    @cached_property
+    def areas(self) -> np.ndarray:
+        """Area (m²) of every cell, positive."""
+        a, b, c = (self.points[self.cells[:, k]] for k in range(3))
+        return 0.5 * ((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]))
+
+    @cached_property
+    def _numbered(self) -> tuple[np.ndarray, np.ndarray]:
+        ends = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=-1)
+        edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+        return edges, number.reshape(-1, 3)
+
+    @property
+    def edges(self) -> np.ndarray:
+        """The edges (e, 2), each once, its lower point first."""
+        return self._numbered[0]
+
+    @property
+    def cell_edges(self) -> np.ndarray:
+        """Number of the edges of every cell, (m, 3)."""
+        return self._numbered[1]
+
+    @cached_property
+    def edge_cells(self) -> np.ndarray:
+        """The cells on either side of every edge, (e, 2), the second -1 on the outline."""
+        order = np.argsort(self.cell_edges.ravel(), kind="stable")
+        edge, cell = self.cell_edges.ravel()[order], order // 3
+        first = np.concatenate([[True], edge[1:] != edge[:-1]])
+        sides = np.full((len(self.edges), 2), -1)
+        sides[:, 0] = cell[first]
+        sides[edge[~first], 1] = cell[~first]
+        return sides
+
+    @property
+    def six_nodes(self) -> np.ndarray:
+        """Nodes of quadratic triangles (m, 6): corners, then middles of edges, counted on from the points."""
+        return np.hstack([self.cells, len(self.points) + self.cell_edges])
+
+    @cached_property
+    def gradients(self) -> np.ndarray:
+        """Gradients (m, 3, 2) of the three area coordinates of every cell (1/m)."""
+        corners = self.points[self.cells]
+        opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
+        turned = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
+        return turned / (2.0 * self.areas)[:, None, None]
+
+    def edge_numbers(self, ends: np.ndarray) -> np.ndarray:
+        """Numbers of edges given by their end points (k, 2)."""
+        span = len(self.points)
+        key = np.sort(ends, axis=1) @ np.array([span, 1])
+        return np.searchsorted(self.edges @ np.array([span, 1]), key)
+
+    def moved(self, shift: np.ndarray, scale: float) -> "TriMesh":
+        """The same mesh with its points at ``(points - shift) / scale``."""
+        return TriMesh((self.points - shift) / scale, self.cells, self.stratum, self.boundaries)
+
+
+def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None) -> TriMesh:
+    """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name.
+
+    Raises BadMeshError if gmsh gives up or leaves a flat cell.
+    """
+    with model(section.name):
+        try:
+            build_triangles(section, size, sizes or {})
+        except Exception as error:  # gmsh raises plain Exception with its last error message
+            raise BadMeshError(f"gmsh gave up: {error}") from error
+        mesh = _from_gmsh(section)
+    worst = int(np.argmin(mesh.areas))
+    if mesh.areas[worst] <= 0.0:
+        x, z = mesh.points[mesh.cells[worst]].mean(axis=0)
+        raise BadMeshError(f"gmsh left a flat triangle near x = {x:.2f} m, z = {z:.2f} m")
+    return mesh
+
+
+def _from_gmsh(section: Section) -> TriMesh:
+    """The meshed gmsh model as arrays, its points numbered from 0 without gaps."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    parts = [group_nodes(2, layer.name, GMSH_TRIANGLE, 3) for layer in section.strata]
+    triangles = np.concatenate(parts)
+    used = np.unique(triangles)
+    points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
+    cells = np.searchsorted(used, triangles)
+    a, b, c = (points[cells[:, k]] for k in range(3))
+    clockwise = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) < (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    cells[clockwise] = cells[clockwise][:, ::-1]
+    return TriMesh(
+        points=points,
+        cells=cells,
+        stratum=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
+        boundaries={
+            name: np.searchsorted(used, group_nodes(1, name, GMSH_LINE, 2)).reshape(-1, 2) for name in BOUNDARIES
+        },
+    )

@@ -1,0 +1,111 @@
+"""`noshiro bounds` as a person types it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from matplotlib.image import imread
+
+from tests.sections import slope
+from workflow.cli import main
+
+TOP = Path(__file__).parents[2]
+SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
+
+
+def run(*arguments: object) -> int:
+    """The exit code of the command, in this process."""
+    try:
+        main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    return 0
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    data = slope()
+    data["strata"][0].update(changes)
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert run("bounds", written(tmp_path), "--out", out, *SMALL) == 0
+    answer = json.loads((out / "fem/bounds.json").read_text())
+    told = capsys.readouterr().out
+    assert f"{answer['lower']:.4f} <= Kh <= {answer['upper']:.4f}" in told
+    assert 0.0 < answer["lower"] < answer["upper"]
+    assert answer["gap"] <= 0.2
+    assert answer["verdict"] == "bracketed"
+    assert answer["sides"] == "fixed"
+    assert answer["davis"] is False
+    assert answer["residuals"]["lower"]["yield_slack"] >= 0.0
+    assert answer["residuals"]["upper"]["flow_slack"] >= 0.0
+    assert answer["cells"] == answer["history"][-1]["cells"]
+    assert answer["lower"] == max(one["lower"] for one in answer["history"] if one["lower"] is not None)
+    for name in ("bounds_mechanism", "bounds_stress", "bounds_mesh"):
+        assert imread(out / f"figures/{name}.png").shape[1] == 1600
+    assert not [path for path in out.rglob("*/.*") if path.is_file()]
+
+
+def test_davis_is_labelled_as_a_proxy_and_gives_less(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    assert run("bounds", path, "--out", tmp_path / "full", *SMALL) == 0
+    assert run("bounds", path, "--out", tmp_path / "davis", "--davis", *SMALL) == 0
+    full, davis = (json.loads((tmp_path / name / "fem/bounds.json").read_text()) for name in ("full", "davis"))
+    assert davis["davis"] is True
+    assert "proxy" in davis["flow"]
+    assert "proxy" not in full["flow"]
+    assert davis["upper"] < full["upper"]
+
+
+def test_the_limit_of_cells_ends_with_a_wide_bracket(tmp_path: Path) -> None:
+    options = ("--max-cells", "150", "--gap", "0.001", "--sides", "fixed")
+    assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *options) == 0
+    answer = json.loads((tmp_path / "out/fem/bounds.json").read_text())
+    assert answer["verdict"] == "wide"
+    assert "150 allowed" in answer["reason"]
+
+
+def test_settings_stand_in_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps({**slope(), "bounds": {"gap": 2.0}}))
+    assert run("bounds", path, "--out", tmp_path / "out") == 2
+    assert "bounds, gap = 2.0" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, cohesion="0.1 kPa", friction_angle="0 deg")
+    assert run("bounds", path, "--out", tmp_path / "out", *SMALL) == 3
+    assert "fails under its own weight" in capsys.readouterr().err
+
+
+def test_ctrl_c_stops_it(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "workflow.cli", "bounds", str(TOP / "meshes/s13.toml"), "--gap", "0.0001"]
+    done = subprocess.Popen(
+        [*command, "--out", str(tmp_path / "out")],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )  # fmt: skip
+    time.sleep(8.0)
+    assert done.poll() is None
+    done.send_signal(signal.SIGINT)
+    _, told = done.communicate(timeout=60)
+    assert done.returncode == 130
+    assert "Stopped." in told
+    assert not (tmp_path / "out/fem/bounds.json").exists()
+
+
+def test_it_needs_no_dolfinx() -> None:
+    code = "import sys; sys.modules.update(dolfinx=None, petsc4py=None, mpi4py=None); import workflow.bounds_stage"
+    subprocess.run([sys.executable, "-c", code], cwd=TOP, check=True, timeout=120)

@@ -1,0 +1,154 @@
+"""`noshiro calibrate` and `noshiro slide` on a small slope: what they leave, going on after a stop, same bits."""
+
+import csv
+import json
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import pyvista as pv
+import tomli_w
+from matplotlib.image import imread
+from PIL import Image
+
+from tests.command_line import line, run
+from tests.sections import layer
+
+SECTION: dict[str, Any] = {
+    "name": "small",
+    "title": "Small slope",
+    "surface": [[0.0, 8.0], [30.0, 7.0]],
+    "base": {"depth": 7.0},
+    "strata": [
+        layer("crust", bottom={"depth": 2.2}, cohesion="4 kPa", friction_angle="30 deg"),
+        layer("loose", bottom={"depth": 4.6}, cohesion="0 kPa", friction_angle="30 deg", liquefies_in=[1, 2]),
+        layer("firm", cohesion="20 kPa", friction_angle="35 deg"),
+    ],
+    "mesh": {"columns": 12, "rows": 5},
+    "fem": {"element": "bilinear", "kh": [0.1]},
+    "dem": {
+        "radius": "0.5 m", "stiffness_scale": 0.02, "kh": [0.1], "resolution": 0.02, "tolerance": 0.05,
+        "out_of_reach": "go on",
+    },
+    "slide": {"duration": 4.0, "frames": 4, "cases": [{"stiffness": 0.1}, {"stiffness": 0.03}]},
+}  # fmt: skip
+
+
+def written(folder: Path, **changes: dict[str, Any]) -> Path:
+    """The section as a file, with some settings changed."""
+    data = {
+        key: {**value, **changes.get(key, {})} if isinstance(value, dict) else value for key, value in SECTION.items()
+    }
+    path = folder / "small.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the slide was asked for, and so all before it has run."""
+    folder = tmp_path_factory.mktemp("dem")
+    assert run("slide", written(folder), "--out", folder / "out") == 0
+    return folder / "out"
+
+
+def answer(folder: Path, name: str) -> Any:
+    return json.loads((folder / "dem" / name).read_text())
+
+
+def test_the_model_and_the_bracket(whole: Path) -> None:
+    found = answer(whole, "critical.json")
+    assert found["model"]["packing"] == "box"
+    assert found["model"]["unbalanced_ratio"] < 1e-4
+    assert found["model"]["pore_springs"] > 2 * found["model"]["elements"]
+    for search in (found["before"], found["after"]):
+        assert search["verdict"] == "bracketed"
+        assert search["kc_upper"] - search["kc_lower"] <= 0.02 * (1.0 + 1e-9)
+        stood = [t["kh"] for t in search["trials"] if t["verdict"] == "stands"]
+        failed = [t["kh"] for t in search["trials"] if t["verdict"] == "fails"]
+        assert max(stood) == search["kc_lower"] < search["kc_upper"] == pytest.approx(min(failed))
+        assert all(t["unbalanced_ratio"] <= 4e-4 for t in search["trials"] if t["verdict"] == "stands")
+    assert {(state["set"], state["kh"]) for state in found["states"]} == {("before", 0.1), ("after", 0.1)}
+    assert found["slip_surface"]["mean_distance_m"] >= 0.0
+
+
+def test_the_calibration_meets_the_continuum_or_says_why_not(whole: Path) -> None:
+    found = answer(whole, "calibration.json")
+    target = json.loads((whole / "fem/critical.json").read_text())["kc"]
+    assert found["target_kc"] == target
+    if found["verdict"] == "calibrated":
+        assert abs(found["kc"] - target) <= 0.05
+    else:
+        assert "reaches critical Kh from" in found["reason"]
+    rows = {(row["parameter"], row["value"]) for row in found["sensitivity"]}
+    assert rows >= {(p, f) for p in ("stiffness", "friction", "pore_strength") for f in (0.5, 1.0, 2.0)}
+    assert any(trial["value"] == found["value"] for trial in found["trials"])
+    tests = {(test["stratum"], test["packing"]) for test in found["element_tests"]}
+    assert tests == {(s["name"], p) for s in SECTION["strata"] for p in ("lattice", "random")}
+
+
+def test_the_slides(whole: Path) -> None:
+    cases = answer(whole, "cases.json")["sets"]["calibrated"]
+    assert set(cases) == {"1", "2"}
+    assert cases["2"]["settlement_uphill_m"] > cases["1"]["settlement_uphill_m"] > 0.0
+    assert all(case["escaped"] == 0 for case in cases.values())
+    with (whole / "dem/history.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {(row["set"], row["case"]) for row in rows} == {("calibrated", n) for n in "012"}
+    last = [row for row in rows if row["case"] == "2"][-1]
+    assert float(last["slide_max_m"]) == pytest.approx(cases["2"]["slide_max_m"], rel=1e-5)
+    frames = sorted((whole / "dem/case2").glob("frame_*.vtp"))
+    assert len(frames) >= 3
+    grid = pv.read(frames[-1])
+    assert set(np.unique(grid.point_data["stratum"])) == {-1, 0, 1, 2}
+    assert "frame_000.vtp" in (whole / "dem/case2.pvd").read_text()
+
+
+def test_the_pictures(whole: Path) -> None:
+    names = ["dem_model", "dem_before_kh_0.10", "dem_after_kh_0.10", "case1", "case2", "history"]
+    for name in names:
+        assert imread(whole / "figures" / f"{name}.png").shape[1] == 1600
+    with Image.open(whole / "figures/case2.gif") as film:
+        assert film.n_frames >= 3
+
+
+def test_the_same_bits_with_any_number_of_workers(whole: Path, tmp_path: Path) -> None:
+    assert run("slide", written(tmp_path, dem={"workers": 1}), "--out", tmp_path / "out") == 0
+    for name in ("calibration.json", "cases.json", "history.csv"):
+        assert (tmp_path / "out/dem" / name).read_bytes() == (whole / "dem" / name).read_bytes()
+
+
+def test_killed_it_goes_on_to_the_same_answer(whole: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(whole, out)
+    for leftover in [*out.glob("dem/*.json"), *out.glob("dem/case*"), *out.glob("dem/slide*/*")]:
+        shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    command = line("slide", written(tmp_path), "--out", out, "--force")
+    for seconds in (4.0, 5.0):
+        running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(seconds)
+        running.send_signal(signal.SIGKILL)
+        running.wait()
+    assert run("slide", written(tmp_path), "--out", out) == 0
+    for name in ("calibration.json", "cases.json", "history.csv"):
+        assert (out / "dem" / name).read_bytes() == (whole / "dem" / name).read_bytes()
+
+
+def test_a_case_by_number(whole: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(whole, tmp_path / "out")
+    assert run("slide", written(tmp_path), "--out", tmp_path / "out", "--case", 2, "--force") == 0
+    assert set(answer(tmp_path / "out", "cases.json")["sets"]["calibrated"]) == {"2"}
+    assert run("slide", written(tmp_path), "--out", tmp_path / "out", "--case", 7) == 2
+
+
+def test_out_of_reach_is_no_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    narrow = {"parameter": "pore_strength", "range": [0.9, 1.1], "tolerance": 0.001, "out_of_reach": "stop"}
+    assert run("calibrate", written(tmp_path, dem=narrow), "--out", tmp_path / "out") == 3
+    told = capsys.readouterr()
+    assert "reaches critical Kh from" in " ".join((told.out + told.err).split())
+    assert answer(tmp_path / "out", "calibration.json")["verdict"] == "out of reach"
