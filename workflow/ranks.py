@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from fem import dolfinx_api
+from workflow.loading import interrupts_later
 
 
 class Ranks:
@@ -12,8 +13,9 @@ class Ranks:
 
     def __init__(self) -> None:
         """Raises InputError if there is no dolfinx."""
-        dolfinx_api.require()
-        from mpi4py import MPI
+        with interrupts_later():
+            dolfinx_api.require()
+            from mpi4py import MPI
 
         self.comm: Any = MPI.COMM_WORLD
         self.first = self.comm.rank == 0
