@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from fem import dolfinx_api
-from workflow.loading import interrupts_later
 
 
 class Ranks:
@@ -13,9 +12,8 @@ class Ranks:
 
     def __init__(self) -> None:
         """Raises InputError if there is no dolfinx."""
-        with interrupts_later():
-            dolfinx_api.require()
-            from mpi4py import MPI
+        dolfinx_api.require()
+        from mpi4py import MPI
 
         self.comm: Any = MPI.COMM_WORLD
         self.first = self.comm.rank == 0

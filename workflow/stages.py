@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from workflow.errors import NoAnswerError
-from workflow.loading import interrupts_later
 from workflow.progress import Progress, silent
 from workflow.ranks import Ranks
 from workflow.settings import Input
@@ -70,11 +69,10 @@ def _mesh_pictures(job: Job) -> bool:
 
 
 def _fem(job: Job) -> None:
-    ranks = job.ranks or Ranks()
-    with interrupts_later():
-        from workflow.fem_stage import fem_stage
-        from workflow.mesh_stage import stored_mesh
+    from workflow.fem_stage import fem_stage
+    from workflow.mesh_stage import stored_mesh
 
+    ranks = job.ranks or Ranks()
     mesh = stored_mesh(job.run, job.store)
     ranks.call()
     fem_stage(job.run, mesh, job.store, ranks.comm, job.progress)
