@@ -80,7 +80,7 @@ def _continuum(results: Results, fem: dict[str, Any]) -> Iterator[tuple[str, str
 def _bounds(results: Results, bounds: dict[str, Any]) -> str:
     """Whether the critical Kh of the FEM lies inside, where it is one of the same conditions."""
     run = results.run
-    told = f"{bounds['words']} ({bounds['sides']} sides; {bounds['flow']})."
+    told = f"{bounds['words']} ({bounds['sides']} sides; {bounds['flow'].rstrip('.')})."
     same = run.fem.flow == "associated" and run.fem.sides == bounds["sides"] and not bounds["davis"]
     if results.kc is None or not same:
         return told + " The FEM's critical Kh above is for other conditions (flow or sides), and is not judged by it."

@@ -1,7 +1,7 @@
 """A run: the stages one after the other, each from the input to the files it leaves behind."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
@@ -13,6 +13,7 @@ from fem.errors import UnstableError
 from meshes.errors import InputError
 from meshes.quadrilaterals import BadMeshError
 from workflow.errors import NoAnswerError
+from workflow.interrupts import remembered
 from workflow.lock import locked
 from workflow.log import Log
 from workflow.plan import Choice, Step, made_from, plan
@@ -42,6 +43,27 @@ class Listener(Protocol):
         """A stage does not run."""
 
 
+class Heeding:
+    """A listener that raises KeyboardInterrupt at any sign of progress after a Ctrl-C that was swallowed."""
+
+    def __init__(self, listener: Listener, check: Callable[[], None]) -> None:
+        self.listener, self.check = listener, check
+        self.skip = listener.skip
+
+    def begin(self, step: Step) -> Progress:
+        progress = self.listener.begin(step)
+
+        def tell(line: str, share: float | None) -> None:
+            self.check()
+            progress(line, share)
+
+        return tell
+
+    def end(self, step: Step, entry: Entry) -> None:
+        self.listener.end(step, entry)
+        self.check()
+
+
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     """Do what has to be done, with the folder locked; ``what`` is the command, for the log.
 
@@ -55,8 +77,9 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         log.begin(what)
         failures: dict[str, Exception] = {}
         try:
-            for step in steps:
-                _take(step, job, record, listener, log, failures)
+            with remembered() as check:
+                for step in steps:
+                    _take(step, job, record, Heeding(listener, check), log, failures)
         except BaseException as error:
             log.stop(error)
             raise

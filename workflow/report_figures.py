@@ -3,7 +3,9 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from workflow import accelerogram
 from workflow.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
@@ -125,7 +127,9 @@ def _calibration(results: Results, name: str) -> bool:
         colour, marker = shades[k % len(shades)], "osD^v<>p"[k % 8]
         axes.plot(*np.array(rows).reshape(-1, 2).T, color=colour, marker=marker, markersize=4, linewidth=1.1)
         handles.append(_handle(colour, marker, parameter))
-    axes.set_ylim(bottom=0.0)
+    highest = max((row["kc"] for row in answer["sensitivity"] if row["kc"]), default=1.0)
+    axes.set_ylim(0.0, 1.1 * highest)
+    _factors(axes)
     axes = sheet.plot(1, f"{answer['parameter']} (-)", "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}")
     for trial in answer["trials"]:
         if trial["kc"] is not None:
@@ -133,6 +137,7 @@ def _calibration(results: Results, name: str) -> bool:
             axes.errorbar(
                 trial["value"], trial["kc"], [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2
             )
+    _factors(axes)
     target, within = answer["target_kc"], answer["tolerance"]
     axes.axhspan(target - within, target + within, color=CRITICAL, alpha=0.15, linewidth=0)
     axes.axhline(target, color=CRITICAL, linewidth=1.0)
@@ -143,6 +148,14 @@ def _calibration(results: Results, name: str) -> bool:
     with results.store.writing(name) as file:
         sheet.save(file)
     return True
+
+
+def _factors(axes: Axes) -> None:
+    """An axis of factors, alike for halves and doubles."""
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _block(results: Results, name: str) -> bool:

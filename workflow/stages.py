@@ -100,15 +100,11 @@ def _variants(job: Job) -> None:
 
 
 def _bounds(job: Job) -> None:
-    in_words = _function("workflow.bounds_stage", "in_words")
-    stage = _function("workflow.bounds_stage", "bounds_stage")
-    answer = stage(job.run, job.store, lambda found: job.progress(in_words(found), None))
-    if answer["verdict"] == "no bracket":
-        raise NoAnswerError(answer["reason"].rstrip("."), "allow more cells with bounds.max_cells")
+    _function("workflow.bounds_stage", "bounds_stage")(job.run, job.store, job.progress)
 
 
 def _bounds_wanted(run: Input) -> bool:
-    return bool(getattr(getattr(run, "bounds", None), "run", False))
+    return run.bounds.run
 
 
 def _calibrate(job: Job) -> None:

@@ -100,10 +100,10 @@ def test_without_dolfinx_it_says_how_to_get_it(
 ) -> None:
     ordinary = builtins.__import__
 
-    def importing(name: str, *more: Any) -> Any:
+    def importing(name: str, *more: Any, **rest: Any) -> Any:
         if name.split(".")[0] == "dolfinx":
             raise ImportError("No module named 'dolfinx'")
-        return ordinary(name, *more)
+        return ordinary(name, *more, **rest)
 
     monkeypatch.setattr(builtins, "__import__", importing)
     assert run("fem", written(tmp_path), "--out", tmp_path / "out", *SMALL) == 2

@@ -1,0 +1,33 @@
+"""Ctrl-C that is not lost: compiled libraries swallow one that comes while they load or compile something."""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def remembered() -> Iterator[Callable[[], None]]:
+    """Yields what raises KeyboardInterrupt if there was a Ctrl-C in this block and nobody heeded it.
+
+    Ctrl-C itself raises KeyboardInterrupt as ever. Nothing is changed where the program is to ignore it.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
+        yield lambda: None
+        return
+    came: list[int] = []
+
+    def note(number: int, _frame: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    def check() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
