@@ -20,7 +20,7 @@ from dem.model import DiscModel
 from dem.settings import Case, SlideSettings
 from dem.slip import cracked_count
 from dem.springs import LayerSprings
-from dem.surface import THIRDS, Surface, crack_opening, escaped
+from dem.surface import Surface, crack_opening, escaped
 
 STEP = 0.3  # of the stable step
 FADE = 20  # steps in which springs change at an onset that takes time
@@ -71,7 +71,7 @@ class Slide:
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
         """The numbers of a case. alone: the same ground under Kh alone, to tell sliding from giving way."""
         last = asdict(self.rows[-1])
-        kept = {key: last[f"{key}"] for key in last if key.startswith(("settlement", "slide", "crack_"))}
+        kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {
             **kept,
             "slide_max_at_x_m": self.slide_max_at_x_m,
@@ -229,9 +229,3 @@ class Slider:
             self.quiet = state["quiet"]
             self.slide.reason, self.slide.settled = state["reason"], state["settled"]
         return model
-
-
-def by_thirds(row: Row) -> dict[str, tuple[float, float]]:
-    """Settlement and slide (m) of the uphill, middle and downhill third."""
-    values = asdict(row)
-    return {name: (values[f"settlement_{name}_m"], values[f"slide_{name}_m"]) for name in THIRDS}
