@@ -222,7 +222,7 @@ def calibrate(
         ends = _bracket(tried, target)
     if ends is not None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
         known = {float(np.log(f)): middle(tried[f]) - target for f in ends}
-        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=0.01, maxiter=12, disp=False)
+        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=0.003, maxiter=12, disp=False)
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     met = _met(tried[value], target, settings.tolerance)
     reach = [middle(s) for s in tried.values()]
