@@ -42,14 +42,8 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
 def write_collection(store: Store, name: str) -> None:
     """dem/<name>.pvd over the frames of a case, with their times."""
     files = store.matching([f"dem/{name}/frame_*.vtp"])
-    entries = "".join(
-        f'    <DataSet timestep="{float(pv.read(store.folder / file).field_data["seconds"][0])!r}" '
-        f'file="{file.removeprefix("dem/")}"/>\n'
-        for file in files
-    )
-    if entries:
-        store.write_text(
-            f"dem/{name}.pvd",
-            f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n{entries}'
-            "  </Collection>\n</VTKFile>\n",
-        )
+    states = [
+        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix("dem/")) for file in files
+    ]
+    if states:
+        store.write_collection(f"dem/{name}.pvd", states)

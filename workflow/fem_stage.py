@@ -109,12 +109,7 @@ def write_fields(run: Input, mesh: QuadMesh, states: list[State], store: Store) 
         grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
         figures.add_texts(grid, "state", [state.label])
         store.write_grid(f"fem/{fields_file(number)}", grid)
-        entries.append(f'    <DataSet timestep="{state.kh!r}" file="{fields_file(number)}"/>\n')
-    collection = "".join(entries)
-    store.write_text(
-        COLLECTION,
-        f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n{collection}'
-        "  </Collection>\n</VTKFile>\n",
-    )
+        entries.append((state.kh, fields_file(number)))
+    store.write_collection(COLLECTION, entries)
     kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
     store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))

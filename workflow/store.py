@@ -67,6 +67,15 @@ class Store:
             path.write_text(text, encoding="utf-8")
         return self.folder / name
 
+    def write_collection(self, name: str, states: Sequence[tuple[float, str]]) -> Path:
+        """Write a .pvd for ParaView: of each state its time, or what stands for it, and its file beside the .pvd."""
+        entries = "".join(f'    <DataSet timestep="{time!r}" file="{file}"/>\n' for time, file in states)
+        return self.write_text(
+            name,
+            f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n{entries}'
+            "  </Collection>\n</VTKFile>\n",
+        )
+
     def write_json(self, name: str, data: Any) -> Path:
         """Write a JSON file, with null for what JSON has no number for; returns its path."""
         return self.write_text(name, json.dumps(_finite(data), indent=1, allow_nan=False) + "\n")

@@ -13,20 +13,10 @@ import pytest
 import tomli_w
 from matplotlib.image import imread
 
+from tests.command_line import TOP, run
 from tests.sections import slope
-from workflow.cli import main
 
-TOP = Path(__file__).parents[2]
 SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
-
-
-def run(*arguments: object) -> int:
-    """The exit code of the command, in this process."""
-    try:
-        main([str(argument) for argument in arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    return 0
 
 
 def written(folder: Path, **changes: Any) -> Path:
