@@ -99,7 +99,7 @@ class SlideSettings(Model):
     onset: float = Field(
         default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"
     )
-    kinetic: float = Field(default=1e-4, gt=0.0, description="settled: kinetic over stored energy, at most")
+    kinetic: float = Field(default=5e-4, gt=0.0, description="settled: kinetic over stored energy, at most")
     velocity: float = Field(default=0.01, gt=0.0, description="settled: speed of the surface (m/s), at most")
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
