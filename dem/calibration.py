@@ -17,7 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from dem.critical import OnTrial, Search, critical_kh
-from dem.equilibrium import NotSettledError, settle
+from dem.equilibrium import settle
+from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import DemSettings, Parameter
@@ -139,7 +140,7 @@ class Calibrator:
                 resolution=min(self.settings.resolution, 0.5 * self.settings.tolerance), on_trial=self.on_trial,
                 stopped=self.stop.is_set,
             )  # fmt: skip
-        except NotSettledError as error:
+        except DemError as error:  # critical_kh hands none on: the discs did not settle
             found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
         with self.lock:
             self.searches[key] = found

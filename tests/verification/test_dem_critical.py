@@ -145,3 +145,13 @@ def test_an_interrupted_search_stops() -> None:
     calibrator.stop.set()
     with pytest.raises(StoppedError):
         calibrator.search_all([("", 1.0), ("friction", 0.5)])
+
+
+def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:
+    """Discs so soft that they are pushed through each other fail under their own weight, and calibration goes on."""
+    packing = lattice_box(10, 8, RADIUS)
+    ground = Ground(packing, "box", RADIUS, 8, 0.0, (0.0, 0.0), 1)
+    soil = replace(SOIL, kn=2.0e6, ks=5.0e5, cn=8e4, ct=4e4, kpn=0.0, kps=0.0)
+    model = settle(ground, [soil], SETTINGS)
+    calibrator = Calibrator(ground, [soil], model, SETTINGS)
+    assert calibrator.search("stiffness", 0.02).verdict == "fails under its own weight"
