@@ -129,16 +129,17 @@ class Calibrator:
             return self.settled
         return settle(self.ground, changed(self.layers, parameter, factor), self.settings)
 
-    def search(self, parameter: str, factor: float, threads: int = 1) -> Search:
-        """The critical Kh with a factor on a parameter."""
+    def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
+        """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less."""
         key = (parameter, factor) if factor != 1.0 else ("", 1.0)
         if key in self.searches:
             return self.searches[key]
+        width = self.settings.resolution
         try:
             found = critical_kh(
                 self.settled_with(parameter, factor), self.ground, self.settings, threads=threads,
-                resolution=min(self.settings.resolution, 0.5 * self.settings.tolerance), on_trial=self.on_trial,
-                stopped=self.stop.is_set,
+                resolution=min(width, 0.5 * self.settings.tolerance) if fine else width,
+                on_trial=self.on_trial, stopped=self.stop.is_set,
             )  # fmt: skip
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
@@ -148,15 +149,16 @@ class Calibrator:
                 self.on_search(*key, found)
         return found
 
-    def search_all(self, wanted: Sequence[Key]) -> list[Search]:
+    def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
         """Several searches at a time. On an interrupt all of them stop at their next look."""
-        return side_by_side([partial(self.search, *key) for key in wanted], self.settings.workers, self.stop)
+        jobs = [partial(self.search, *key, fine=fine) for key in wanted]
+        return side_by_side(jobs, self.settings.workers, self.stop)
 
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
     """The critical Kh with each parameter halved and doubled, one at a time."""
     wanted = [("", 1.0), *((p, f) for p in ONE_AT_A_TIME for f in SENSITIVITIES)]
-    found = calibrator.search_all(wanted)
+    found = calibrator.search_all(wanted, fine=False)
     return [(p, f, search) for (p, f), search in zip(wanted, found, strict=True)]
 
 

@@ -74,7 +74,8 @@ def critical_kh(
     stopped: Callable[[], bool] = lambda: False,
 ) -> Search:
     """The critical Kh of settled discs: Kh rises by steps from one state that stands to the next, and a step that does
-    not hold is halved, down to the width of the bracket. Both ends are so reached from the same state.
+    not hold is halved, down to the width of the bracket. A Kh that failed is only tried again from a width below it, so
+    that both ends of the bracket are reached from the same state.
 
     `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
     counts as one that does not stand, and the answer is undecided if it remains the upper end. stopped: asked at every
@@ -89,7 +90,7 @@ def critical_kh(
     width = settings.resolution if resolution is None else resolution
     step = width * 2.0 ** round(np.log2(STRIDE / width)) if width < STRIDE else width
     stood = settled.copy()
-    kh = PROBE
+    kh, failed = PROBE, float("inf")
     while True:
         if kh > settings.kh_limit:
             search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
@@ -105,10 +106,9 @@ def critical_kh(
             stood, search.lower = model, kh
             moved = displacement(model, settled, ground)
             search.curve.append((kh, moved))
-            if not search.flexibility:
-                search.flexibility = abs(moved) / kh
-                kh = step
-                continue
+            search.flexibility = search.flexibility or abs(moved) / kh
+            if kh > failed * (1.0 - 1e-9):
+                failed = float("inf")
         elif not search.flexibility:
             search.upper, search.reason = kh, trial.reason
             search.verdict = "fails under its own weight"
@@ -116,8 +116,11 @@ def critical_kh(
         elif step <= width * (1.0 + 1e-9):
             break
         else:
+            failed = kh
+        stands = search.lower if search.lower > PROBE else 0.0
+        while step > width * (1.0 + 1e-9) and stands + step > failed * (1.0 - 1e-9):
             step *= 0.5
-        kh = search.lower + step if search.lower > PROBE else step
+        kh = stands + step
     search.upper, search.reason = kh, trial.reason
     search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
     return search

@@ -5,6 +5,8 @@ a critical Kh, from which a stopped run goes on), critical.json, calibration.jso
 """
 
 from dataclasses import asdict, dataclass
+from functools import partial
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,10 @@ import numpy as np
 from dem.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.critical import Search
 from dem.element_table import element_tests
-from dem.equilibrium import Trial, settle, try_kh, unbalanced_ratio
+from dem.equilibrium import Rest, Trial, settle, try_kh, unbalanced_ratio
 from dem.ground import Ground, ground_of, springs_of
 from dem.model import DiscModel
+from dem.side_by_side import StoppedError, side_by_side
 from dem.slip import compare, cracked_shares, slip_surface
 from dem.springs import LayerSprings
 from workflow.errors import NoAnswerError
@@ -54,10 +57,8 @@ def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
     calibrated = calibrator.settled_with(parameter, value)
     _save(store, "dem/calibrated.h5", calibrated)
     progress("states of the discs at the recorded Kh", None)
-    states, failing = [], {}
-    for name, start, search in (("before", discs.settled, base), ("after", calibrated, after)):
-        states += _states(run, store, discs.ground, name, start, search)
-        failing[name] = _failing(run, store, discs.ground, name, start, search)
+    sets = {"before": (discs.settled, base), "after": (calibrated, after)}
+    states, failing = _states(run, store, discs.ground, sets)
     _write(run, store, discs, base, after, found, states, {**failing, "fem": _fem_surface(fem)})
     if found is not None and run.dem.element_tests:
         progress("element tests of the discs of every layer", None)
@@ -115,38 +116,38 @@ def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | N
 
 
 def _states(
-    run: Input, store: Store, ground: Ground, name: str, start: DiscModel, search: Search
-) -> list[dict[str, Any]]:
-    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail."""
-    found = []
-    for kh in run.dem.kh:
+    run: Input, store: Store, ground: Ground, sets: dict[str, tuple[DiscModel, Search]]
+) -> tuple[list[dict[str, Any]], dict[str, np.ndarray]]:
+    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
+    surface of every set at the upper end of its bracket.
+    """
+    recorded = [(name, kh, f"{kh:g}") for name in sets for kh in run.dem.kh]
+    ends = [(name, s.upper, "failing") for name, (_, s) in sets.items() if s.upper is not None and s.flexibility]
+    stop = Event()
+
+    def watch(_: Rest) -> None:
+        if stop.is_set():
+            raise StoppedError
+
+    def reached(name: str, kh: float, label: str) -> dict[str, Any]:
+        start, search = sets[name]
         model = start.copy()
-        trial = try_kh(model, start, ground, run.dem, 0.0, kh, search.flexibility, run.dem.workers)
-        file = f"dem/state_{name}_{kh:g}.h5"
+        trial = try_kh(model, start, ground, run.dem, 0.0, kh, search.flexibility, watch=watch)
+        file = f"dem/state_{name}_{label}.h5"
         _save(store, file, model)
-        free = ~model.fixed
-        far = np.hypot(model.x - start.x, model.z - start.z)[free]
-        found.append(
-            {
-                "set": name,
-                **trial.as_json(),
-                "file": file,
-                "cracked_share_by_stratum": cracked_shares(model),
-                "slip_surface": slip_surface(model, start, ground).tolist(),
-                "largest_displacement_m": float(far.max()),
-            }
-        )
-    return found
+        far = np.hypot(model.x - start.x, model.z - start.z)[~model.fixed]
+        return {
+            "set": name,
+            **trial.as_json(),
+            "file": file,
+            "cracked_share_by_stratum": cracked_shares(model),
+            "slip_surface": slip_surface(model, start, ground).tolist(),
+            "largest_displacement_m": float(far.max()),
+        }
 
-
-def _failing(run: Input, store: Store, ground: Ground, name: str, start: DiscModel, search: Search) -> np.ndarray:
-    """The slip surface at the upper end of the bracket."""
-    if search.upper is None or not search.flexibility:
-        return np.zeros((0, 2))
-    model = start.copy()
-    try_kh(model, start, ground, run.dem, 0.0, search.upper, search.flexibility, run.dem.workers)
-    _save(store, f"dem/state_{name}_failing.h5", model)
-    return slip_surface(model, start, ground)
+    found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], run.dem.workers, stop)
+    failing = {state["set"]: np.array(state["slip_surface"]).reshape(-1, 2) for state in found[len(recorded) :]}
+    return found[: len(recorded)], failing
 
 
 def _fem_surface(fem: dict[str, Any]) -> np.ndarray:
