@@ -34,6 +34,7 @@ from dem.layout import (
     LANES,
     LENGTH,
     LINK,
+    LINK_FIELDS,
     PORE,
     RADII,
     SHEAR,
@@ -47,6 +48,7 @@ from dem.layout import (
     X,
     Z,
 )
+from dem.prefetch import LINE, fetch
 
 # Scratch rows of 64 doubles: the partners' first eight fields, the constants, three sums of forces.
 CONSTANT = np.uint64(8 * LANES)
@@ -56,6 +58,8 @@ R_KN, R_KS, R_CN, R_CT, R_MU, R_KPN, R_KPS, R_TAN, R_BC, R_BETA, R_ALLOWED, R_FK
     np.uint64((8 + k) * LANES) for k in (KN, KS, CN, CT, MU, KPN, KPS, TAN, BC, BETA, ALLOWED, FKS, FKPS)
 )
 ROW = np.uint64(LANES)
+ONE = np.uint64(1)
+AHEAD = 3  # chunks: as many as a slice mostly has
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
 # (-nz, nx) from that point.
@@ -89,12 +93,22 @@ def load_constants(kind: int, kinds: np.ndarray, first: int, table: np.ndarray, 
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_partners(partner: np.ndarray, first: int, discs: np.ndarray, scratch: np.ndarray) -> None:
-    """Position and velocities of 64 partners, in rows."""
+def load_partners(chunk: int, layout: Layout, scratch: np.ndarray) -> None:
+    """Position and velocities of 64 partners, in rows, while the memory fetches what a later chunk will need.
+
+    One line of its contacts and one of its partners at a time: a core waits once it has asked for a few dozen lines.
+    Eight partners in a row mostly share their lines.
+    """
+    first = np.uint64(chunk) * ROW
+    later = min(np.uint64(chunk + AHEAD), np.uint64(layout.chunk_start[-1] - 1)) * ROW
     for lane in range(LANES):
-        disc = np.uint64(partner[first + np.uint64(lane)])
+        q = np.uint64(lane)
+        row_ahead = q & (LINE - ONE)
+        fetch(layout.links, later * np.uint64(LINK_FIELDS) + q * LINE)
+        fetch(layout.discs, np.uint64(layout.partner[later + q - row_ahead]) + row_ahead * ROW)
+        disc = np.uint64(layout.partner[first + q])
         for row in range(8):
-            scratch[np.uint64(row) * ROW + np.uint64(lane)] = discs[disc + np.uint64(row) * ROW]
+            scratch[np.uint64(row) * ROW + q] = layout.discs[disc + np.uint64(row) * ROW]
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")

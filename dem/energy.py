@@ -181,7 +181,7 @@ def energies(
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             first = np.uint64(chunk) * ROW
             load_constants(layout.chunk_kind[chunk], layout.kinds, first, table, scratch)
-            load_partners(layout.partner, first, layout.discs, scratch)
+            load_partners(chunk, layout, scratch)
             for lane in range(LANES):
                 fx, fz, fr = contact_energy(
                     np.uint64(p) * DISC, np.uint64(chunk) * LINK, np.uint64(lane), layout, scratch, last_dt, floor,

@@ -13,6 +13,7 @@ from dem.layout import (
     place_incoming,
     place_links,
 )
+from dem.memory import large_zeros
 from dem.model import MEMORY, DiscModel
 
 FAR = 1e15  # m: where lanes without a disc are
@@ -39,7 +40,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
     tail = -(-len(model.line_disc) // LANES)
     line_disc = number[model.line_disc]
 
-    links = np.zeros(((chunks + 1 + tail), LINK_FIELDS, LANES))
+    links = large_zeros(chunks + 1 + tail, LINK_FIELDS, LANES)
     links[:, 0] = 1.0
     partners = np.full((chunks, LANES), offset(n), np.uint32)
     # the disc that stands for nobody cannot be its own partner: their distance would be nothing
@@ -73,7 +74,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
 
 def _discs(model: DiscModel, slices: int) -> np.ndarray:
     n, order = len(model), model.order
-    discs = np.zeros((slices, DISC_FIELDS, LANES))
+    discs = large_zeros(slices, DISC_FIELDS, LANES)
 
     def put(field: int, values: np.ndarray) -> None:
         lanes = np.zeros(slices * LANES)

@@ -8,7 +8,7 @@ from numba import config, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-LINE = 8  # doubles in a cache line
+LINE = np.uint64(8)  # doubles in a cache line
 
 
 @intrinsic
@@ -31,13 +31,12 @@ def _prefetch(typing_context: Any, array: Any, index: Any) -> Any:
 
 if config.DISABLE_JIT:
 
-    def prefetch(array: Any, begin: Any, size: int) -> None:
+    def fetch(array: Any, at: Any) -> None:
         """Nothing to fetch ahead for."""
 
 else:
 
     @njit(cache=True, nogil=True, forceinline=True)
-    def prefetch(array: np.ndarray, begin: int, size: int) -> None:
-        """Fetches array[begin : begin + size] ahead; reaching past the end does no harm."""
-        for k in range(0, size, LINE):
-            _prefetch(array, begin + np.uint64(k))
+    def fetch(array: np.ndarray, at: int) -> None:
+        """Fetches the cache line of array[at] ahead; a place past the end does no harm."""
+        _prefetch(array, at)

@@ -54,7 +54,7 @@ from dem.layout import (
     X,
     Z,
 )
-from dem.prefetch import prefetch
+from dem.prefetch import LINE, fetch
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -63,6 +63,8 @@ DONE, MOVED, OVERLAP = 0, 1, 2
 # dissipated by dashpots, by sliding, by cracks. All in J per metre out of plane.
 WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS = range(6)
 LEDGER = 6
+
+OWN_LINES = (DISC_FIELDS - 8) * LANES // 8  # cache lines of a slice that its neighbours do not read
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
@@ -192,15 +194,15 @@ def contacts_of_slice(
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
     b = np.uint64(p) * DISC
-    prefetch(layout.discs, b + DISC, DISC_FIELDS * LANES)
+    for line in range(OWN_LINES):
+        fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         first = np.uint64(chunk) * ROW
-        prefetch(layout.links, (first + ROW) * np.uint64(LINK_FIELDS), LINK_FIELDS * LANES)
         kind = layout.chunk_kind[chunk]
         if kind != loaded or kind < 0:
             load_constants(kind, layout.kinds, first, table, scratch)
             loaded = kind
-        load_partners(layout.partner, first, layout.discs, scratch)
+        load_partners(chunk, layout, scratch)
         if ledger:
             deep, damping, slid, cracked = contacts_with_losses(
                 chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share

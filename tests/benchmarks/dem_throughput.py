@@ -97,10 +97,10 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         ("bonded, ledger", True, True),
         ("frictional", False, False),
     ):
-        model = model_of(elements, bonded)
-        free = int((~model.fixed).sum())
-        steps = max(20, int(4e7 / free))
         for count in threads:
+            model = model_of(elements, bonded)  # every row from the same discs: they sink, and want new lists as they go
+            free = int((~model.fixed).sum())
+            steps = max(20, int(4e7 / free))
             run = Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
             run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
