@@ -77,22 +77,24 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     count = layout.incoming_start[p + 1] - layout.incoming_start[p]
     for lane in range(LANES):
         q = np.uint64(lane)
-        fx = 0.0
-        fz = 0.0
-        fr = 0.0
-        for k in range(owned):
-            at = (own + np.uint64(k)) * LINK + q
-            fx -= links[at + FX]
-            fz -= links[at + FZ]
-            fr += links[at + FR]
-        for k in range(count):
-            at = np.uint64(layout.incoming[(others + np.uint64(k)) * ROW + q])
-            fx += links[at]
-            fz += links[at + ROW]
-            fr += links[at + ROW + ROW]
-        scratch[SUM_X + q] = fx
-        scratch[SUM_Z + q] = fz
-        scratch[SUM_R + q] = fr
+        scratch[SUM_X + q] = 0.0
+        scratch[SUM_Z + q] = 0.0
+        scratch[SUM_R + q] = 0.0
+    for k in range(owned):
+        at = (own + np.uint64(k)) * LINK
+        for lane in range(LANES):
+            q = np.uint64(lane)
+            scratch[SUM_X + q] -= links[at + FX + q]
+            scratch[SUM_Z + q] -= links[at + FZ + q]
+            scratch[SUM_R + q] += links[at + FR + q]
+    for k in range(count):
+        slot = (others + np.uint64(k)) * ROW
+        for lane in range(LANES):
+            q = np.uint64(lane)
+            at = np.uint64(layout.incoming[slot + q])
+            scratch[SUM_X + q] += links[at]
+            scratch[SUM_Z + q] += links[at + ROW]
+            scratch[SUM_R + q] += links[at + ROW + ROW]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
