@@ -126,12 +126,12 @@ def _calibration(results: Results, name: str) -> bool:
         rows = sorted((r["value"], r["kc"]) for r in answer["sensitivity"] if r["parameter"] == parameter if r["kc"])
         colour, marker = shades[k % len(shades)], "osD^v<>p"[k % 8]
         axes.plot(*np.array(rows).reshape(-1, 2).T, color=colour, marker=marker, markersize=4, linewidth=1.1)
-        handles.append(_handle(colour, marker, parameter))
+        handles.append(_handle(colour, marker, parameter.replace("_", " ")))
     highest = max((row["kc"] for row in answer["sensitivity"] if row["kc"]), default=1.0)
     axes.set_ylim(0.0, 1.1 * highest)
     _factors(axes)
     axes = sheet.plot(
-        1, f"factor on {answer['parameter']} (-)", "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}"
+        1, f"factor on {answer['parameter'].replace('_', ' ')} (-)", "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}"
     )
     for trial in answer["trials"]:
         if trial["kc"] is not None:
@@ -145,8 +145,10 @@ def _calibration(results: Results, name: str) -> bool:
     axes.axhline(target, color=CRITICAL, linewidth=1.0)
     if answer["value"] is not None:
         axes.axvline(answer["value"], color=DISCS, linewidth=0.8, linestyle=DASHED)
+        taken = f"factor taken, {answer['value']:.3g}"
+        handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
     handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh of the FEM, and tolerance"))
-    sheet.legend(handles, 4)
+    sheet.legend(handles, 5)
     with results.store.writing(name) as file:
         sheet.save(file)
     return True
@@ -155,7 +157,7 @@ def _calibration(results: Results, name: str) -> bool:
 def _factors(axes: Axes) -> None:
     """An axis of factors, alike for halves and doubles."""
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)))
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
