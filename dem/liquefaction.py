@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.engine import Engine, largest_step
 from dem.equilibrium import kinetic_ratio
-from dem.errors import DemError
+from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import Case, SlideSettings
@@ -22,7 +22,8 @@ from dem.slip import cracked_count
 from dem.springs import LayerSprings
 from dem.surface import Surface, crack_opening, escaped
 
-STEP = 0.3  # of the stable step
+STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
+LEAST_STEP = STEP / 4.0
 FADE = 20  # steps in which springs change at an onset that takes time
 LOOK = 0.5  # s between two rows of the history
 NO_LIMIT = 2.0  # overlap over radius: soft layers let discs go through each other
@@ -56,7 +57,10 @@ OnLook = Callable[[DiscModel, Row, bool], None]
 
 @dataclass
 class Slide:
-    """A slide as it went: its history, and how it ended. surface_*: tops of the discs of the surface (n, 2), m."""
+    """A slide as it went: its history, and how it ended.
+
+    surface_*: tops of the discs of the surface (n, 2), m; step_share: time step over the stable one.
+    """
 
     rows: list[Row] = field(default_factory=list)
     settled: bool = False
@@ -67,6 +71,7 @@ class Slide:
     surface_before: list[list[float]] = field(default_factory=list)
     surface_after: list[list[float]] = field(default_factory=list)
     seconds_simulated: float = 0.0
+    step_share: float = STEP
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
         """The numbers of a case. alone: the same ground under Kh alone, to tell sliding from giving way."""
@@ -80,6 +85,7 @@ class Slide:
             "escaped": self.escaped,
             "cracked_pore_springs": self.rows[-1].cracked,
             "seconds_simulated": self.seconds_simulated,
+            "step_share": self.step_share,
             "surface_before": self.surface_before,
             "surface_after": self.surface_after,
         }
@@ -138,8 +144,12 @@ class Slider:
         while not slide.reason:
             self._liquefy()
             try:
-                Engine(dt=STEP * largest_step(self.model).seconds, threads=threads).run(self.model, self._until())
+                dt = slide.step_share * largest_step(self.model).seconds
+                Engine(dt=dt, threads=threads).run(self.model, self._until())
             except DemError as error:
+                if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP:
+                    self._begin_again()
+                    continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"
                 break
             row = self._look()
@@ -159,6 +169,14 @@ class Slider:
         rise = max(self.settings.onset, 1e-3)
         model.acceleration = self.ground.shaking(0.0, self.settings.kh, model.time, model.time + rise)
         return model
+
+    def _begin_again(self) -> None:
+        """From the onset, with half the step."""
+        if self.folder is not None:
+            (self.folder / "checkpoint.h5").unlink(missing_ok=True)
+        self.slide.step_share *= 0.5
+        self.slide.rows, self.quiet = [], 0
+        self.model = self._begun()
 
     def _liquefy(self) -> None:
         """Springs as the time since the onset asks for."""
@@ -209,8 +227,8 @@ class Slider:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
         beside = self.folder / "rows.json.part"
-        state = {"rows": [asdict(row) for row in self.slide.rows], "quiet": self.quiet,
-                 "reason": self.slide.reason, "settled": self.slide.settled}  # fmt: skip
+        state = {"rows": [asdict(row) for row in self.slide.rows], "quiet": self.quiet, "reason": self.slide.reason,
+                 "settled": self.slide.settled, "step_share": self.slide.step_share}  # fmt: skip
         beside.write_text(json.dumps(state))
         beside.replace(self.folder / "rows.json")
         self.model.save(self.folder / "checkpoint.h5")
@@ -221,6 +239,7 @@ class Slider:
         try:
             state = json.loads((self.folder / "rows.json").read_text())
             model = DiscModel.load(self.folder / "checkpoint.h5")
+            self.slide.step_share = state["step_share"]
         except (OSError, KeyError, ValueError):
             return None
         since = model.time - self.start.time

@@ -130,9 +130,8 @@ def _calibration(results: Results, name: str) -> bool:
     highest = max((row["kc"] for row in answer["sensitivity"] if row["kc"]), default=1.0)
     axes.set_ylim(0.0, 1.1 * highest)
     _factors(axes)
-    axes = sheet.plot(
-        1, f"factor on {answer['parameter'].replace('_', ' ')} (-)", "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}"
-    )
+    across = f"factor on {answer['parameter'].replace('_', ' ')} (-)"
+    axes = sheet.plot(1, across, "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}")
     for trial in answer["trials"]:
         if trial["kc"] is not None:
             low, high = trial["kc"] - trial["kc_lower"], trial["kc_upper"] - trial["kc"]

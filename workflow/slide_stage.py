@@ -114,10 +114,14 @@ def _run_all(
                 sum(done.values()) / len(done),
             )
             if frame and task.case != ALONE:
-                number = (len(slider.slide.rows) - 1) // slider.frame
-                write_frame(store, f"dem/{task.name}/frame_{number:03d}.vtp", model, start, ground, row.time_s)
+                write_frame(store, frame_name(), model, start, ground, row.time_s)
+
+        def frame_name() -> str:
+            return f"dem/{task.name}/frame_{(len(slider.slide.rows) - 1) // slider.frame:03d}.vtp"
 
         slide = slider.run(on_look)
+        # of a longer slide that was begun again with a smaller step
+        store.remove([name for name in store.matching([f"dem/{task.name}/frame_*.vtp"]) if name > frame_name()])
         done[task] = 1.0
         return slide
 

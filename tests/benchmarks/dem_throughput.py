@@ -98,7 +98,7 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         ("frictional", False, False),
     ):
         for count in threads:
-            model = model_of(elements, bonded)  # every row from the same discs: they sink, and want new lists as they go
+            model = model_of(elements, bonded)  # the same for every row: as discs sink, new lists get more frequent
             free = int((~model.fixed).sum())
             steps = max(20, int(4e7 / free))
             run = Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)

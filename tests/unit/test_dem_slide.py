@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dem.engine import Engine
 from dem.equilibrium import settle
 from dem.ground import Ground
-from dem.liquefaction import Row, Slide, Slider, liquefied
+from dem.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider, liquefied
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import Case, DemSettings, SlideSettings
@@ -24,6 +25,7 @@ SAND = replace(
 )
 LAYERS = [SAND, replace(SAND, name="loose")]
 SETTINGS = SlideSettings(duration=6.0, frames=3)
+BETWEEN = 2e-5  # energy out of balance over that turned over, between what STEP and half of it leave
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +113,31 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(start: DiscModel, ground: Gr
     assert Slider(start, ground, [1], case, SETTINGS, tmp_path / "part").run() == whole
     (tmp_path / "part" / "rows.json").write_text("{half of a")
     assert Slider(start, ground, [1], case, SETTINGS, tmp_path / "part").slide.rows == []
+
+
+def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
+    start: DiscModel, ground: Ground, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = Case(stiffness=0.1)
+    plain = Slider(start, ground, [1], case, SETTINGS).run()
+    assert plain.step_share == STEP
+
+    def misses(allowed: float) -> Slide:
+        monkeypatch.setattr("dem.liquefaction.Engine", lambda **given: Engine(**{"balance": allowed, **given}))
+        return Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{allowed:g}").run()
+
+    half = misses(BETWEEN)
+    assert half.step_share == STEP / 2
+    assert half.reason == plain.reason
+    assert [row.time_s for row in half.rows] == pytest.approx([row.time_s for row in plain.rows], abs=0.01)
+    assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
+    resumed = Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{BETWEEN:g}").run()
+    assert resumed == half
+
+    never = misses(1e-12)
+    assert never.step_share == LEAST_STEP
+    assert "EnergyBalanceError" in never.reason
+    assert not never.settled
 
 
 def test_threads_do_not_change_a_slide(start: DiscModel, ground: Ground) -> None:
