@@ -59,7 +59,7 @@ OnLook = Callable[[DiscModel, Row, bool], None]
 class Slide:
     """A slide as it went: its history, and how it ended.
 
-    surface_*: tops of the discs of the surface (n, 2), m; step_share: time step over the stable one.
+    surface_*: tops of the discs that are the surface then (n, 2), m; step_share: time step over the stable one.
     """
 
     rows: list[Row] = field(default_factory=list)
@@ -216,7 +216,7 @@ class Slider:
         moved = self.surface.smoothed(self.surface.movement(model, self.ground)[0])
         slide.slide = moved.tolist()
         slide.slide_max_at_x_m = float(self.surface.x[int(np.argmax(moved))])
-        slide.surface_after = self.surface.points(model, self.ground).tolist()
+        slide.surface_after = Surface.of(model, self.ground).points(model, self.ground).tolist()
         slide.seconds_simulated = model.time - self.start.time
         slide.escaped = escaped(model)
         return slide
