@@ -16,6 +16,8 @@ from dem.springs import LayerSprings, from_strata, table2
 from meshes.errors import InputError
 from meshes.section import Section
 
+LOOSER = 0.1  # porosity beyond that asked for
+
 
 @dataclass(frozen=True)
 class Ground:
@@ -75,13 +77,13 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
     kind = settings.packing
     fits = box_fits(section, radius)
     if kind == "auto":
-        kind = "box" if fits else "lattice"
+        kind = "box" if fits else "random"
     if kind == "box" and not fits:
         raise InputError(
             section.name,
             [
-                'dem, packing = "box": expected a straight surface with a base parallel to it; take "lattice", whose '
-                "rows run along the mean surface too and are cut to the outline"
+                'dem, packing = "box": expected a straight surface with a base parallel to it; take "random", or '
+                '"lattice", whose rows run along the mean surface too and are cut to the outline'
             ],
         )
     try:
@@ -155,7 +157,18 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
     if kind == "lattice":
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
     else:
-        packing = random_packing(
-            outline, section.stratum_at, radius, spread=settings.spread, porosity=settings.porosity, seed=settings.seed
-        )
+        packing = _densest_that_fits(section, settings, radius)
     return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill)
+
+
+def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:
+    """A random packing of the porosity asked for, or of as little more as makes the discs fit: walls want some room."""
+    for more in np.arange(0.0, LOOSER, 0.01):
+        try:
+            return random_packing(
+                section.outline(), section.stratum_at, radius, spread=settings.spread,
+                porosity=settings.porosity + more, seed=settings.seed,
+            )  # fmt: skip
+        except ValueError as error:
+            last = error
+    raise last

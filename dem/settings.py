@@ -17,12 +17,12 @@ class DemSettings(Model):
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",
         description='"box": rows along the mean surface, gravity tilted; "lattice": the same rows cut to the outline; '
-        '"random"; or "auto": box where surface and base are straight and parallel, lattice elsewhere',
+        '"random"; or "auto": box where surface and base are straight and parallel, random elsewhere',
     )
     radius: Length | None = Field(default=None, description='(mean) radius of the discs, such as "0.75 m"')
-    elements: int = Field(default=3000, ge=50, le=1_000_000, description="discs wanted where no radius is given")
+    elements: int = Field(default=2500, ge=50, le=1_000_000, description="discs wanted where no radius is given")
     spread: float = Field(default=0.2, ge=0.0, lt=0.9, description="half width of the radii of a random packing")
-    porosity: float = Field(default=0.2, gt=0.1, lt=0.5, description="voids over area of a random packing")
+    porosity: float = Field(default=0.2, gt=0.1, lt=0.5, description="voids over area of a random packing, at least")
     seed: int = Field(default=0, ge=0, description="seed of a random packing")
     springs: Literal["soil", "table2"] = Field(
         default="soil", description='"soil": by eqs. (5)-(13) from the strata, or "table2": the paper\'s Table 2'

@@ -181,6 +181,7 @@ def _write(
             "boundary_elements": int((~packing.free).sum()),
             "tilt_deg": float(np.degrees(ground.tilt)),
             "seed": run.dem.seed if ground.kind == "random" else None,
+            "porosity": 1.0 - float(np.sum(np.pi * packing.radius[packing.free] ** 2) / run.layering.areas().sum()),
             "unbalanced_ratio": unbalanced_ratio(discs.settled),
             "settling_seconds": discs.settled.time,
             "pore_springs": int((discs.settled.pore_length != 0.0).sum()),

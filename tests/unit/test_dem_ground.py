@@ -68,14 +68,22 @@ def test_ground_that_falls_to_the_left_is_the_mirror_image() -> None:
 @pytest.mark.parametrize("packing", ["lattice", "random"])
 def test_other_sections_are_cut_to_their_outline(packing: str) -> None:
     section = Section.parse(slope())
-    ground = ground_of(section, DemSettings(packing=packing, elements=400, porosity=0.22))  # type: ignore[arg-type]
+    ground = ground_of(section, DemSettings(packing=packing, elements=400, porosity=0.2))  # type: ignore[arg-type]
     assert ground.kind == packing
     assert ground.packing.free.sum() == pytest.approx(400, rel=0.25)  # none where half a disc would stick out
     assert ground.tilt == 0.0
 
 
+@pytest.mark.parametrize("elements", [100, 300, 1000])
+def test_a_packing_too_dense_for_its_walls_gets_a_little_more_room(elements: int) -> None:
+    section = Section.parse(slope())
+    ground = ground_of(section, DemSettings(packing="random", elements=elements, porosity=0.19))
+    solid = np.sum(np.pi * ground.packing.radius[ground.packing.free] ** 2) / section.layering.areas().sum()
+    assert 0.71 <= solid <= 0.82
+
+
 def test_auto_takes_a_box_only_where_it_fits() -> None:
-    assert ground_of(Section.parse(slope()), DemSettings(elements=300)).kind == "lattice"
+    assert ground_of(Section.parse(slope()), DemSettings(elements=300)).kind == "random"
     with pytest.raises(InputError, match='packing = "box": expected a straight surface'):
         ground_of(Section.parse(slope()), DemSettings(packing="box", elements=300))
 
