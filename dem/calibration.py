@@ -163,20 +163,27 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """The parameter to calibrate: of those whose range reaches the target, the one that moves the critical Kh most.
+    """The parameter to calibrate: of those that reach the target, the one that moves the critical Kh most.
 
-    Reach is that of the end of the range towards the target; where none gets there, whichever comes closest.
+    Reached, that is, halved or doubled; where none does, at the end of the range towards the target; and where none
+    gets there, whichever comes closest.
     """
-    low, high = calibrator.settings.range or RANGE
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base
-    ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
-    reached = {p: middle(s) for p, s in zip(ONE_AT_A_TIME, ends, strict=True)}
-    able = [p for p in ONE_AT_A_TIME if (reached[p] - target) * (base - target) <= 0.0]
-    if not able:
-        return min(ONE_AT_A_TIME, key=lambda p: abs(reached[p] - target))
+    reached = {p: [middle(s) for q, _, s in table if q == p] for p in ONE_AT_A_TIME}
+
+    def able() -> list[str]:
+        return [p for p in reached if any((kc - target) * (base - target) <= 0.0 for kc in reached[p])]
+
+    if not able():
+        low, high = calibrator.settings.range or RANGE
+        ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
+        for p, search in zip(ONE_AT_A_TIME, ends, strict=True):
+            reached[p].append(middle(search))
+    if not able():
+        return min(ONE_AT_A_TIME, key=lambda p: min(abs(kc - target) for kc in reached[p]))
     moved = {p: abs(middle(s) - base) for p, f, s in table if p and (f < 1.0) == weaker}
-    return max(able, key=lambda p: moved[p])
+    return max(able(), key=lambda p: moved[p])
 
 
 def best(

@@ -117,10 +117,14 @@ def critical_kh(
             break
         else:
             failed = kh
-        stands = search.lower if search.lower > PROBE else 0.0
-        while step > width * (1.0 + 1e-9) and stands + step > failed * (1.0 - 1e-9):
+        while step > width * (1.0 + 1e-9) and _after(search.lower, step) > failed * (1.0 - 1e-9):
             step *= 0.5
-        kh = stands + step
+        kh = _after(search.lower, step)
     search.upper, search.reason = kh, trial.reason
     search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
     return search
+
+
+def _after(kh: float, step: float) -> float:
+    """The next Kh: a step further, or the step itself where the probe is all that stood."""
+    return kh + step if step <= kh else step

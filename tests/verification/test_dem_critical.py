@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dem.calibration import Calibrator, calibrate, changed, sensitivities
+from dem.calibration import Calibrator, calibrate, changed, choose, sensitivities
 from dem.critical import Search, critical_kh
 from dem.equilibrium import displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.ground import Ground
@@ -35,13 +35,13 @@ def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tup
     return ground, model
 
 
-@pytest.mark.parametrize("tilt_deg", [0.0, 5.0])
-def test_a_block_slides_where_friction_says(tilt_deg: float) -> None:
+@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 0.0), (MU, 5.0), (0.031, 0.0), (0.022, 0.0), (0.087, 0.0)])
+def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta), from tan(beta + atan Kh) = mu."""
-    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    soil = replace(SOIL, friction=mu, kpn=0.0, kps=0.0)
     ground, model = blocks([soil], np.radians(tilt_deg))
     found = critical_kh(model, ground, SETTINGS)
-    kc = np.tan(np.arctan(MU) - np.radians(tilt_deg))
+    kc = np.tan(np.arctan(mu) - np.radians(tilt_deg))
     assert found.verdict == "bracketed"
     assert found.lower <= kc <= found.upper
     assert found.upper - found.lower <= 0.005 * (1.0 + 1e-9)
@@ -129,6 +129,12 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     assert moved["friction"] == pytest.approx(2.0 * MU, abs=0.005)
     assert moved["stiffness"] == pytest.approx(MU, abs=0.005)
     assert moved["pore_strength"] == pytest.approx(MU, abs=0.005)
+
+    known = len(calibrator.searches)
+    assert choose(calibrator, table, 0.8 * MU) == "friction"
+    assert len(calibrator.searches) == known  # halved, friction reaches it: no need to try the ends of the range
+    assert choose(calibrator, table, 0.3 * MU) == "friction"
+    assert {("friction", 0.1), ("stiffness", 0.1)} <= set(calibrator.searches)
 
     far = OnBlocks(ground, [soil], model, settings.model_copy(update={"range": (0.5, 2.0)}))
     lost = calibrate(far, 0.1 * MU, "friction", [("", 1.0, far.search("", 1.0))])
