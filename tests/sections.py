@@ -2,10 +2,12 @@
 
 import copy
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 from hypothesis import strategies as st
 
 from meshes.errors import InputError
@@ -35,6 +37,15 @@ def slope() -> dict[str, Any]:
         "base": {"elevation": 0.0},
         "strata": [layer("upper", bottom={"depth": 4.0}), layer("lower")],
     }
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    """The small slope as a file, with changes of its first stratum."""
+    data = slope()
+    data["strata"][0].update(changes)
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
 
 
 def spoiled(change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:

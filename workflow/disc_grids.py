@@ -1,5 +1,7 @@
 """Discs and their pore springs as VTK files, in the section's frame."""
 
+from pathlib import PurePath
+
 import numpy as np
 import pyvista as pv
 
@@ -41,9 +43,20 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
 
 def write_collection(store: Store, name: str) -> None:
     """dem/<name>.pvd over the frames of a case, with their times."""
-    files = store.matching([f"dem/{name}/frame_*.vtp"])
     states = [
-        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix("dem/")) for file in files
+        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix("dem/"))
+        for file in frames(store, name).values()
     ]
     if states:
         store.write_collection(f"dem/{name}.pvd", states)
+
+
+def frame_file(name: str, number: int) -> str:
+    """The file of a state of a case."""
+    return f"dem/{name}/frame_{number:03d}.vtp"
+
+
+def frames(store: Store, name: str) -> dict[int, str]:
+    """The files of a case by their numbers, in time."""
+    files = store.matching([f"dem/{name}/frame_*.vtp"])
+    return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))

@@ -9,7 +9,6 @@ import io
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields
 from functools import partial
-from pathlib import Path
 from threading import Event
 from typing import Any
 
@@ -18,7 +17,7 @@ from dem.liquefaction import Row, Slide, Slider
 from dem.model import DiscModel
 from dem.side_by_side import StoppedError, side_by_side
 from meshes.errors import InputError
-from workflow.disc_grids import write_collection, write_frame
+from workflow.disc_grids import frame_file, frames, write_collection, write_frame
 from workflow.progress import Progress
 from workflow.random_packings import random_table
 from workflow.settings import Input
@@ -114,14 +113,14 @@ def _run_all(
                 sum(done.values()) / len(done),
             )
             if frame and task.case != ALONE:
-                write_frame(store, frame_name(), model, start, ground, row.time_s)
+                write_frame(store, frame_file(task.name, number()), model, start, ground, row.time_s)
 
-        def frame_name() -> str:
-            return f"dem/{task.name}/frame_{(len(slider.slide.rows) - 1) // slider.frame:03d}.vtp"
+        def number() -> int:
+            return (len(slider.slide.rows) - 1) // slider.frame
 
         slide = slider.run(on_look)
         # of a longer slide that was begun again with a smaller step
-        store.remove([name for name in store.matching([f"dem/{task.name}/frame_*.vtp"]) if name > frame_name()])
+        store.remove([file for k, file in frames(store, task.name).items() if k > number()])
         done[task] = 1.0
         return slide
 
@@ -141,11 +140,6 @@ def _history(slides: dict[Task, Slide]) -> str:
     return text.getvalue()
 
 
-def frames(store: Store, name: str) -> list[Path]:
-    """The states of a case in time."""
-    return [store.folder / file for file in store.matching([f"dem/{name}/frame_*.vtp"])]
-
-
 def tasks_of(answer: dict[str, Any]) -> Iterator[tuple[Task, dict[str, Any]]]:
     """The cases of dem/cases.json."""
     for springs, cases in answer["sets"].items():
@@ -159,7 +153,7 @@ def slide_pictures(run: Input, store: Store) -> None:
 
     answer = store.read_json("dem/cases.json")
     for task, case in tasks_of(answer):
-        states = frames(store, task.name)
+        states = [store.folder / file for file in frames(store, task.name).values()]
         if not states:
             continue
         with store.writing(f"figures/{task.name}.png") as path:

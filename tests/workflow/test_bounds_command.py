@@ -7,24 +7,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 import tomli_w
 from matplotlib.image import imread
 
 from tests.command_line import TOP, run
-from tests.sections import slope
+from tests.sections import slope, written
 
 SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
-
-
-def written(folder: Path, **changes: Any) -> Path:
-    data = slope()
-    data["strata"][0].update(changes)
-    path = folder / "slope.toml"
-    path.write_text(tomli_w.dumps(data))
-    return path
 
 
 def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

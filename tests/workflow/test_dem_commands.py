@@ -18,6 +18,8 @@ from PIL import Image
 
 from tests.command_line import line, run
 from tests.sections import layer
+from workflow.disc_grids import frame_file, frames
+from workflow.store import Store
 
 SECTION: dict[str, Any] = {
     "name": "small",
@@ -121,6 +123,14 @@ def test_the_same_bits_with_any_number_of_workers(whole: Path, tmp_path: Path) -
     assert run("slide", written(tmp_path, dem={"workers": 1}), "--out", tmp_path / "out") == 0
     for name in ("calibration.json", "cases.json", "history.csv"):
         assert (tmp_path / "out/dem" / name).read_bytes() == (whole / "dem" / name).read_bytes()
+
+
+def test_states_are_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    files = [frame_file("case1", k) for k in (0, 7, 101, 999, 1000, 1199)]
+    for file in files:
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).touch()
+    assert list(frames(Store(tmp_path), "case1").values()) == files
 
 
 @pytest.mark.slow

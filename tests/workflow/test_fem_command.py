@@ -11,22 +11,12 @@ from typing import Any
 
 import pytest
 import pyvista as pv
-import tomli_w
 from matplotlib.image import imread
 
 from tests.command_line import run
-from tests.sections import slope
+from tests.sections import written
 
 SMALL = ("--element", "bilinear", "--size", "3 m")
-
-
-def written(folder: Path, **changes: Any) -> Path:
-    """The small slope as a file, with changes of its only stratum."""
-    data = slope()
-    data["strata"][0].update(changes)
-    path = folder / "slope.toml"
-    path.write_text(tomli_w.dumps(data))
-    return path
 
 
 def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
