@@ -1,6 +1,6 @@
 # `make run` and `make test` set up all they need; `make help` lists the rest.
 BIN := .venv/bin
-SECTION ?= meshes/s13.toml
+SECTION ?= meshes/sections/s13.toml
 
 .PHONY: help setup run lint test test-all browser clean
 
@@ -10,7 +10,7 @@ help:       ## this list
 setup:      ## install what is missing; does nothing when all is there
 	@.ci/setup
 
-run: setup  ## the whole workflow on meshes/s13.toml, or on SECTION=my.toml
+run: setup  ## the whole workflow on meshes/sections/s13.toml, or on SECTION=my.toml
 	@$(BIN)/noshiro run $(SECTION)
 
 lint: setup ## style, types, and who may import whom

@@ -14,7 +14,7 @@ from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_la
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
 from meshes.errors import InputError
-from meshes.section import Section
+from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from dem.contact import KN, KPN, KPS, KS
-from dem.neighbours import find_lines, find_pairs, share_out, spatial_order
+from dem.kernels.contact import KN, KPN, KPS, KS
+from dem.kernels.neighbours import find_lines, find_pairs, share_out, spatial_order
 from dem.springs import LayerSprings, Mean, PairTable, pair_table
 
 LEDGER_COLUMNS = 6

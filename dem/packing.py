@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from dem.kernels.neighbours import find_pairs
 from dem.model import DiscModel
-from dem.neighbours import find_pairs
 from dem.springs import LayerSprings
 
 StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, StrictBool
 
-from meshes.quantity import Length
-from meshes.section import Model, Section
+from meshes.section.quantity import Length
+from meshes.section.section import Model, Section
 
 TABLE2_STRATA = 10
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from dem.contact import (
+from dem.kernels.contact import (
     ALLOWED,
     BC,
     BETA,
@@ -27,7 +27,7 @@ from dem.contact import (
     MU,
     TAN,
 )
-from meshes.section import Stratum
+from meshes.section.section import Stratum
 
 TABLE2_RADIUS = 0.75  # m
 PORE_SHARE = 0.1  # t_n = t_s of eq. (13), Iwashita (1988)

@@ -21,7 +21,7 @@ from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import Element, FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
-from meshes.section import Section, Stratum
+from meshes.section.section import Section, Stratum
 
 # Elastic displacements under all of a load after which bringing it on is given up.
 LONGEST_LOADING = 10.0

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem import mohr_coulomb
+from fem.kernels import mohr_coulomb
 from fem.plane_strain import PlaneStrain
 from meshes.quadrilaterals import QuadMesh
 

@@ -6,8 +6,8 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
-from fem import assembly, condensation
 from fem.discretisation import Discretisation
+from fem.kernels import assembly, condensation
 
 # More entries in a row than any vertex of a reasonable mesh gives (eight biquadratic cells round it give 98).
 ROW_ENTRIES = 130

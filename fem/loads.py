@@ -2,7 +2,7 @@
 
 from fem.settings import FemSettings
 from meshes.errors import InputError
-from meshes.section import Section, Stratum
+from meshes.section.section import Section, Stratum
 
 GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
 

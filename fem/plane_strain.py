@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from fem import assembly, mohr_coulomb, viscoplastic
 from fem.discretisation import Discretisation, discretise, tied
+from fem.kernels import assembly, mohr_coulomb, viscoplastic
 from fem.linear_solver import Exchange, LinearSolver
 from fem.settings import Element
 from meshes.errors import InputError
 from meshes.quadrilaterals import QuadMesh
-from meshes.section import Section, Stratum
+from meshes.section.section import Section, Stratum
 
 # Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
 ELASTIC_SHARE = 1e-6

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, StrictBool
 
-from meshes.section import Model
+from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]

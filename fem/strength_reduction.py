@@ -17,7 +17,7 @@ from fem.path import Step, Walk
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import FemSettings
 from meshes.quadrilaterals import QuadMesh
-from meshes.section import Section
+from meshes.section.section import Section
 
 # Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
 STARTS = (1.0, 0.5, 0.2, 0.05)

@@ -7,7 +7,7 @@ import gmsh
 import numpy as np
 
 from meshes.mapped import name_groups
-from meshes.section import Section
+from meshes.section.section import Section
 
 # gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
 ALGORITHMS = (8, 6, 5)

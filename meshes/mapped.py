@@ -7,7 +7,7 @@ import gmsh
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.section import Section
+from meshes.section.section import Section
 
 
 @dataclass(frozen=True, eq=False)

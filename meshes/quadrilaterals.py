@@ -17,8 +17,8 @@ from meshes.errors import InputError
 from meshes.free import ALGORITHMS, GROWTH_REACH, build_free
 from meshes.mapped import build_mapped, divisions, mapping
 from meshes.quality import Quality, areas, quality, scaled_jacobians
-from meshes.quantity import Length
-from meshes.section import BOUNDARIES, Model, Section
+from meshes.section.quantity import Length
+from meshes.section.section import BOUNDARIES, Model, Section
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.free import build_triangles
 from meshes.quadrilaterals import BadMeshError, group_nodes, model
-from meshes.section import BOUNDARIES, Section
+from meshes.section.section import BOUNDARIES, Section
 
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
 

@@ -15,17 +15,18 @@ from rich.table import Table
 
 from meshes.errors import InputError
 from meshes.quadrilaterals import BadMeshError
-from meshes.section import Section
-from workflow import pipeline, tables
-from workflow.display import NORMAL, QUIET, VERBOSE, Display
-from workflow.plan import Choice, plan
-from workflow.ranks import Ranks
-from workflow.record import Record
-from workflow.results import Results
+from meshes.section.section import Section
+from workflow.report import tables
+from workflow.report.console import sentences
+from workflow.results.results import Results
+from workflow.run import pipeline
+from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
+from workflow.run.plan import Choice, plan
+from workflow.run.ranks import Ranks
+from workflow.run.record import Record
+from workflow.run.store import Store
 from workflow.settings import Input, dotted, merged
 from workflow.stages import Job, help_compute, stages
-from workflow.store import Store
-from workflow.telling import sentences
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
@@ -77,7 +78,7 @@ def init(
 @app.command()
 def check(section: SectionFile, folder: Out = None, settings: Set = None) -> None:
     """Validate a section and draw it; nothing else."""
-    from workflow.mesh_stage import draw_section
+    from workflow.stages.mesh import draw_section
 
     run = _input(section, {}, settings)
     store = _store(run, folder)
@@ -193,7 +194,7 @@ def plot(
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
 ) -> None:
     """Draw the pictures of a run again, or single ones, without computing anything."""
-    from workflow.single_pictures import draw
+    from workflow.figures.single import draw
 
     job = pipeline.stored_job(folder)
     if field is None and at is None:
@@ -214,7 +215,7 @@ def view(
     at: Annotated[float | None, typer.Option(help="The seismic coefficient. [default: the last]")] = None,
 ) -> None:
     """Look at the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
-    from workflow.single_pictures import window
+    from workflow.figures.single import window
 
     window(pipeline.stored_job(folder), field, at)
 
@@ -283,7 +284,7 @@ def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: li
     }
     run = Input.load(section, merged(dotted(settings or []), given))
     if run.sliding_block.accelerogram:
-        from workflow.accelerogram import of_input
+        from workflow.estimates.accelerogram import of_input
 
         of_input(run)  # a record that cannot be read is told now, not after minutes
     return run

@@ -14,7 +14,7 @@ from dem.settings import DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.quadrilaterals import MeshSettings
-from meshes.section import Model, Section, read_toml
+from meshes.section.section import Model, Section, read_toml
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}

@@ -2,14 +2,14 @@
 
 import resource
 import sys
-from pathlib import Path
 
-from fem.adaptive_bounds import Bracket
-from fem.bounds import kh_bounds
+from fem.limit.adaptive_bounds import Bracket
+from fem.limit.bounds import kh_bounds
 from fem.settings import BoundsSettings, FemSettings
-from meshes.section import Section
+from meshes.section.section import Section
+from tests.support import SECTIONS
 
-S13 = Path(__file__).parents[2] / "meshes" / "s13.toml"
+S13 = SECTIONS / "s13.toml"
 
 
 def main(sides: str = "fixed", gap: str = "0.01") -> None:

@@ -25,9 +25,9 @@ from typing import Any
 
 import numpy as np
 
-from dem.engine import Engine, Run, largest_step
+from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.packer import pack, unpack
 from dem.model import DiscModel, tilted_gravity
-from dem.packer import pack, unpack
 from dem.packing import Packing, lattice_box
 from dem.springs import LayerSprings
 

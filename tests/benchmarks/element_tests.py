@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.element_table import SHARES, middle_stresses
-from dem.element_test import ElementTest, element_test
-from dem.patch import PackingKind
+from dem.laboratory.element_table import SHARES, middle_stresses
+from dem.laboratory.element_test import ElementTest, element_test
+from dem.laboratory.patch import PackingKind
 from dem.springs import from_strata
-from meshes.section import Section, Stratum
+from meshes.section.section import Section, Stratum
 
 
 def strengths(c: float, phi: float, sure: bool) -> str:
@@ -50,7 +50,7 @@ def disc_row(test: ElementTest) -> str:
 def main() -> None:
     """Reads the arguments, prints the table, writes the results."""
     parser = argparse.ArgumentParser(description="Element tests of every layer's discs, lattice and random packing.")
-    parser.add_argument("section", type=Path, nargs="?", default=Path("meshes/s13.toml"))
+    parser.add_argument("section", type=Path, nargs="?", default=Path("meshes/sections/s13.toml"))
     parser.add_argument("--radius", type=float, default=0.75, help="of the discs (m)")
     parser.add_argument("--scale", type=float, default=0.01, help="stiffness scale")
     parser.add_argument("--seed", type=int, default=0, help="of the random packing")

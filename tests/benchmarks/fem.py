@@ -12,7 +12,9 @@ import tempfile
 import time
 from pathlib import Path
 
-S13 = Path(__file__).parents[2] / "meshes/s13.toml"
+from tests.support import SECTIONS
+
+S13 = SECTIONS / "s13.toml"
 CASES = (
     ("quadratic, psi = 0", ()),
     ("quadratic, psi = phi", ("--associated",)),

@@ -17,14 +17,17 @@ import time
 from pathlib import Path
 from typing import Any
 
-S13 = Path(__file__).parents[2] / "meshes" / "s13.toml"
+from tests.support import SECTIONS
+
+S13 = SECTIONS / "s13.toml"
 FREE_SIZE = 0.256  # m, which makes about 100,000 quadrilaterals of S-13's 200 m x 31.5 m
 
 # generate() alone, timed inside its process: the settings, the file to write.
 GENERATE = """
 import sys, time
 from meshes.quadrilaterals import MeshSettings, generate
-from meshes.section import Section
+from meshes.section.section import Section
+from tests.support import SECTIONS
 section = Section.read(sys.argv[1])
 settings = MeshSettings.model_validate_json(sys.argv[2])
 start = time.perf_counter()

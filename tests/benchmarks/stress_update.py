@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem import mohr_coulomb as mc
+from fem.kernels import mohr_coulomb as mc
 
 # Material (the second has a tension cut-off) and trial principal stresses (Pa) that return to the region.
 TRIALS = {

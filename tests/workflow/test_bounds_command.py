@@ -12,8 +12,9 @@ import pytest
 import tomli_w
 from matplotlib.image import imread
 
-from tests.command_line import TOP, run
-from tests.sections import slope, written
+from tests.support import SECTIONS
+from tests.support.command_line import TOP, run
+from tests.support.sections import slope, written
 
 SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
 
@@ -72,7 +73,7 @@ def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest
 
 
 def test_ctrl_c_stops_it(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "workflow.cli", "bounds", str(TOP / "meshes/s13.toml"), "--gap", "0.0001"]
+    command = [sys.executable, "-m", "workflow.cli", "bounds", str(SECTIONS / "s13.toml"), "--gap", "0.0001"]
     done = subprocess.Popen(
         [*command, "--out", str(tmp_path / "out")],
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
@@ -88,5 +89,5 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
 
 
 def test_it_needs_no_dolfinx() -> None:
-    code = "import sys; sys.modules.update(dolfinx=None, petsc4py=None, mpi4py=None); import workflow.bounds_stage"
+    code = "import sys; sys.modules.update(dolfinx=None, petsc4py=None, mpi4py=None); import workflow.stages.bounds"
     subprocess.run([sys.executable, "-c", code], cwd=TOP, check=True, timeout=120)

@@ -16,10 +16,10 @@ import tomli_w
 from matplotlib.image import imread
 from PIL import Image
 
-from tests.command_line import line, run
-from tests.sections import layer
-from workflow.disc_grids import frame_file, frames
-from workflow.store import Store
+from tests.support.command_line import line, run
+from tests.support.sections import layer
+from workflow.results.disc_grids import frame_file, frames
+from workflow.run.store import Store
 
 SECTION: dict[str, Any] = {
     "name": "small",

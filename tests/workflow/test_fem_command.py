@@ -13,8 +13,9 @@ import pytest
 import pyvista as pv
 from matplotlib.image import imread
 
-from tests.command_line import run
-from tests.sections import written
+from tests.support import TOP
+from tests.support.command_line import run
+from tests.support.sections import written
 
 SMALL = ("--element", "bilinear", "--size", "3 m")
 
@@ -114,7 +115,7 @@ def test_two_processes_find_the_same_and_one_writes(tmp_path: Path) -> None:
         done = subprocess.run(
             [*command, "workflow.cli", "fem", str(path), "--out", str(out), "--kh", "0.1", *SMALL],
             capture_output=True, text=True, timeout=180, stdin=subprocess.DEVNULL, check=True,
-            cwd=Path(__file__).parents[2], env=outside_mpi,
+            cwd=TOP, env=outside_mpi,
         )  # fmt: skip
         assert done.stdout.count("Critical Kh") == 1
         answers.append(json.loads((out / "fem/critical.json").read_text()))

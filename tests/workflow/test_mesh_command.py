@@ -16,13 +16,15 @@ import tomli_w
 from matplotlib.image import imread
 
 from meshes.quadrilaterals import BadMeshError, MeshSettings, QuadMesh, read
-from meshes.section import Section
-from tests.command_line import process, run
-from tests.sections import layer, slope
-from workflow import canvas, mesh_stage
+from meshes.section.section import Section
+from tests.support import SECTIONS
+from tests.support.command_line import process, run
+from tests.support.sections import layer, slope
+from workflow.figures import canvas
 from workflow.settings import Input
+from workflow.stages import mesh as mesh_stage
 
-FOLDER = Path(__file__).parents[2] / "meshes"
+FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
 LEFT_BEHIND = ["figures/mesh.png", "figures/section.png", "mesh/section.msh", "mesh/section.vtu", "section.toml"]
 
@@ -284,8 +286,8 @@ def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: p
     def fail(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("workflow.figures.draw_mesh", fail)
-    monkeypatch.setattr("workflow.figures.draw_section", fail)
+    monkeypatch.setattr("workflow.figures.ground.draw_mesh", fail)
+    monkeypatch.setattr("workflow.figures.ground.draw_section", fail)
     assert run("mesh", section, "--out", out, "--force") == 2
     assert {name: (out / name).read_bytes() for name in files(out)} == before
 

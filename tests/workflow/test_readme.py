@@ -2,15 +2,14 @@
 
 import re
 import tomllib
-from pathlib import Path
 from textwrap import dedent
 
-from meshes.polyline import Line
 from meshes.quadrilaterals import generate
-from tests.sections import assert_conforming
+from meshes.section.polyline import Line
+from tests.support import TOP
+from tests.support.sections import assert_conforming
 from workflow.settings import Input
 
-TOP = Path(__file__).parents[2]
 README = (TOP / "README.md").read_text(encoding="utf-8")
 
 

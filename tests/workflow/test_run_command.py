@@ -17,10 +17,10 @@ import pytest
 import tomli_w
 from matplotlib.image import imread
 
-from tests import dem_fixture
-from tests.browser import executable, page
-from tests.command_line import TOP, line, process, run
-from tests.sections import slope
+from tests.support import dem_fixture
+from tests.support.browser import executable, page
+from tests.support.command_line import TOP, line, process, run
+from tests.support.sections import slope
 
 RECORD = "time (s), acceleration (g)\n" + "\n".join(
     f"{0.1 * i:.1f}, {value}" for i, value in enumerate([0, 0.6, 0.6, -0.7, -0.7, -0.7, 0.2, 0])

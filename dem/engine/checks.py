@@ -1,0 +1,108 @@
+"""What is looked at while a run goes on; each check says in words where it failed."""
+
+import numpy as np
+
+from dem.engine.ledger import Ledger
+from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError
+from dem.kernels.contact import ALLOWED
+from dem.model import DiscModel
+
+BALANCE = 1e-3  # of the energy turned over
+FASTEST = 0.25  # of a radius, in one step
+
+
+def _place(model: DiscModel, disc: int) -> str:
+    return (
+        f"disc {disc} at x = {model.x[disc]:.4g} m, z = {model.z[disc]:.4g} m, "
+        f"t = {model.time:.6g} s (step {model.steps})"
+    )
+
+
+def check_finite(model: DiscModel, kept: str) -> None:
+    """Raises NotFiniteError if a position or velocity is not a number."""
+    fine = np.isfinite(model.x) & np.isfinite(model.z) & np.isfinite(model.vx) & np.isfinite(model.vz)
+    fine &= np.isfinite(model.vr)
+    if not fine.all():
+        disc = int(np.argmin(fine))
+        raise NotFiniteError(
+            f"{_place(model, disc)} has a position or velocity that is no number; {int((~fine).sum())} discs in all. "
+            f"Check the input of that disc, or take a smaller step. {kept}"
+        )
+
+
+def check_speed(model: DiscModel, dt: float, kept: str) -> None:
+    """Raises SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
+    speed = np.hypot(model.vx_half, model.vz_half)
+    disc = int(np.argmax(speed))
+    least = float(model.radius.min())
+    if speed[disc] * dt > FASTEST * least:
+        raise SpeedError(
+            f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
+            f"radius in one step: it could pass another without touching it. Take dt <= "
+            f"{FASTEST * least / speed[disc]:.3g} s, or find out what made it so fast. {kept}"
+        )
+
+
+def check_overlap(model: DiscModel, kept: str) -> None:
+    """Raises OverlapError if a pair is deeper in each other than its layers allow."""
+    i, j = model.pair_i, model.pair_j
+    mean = 0.5 * (model.radius[i] + model.radius[j])
+    share = (2.0 * mean - model.distance()) / mean
+    allowed = 2.0 * model.springs.pairs[ALLOWED, model.kind(i, j)]
+    if len(share) and np.any(share > allowed):
+        c = int(np.argmax(share - allowed))
+        raise OverlapError(
+            f"{_place(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
+            f"allowed are {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`. {kept}"
+        )
+    before, _ = line_gaps(model)
+    share = -before / model.radius[model.line_disc]
+    allowed = 2.0 * model.springs.lines[ALLOWED, model.layer[model.line_disc]]
+    if len(share) and np.any(share > allowed):
+        c = int(np.argmax(share - allowed))
+        raise OverlapError(
+            f"{_place(model, int(model.line_disc[c]))} is in rigid line {model.line_id[c]} by {share[c]:.3g} of "
+            f"its radius, allowed are {allowed[c]:.3g}. Find out what drove it "
+            f"there, or allow more with `allowed_overlap`. {kept}"
+        )
+
+
+def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
+    """Gap between rigid lines and the rims of the discs listed at them (m), and where along the line the disc is."""
+    line = model.lines[model.line_id]
+    px, pz = model.x[model.line_disc] - line[:, 0], model.z[model.line_disc] - line[:, 1]
+    gap = px * line[:, 2] + pz * line[:, 3] - model.radius[model.line_disc]
+    along = pz * line[:, 2] - px * line[:, 3]
+    gap[(along < line[:, 4]) | (along > line[:, 5])] = np.inf
+    return gap, along
+
+
+def check_escape(model: DiscModel, kept: str) -> None:
+    """Raises EscapeError if the centre of a disc is behind a rigid line, by a radius or more."""
+    if not len(model.lines):
+        return
+    free = np.flatnonzero(~model.fixed)
+    x, z, r = model.x[free], model.z[free], model.radius[free]
+    for k, (px, pz, nx, nz, begin, end) in enumerate(model.lines):
+        before = (x - px) * nx + (z - pz) * nz
+        along = (z - pz) * nx - (x - px) * nz
+        # the mouth of a corner belongs to both lines; far beyond the ends nobody is held
+        gone = (before < -r) & (along > begin) & (along < end) & (before > -1e3 * r)
+        if gone.any():
+            disc = int(free[np.argmax(gone)])
+            raise EscapeError(
+                f"{_place(model, disc)} is behind rigid line {k}. The boundary did not hold it: take a smaller step, "
+                f"or stiffer springs for the layer beside it. {kept}"
+            )
+
+
+def check_balance(model: DiscModel, ledger: Ledger, tolerance: float, kept: str) -> None:
+    """Raises EnergyBalanceError if more than `tolerance` of the energy turned over is not accounted for."""
+    if not abs(ledger.gap) <= tolerance * ledger.turnover:
+        speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
+        disc = int(np.argmax(speed))
+        raise EnergyBalanceError(
+            f"{ledger.gap:.4g} J/m of {ledger.turnover:.4g} turned over came from nowhere (allowed {tolerance:g}); "
+            f"most energy of motion has {_place(model, disc)}. Take a smaller step, or allow more "
+            f"with `balance`. {kept}"
+        )

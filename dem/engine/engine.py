@@ -1,0 +1,288 @@
+"""The engine: takes a DiscModel through time, makes neighbour lists when due, keeps the ledger, stops in words.
+
+Between two calls of `run` the model is the truth and may be changed in any way; the engine holds nothing but settings.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numba import config
+
+from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
+from dem.engine.ledger import Ledger
+from dem.engine.memory import give_back_large_arrays
+from dem.engine.packer import pack, unpack
+from dem.errors import DemError, StepTooLargeError
+from dem.kernels.barrier import new_barrier
+from dem.kernels.energy import energies
+from dem.kernels.layout import Layout
+from dem.kernels.stable_step import stable_step
+from dem.kernels.stepping import DONE, MOVED, OVERLAP, advance
+from dem.model import DiscModel
+
+AUTO_SHARE = 0.2  # of the stable step
+CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
+CALL_STEPS = 100  # at least: what is done between two calls takes as long as a step or two
+
+OnOutput = Callable[[DiscModel], None]
+
+
+@dataclass(frozen=True)
+class StableStep:
+    """The largest stable step (s) and the disc that sets it (-1 if nothing can touch)."""
+
+    seconds: float
+    disc: int
+
+
+def largest_step(model: DiscModel) -> StableStep:
+    """The largest stable step of a model as it stands, by the bound of `stable_step`."""
+    pairs = model.springs
+    invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
+    seconds, disc = stable_step(
+        model.x, model.z, model.radius, invmass, invmass * model.ease, model.pair_i, model.pair_j,
+        model.kind(model.pair_i, model.pair_j), model.pore_length, model.skin, pairs.pairs, model.line_disc,
+        model.line_id, model.layer[model.line_disc], model.lines, pairs.lines,
+    )  # fmt: skip
+    return StableStep(float(seconds), int(disc))
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Settings of a run.
+
+    dt: the time step (s), or "auto": `AUTO_SHARE` of the stable one as it is when a run begins. threads: how many; the
+    result does not depend on it. ledger: keep the books of energy and stop when they do not balance to `balance` of
+    the energy turned over. pulls: let the dashpots of element springs pull (for closed forms; soil never does).
+    crack_by: normal force of eq. (16), that of the whole "contact" (element and pore spring) or of the "pore" spring
+    alone. checkpoint, checkpoint_every: file and seconds of model time between two saves; the last one stays when a run
+    stops with an error.
+    """
+
+    dt: float | Literal["auto"] = "auto"
+    threads: int = 1
+    ledger: bool = True
+    balance: float = BALANCE
+    pulls: bool = False
+    crack_by: Literal["contact", "pore"] = "contact"
+    checkpoint: Path | str | None = None
+    checkpoint_every: float = float("inf")
+
+    def __post_init__(self) -> None:
+        if self.threads < 1:
+            raise ValueError(f"threads must be at least 1, is {self.threads}")
+        if self.dt != "auto" and not self.dt > 0.0:
+            raise ValueError(f"dt must be positive or 'auto', is {self.dt}")
+        if self.crack_by not in ("contact", "pore"):
+            raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
+
+    def step_of(self, model: DiscModel) -> float:
+        """The time step a run of this model would take (s). Raises StepTooLargeError, naming the stable one."""
+        stable = largest_step(model)
+        if self.dt == "auto":
+            if not np.isfinite(stable.seconds):
+                raise StepTooLargeError(
+                    "no two discs can touch, so there is no stable step to take a share of: give dt in s"
+                )
+            return AUTO_SHARE * stable.seconds
+        self._refuse(model, self.dt, stable)
+        return self.dt
+
+    def _refuse(self, model: DiscModel, dt: float, stable: StableStep) -> None:
+        if dt > stable.seconds:
+            d = stable.disc
+            raise StepTooLargeError(
+                f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at x = "
+                f"{model.x[d]:.4g} m, z = {model.z[d]:.4g} m sets at t = {model.time:.6g} s. Take dt = 'auto' or less."
+            )
+
+    def measure(self, model: DiscModel) -> Ledger:
+        """The ledger of a model as it stands."""
+        return self._ledger(model, pack(model))
+
+    def run(
+        self,
+        model: DiscModel,
+        duration: float | None = None,
+        *,
+        steps: int | None = None,
+        every: float | None = None,
+        on_output: OnOutput | None = None,
+    ) -> Ledger | None:
+        """Takes the model `duration` seconds on (rounded to whole steps), or a number of steps.
+
+        on_output is called with the model every `every` seconds and at the end; it may read and save it, not change it.
+        Returns the ledger at the end, None if none is kept. Raises DemError and leaves the model as it was found wrong.
+        """
+        if model.lists_made == 0 or np.any(np.hypot(model.x - model.x_list, model.z - model.z_list) > 0.5 * model.skin):
+            model.make_list()
+        dt = self.step_of(model)
+        if (duration is None) == (steps is None):
+            raise ValueError("give either a duration in s or a number of steps")
+        total = steps if steps is not None else max(1, round(float(duration or 0.0) / dt))
+        between = total if every is None else max(1, round(every / dt))
+        saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
+        run = Run(self, model, dt)
+        try:
+            end = model.steps + total
+            begin = model.steps
+            while model.steps < end:
+                stops = [end, begin + ((model.steps - begin) // between + 1) * between]
+                if saves:
+                    stops.append(begin + ((model.steps - begin) // saves + 1) * saves)
+                ledger = run.advance(min(stops) - model.steps)
+                done = model.steps - begin
+                if saves and (done % saves == 0 or model.steps == end):
+                    model.save(str(self.checkpoint))
+                if on_output is not None and (done % between == 0 or model.steps == end):
+                    on_output(model)
+        finally:
+            run.close()
+        return ledger
+
+    def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
+        series = model.acceleration
+        found = energies(
+            layout, model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity),
+            np.interp(model.time, series.times, series.x), np.interp(model.time, series.times, series.z),
+            model.last_dt, self.floor, self.share,
+        )  # fmt: skip
+        return Ledger.of(found, model.books, model.energy_edited, model.turnover)
+
+    @property
+    def floor(self) -> float:
+        """Least normal force of an element contact (N)."""
+        return -np.inf if self.pulls else 0.0
+
+    @property
+    def share(self) -> float:
+        """Share of the element's normal force in Fn of eq. (16)."""
+        return 1.0 if self.crack_by == "contact" else 0.0
+
+    @property
+    def kept(self) -> str:
+        """Where to go on from, for error messages."""
+        if self.checkpoint and Path(self.checkpoint).exists():
+            return f"The last checkpoint is {self.checkpoint}."
+        return "No checkpoint was kept."
+
+
+class Run:
+    """One run: the layout while it lasts, its threads, and the way from call to call of the kernel."""
+
+    def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
+        self.engine, self.model, self.dt = engine, model, dt
+        give_back_large_arrays()
+        # without the JIT there are no atomic instructions to meet by
+        self.threads = 1 if config.DISABLE_JIT else engine.threads
+        # no thread is the caller's own: who is interrupted can wait for the kernel and still know how far it came
+        self.pool = ThreadPoolExecutor(self.threads)
+        self.working: list[Future[tuple[int, float, int]]] = []
+        self.layout: Layout | None = None  # while there is one, the model has no pairs
+        self.pack()
+        self.begin_books()
+
+    def close(self) -> None:
+        """Brings the model up to date, whatever happened, and lets the threads go."""
+        if self.working:
+            self.collect()
+        self.update()
+        self.pool.shutdown()
+
+    def pack(self) -> Layout:
+        """The layout, made from the model if there is none."""
+        if self.layout is None:
+            self.layout = pack(self.model, keep_pairs=False)
+        return self.layout
+
+    def update(self) -> None:
+        """Makes the model whole again; the layout goes."""
+        if self.layout is not None:
+            unpack(self.layout, self.model)
+            self.layout = None
+
+    def begin_books(self) -> None:
+        """What the model holds more or less than after its last run came with changes made in between."""
+        if not self.engine.ledger:
+            self.model.energy_known = float("nan")
+            return
+        model = self.model
+        ledger = self.engine._ledger(model, self.pack())
+        if np.isnan(model.energy_known):
+            model.energy_edited += ledger.gap
+        else:
+            model.energy_edited += ledger.kinetic + ledger.stored + ledger.dissipated - model.energy_known
+
+    def advance(self, steps: int) -> Ledger | None:
+        """Takes that many steps, in calls of the kernel short enough to be stopped, and updates the model."""
+        model, engine = self.model, self.engine
+        call = max(CALL_STEPS, int(CALL_WORK / len(model)))
+        ledger = None
+        end = model.steps + steps
+        while model.steps < end:
+            reason = self.call_kernel(min(call, end - model.steps))
+            if reason != DONE:
+                self.update()
+                check_finite(model, engine.kept)
+                check_speed(model, self.dt, engine.kept)
+                check_escape(model, engine.kept)
+            if reason == OVERLAP:
+                check_overlap(model, engine.kept)
+            if reason == MOVED:
+                model.make_list()
+                engine._refuse(model, self.dt, largest_step(model))
+            elif engine.ledger and model.steps < end:
+                ledger = self.balance()
+        if engine.ledger:
+            ledger = self.balance()
+        self.update()
+        check_finite(model, engine.kept)
+        check_escape(model, engine.kept)
+        if ledger is not None:
+            model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
+        return ledger
+
+    def balance(self) -> Ledger:
+        """The ledger now. Raises EnergyBalanceError."""
+        model, engine = self.model, self.engine
+        ledger = engine._ledger(model, self.pack())
+        model.turnover = ledger.turnover
+        try:
+            check_balance(model, ledger, engine.balance, engine.kept)
+        except DemError:
+            self.update()
+            raise
+        return ledger
+
+    def call_kernel(self, steps: int) -> int:
+        """Up to `steps` steps in all threads; returns why it came back."""
+        model, engine = self.model, self.engine
+        barrier = new_barrier(self.threads)
+        stops = np.zeros((2, self.threads), np.int64)
+        series = model.acceleration
+        layout = self.pack()
+
+        def work(thread: int) -> tuple[int, float, int]:
+            return advance(
+                thread, self.threads, barrier, stops, steps, self.dt, model.last_dt, model.time, layout,
+                model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity), series.times,
+                np.array([series.x, series.z]), (0.5 * model.skin) ** 2, engine.floor, engine.share, engine.ledger,
+                model.books,
+            )  # fmt: skip
+
+        self.working = [self.pool.submit(work, k) for k in range(self.threads)]
+        return self.collect()
+
+    def collect(self) -> int:
+        """Waits for the kernel and books the steps it took; returns why it came back."""
+        results = [thread.result() for thread in self.working]  # of all, before any is believed
+        taken, now, reason = results[0]
+        self.working = []
+        self.model.steps += taken
+        self.model.time = now
+        self.model.last_dt = self.dt
+        return reason

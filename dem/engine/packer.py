@@ -1,0 +1,111 @@
+"""DiscModel to Layout and back."""
+
+import numpy as np
+
+from dem.engine.memory import large_zeros
+from dem.kernels.layout import (
+    DISC_FIELDS,
+    LANES,
+    LINK_FIELDS,
+    Layout,
+    count_slots,
+    list_links,
+    offset,
+    place_incoming,
+    place_links,
+)
+from dem.model import MEMORY, DiscModel
+
+FAR = 1e15  # m: where lanes without a disc are
+# what a run changes: field of the layout and array of the model
+_STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
+
+_LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
+
+
+def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
+    """The model as the stepping kernel wants it; the same model always gives the same layout.
+
+    keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
+    twice.
+    """
+    n = len(model)
+    slices = n // LANES + 1
+    order = model.order
+    number = np.empty(n, np.int32)
+    number[order] = np.arange(n, dtype=np.int32)
+    owner, partner = number[model.pair_i], number[model.pair_j]
+    turn, chunk_start = count_slots(owner, slices)
+    chunks = int(chunk_start[-1])
+    tail = -(-len(model.line_disc) // LANES)
+    line_disc = number[model.line_disc]
+
+    links = large_zeros(chunks + 1 + tail, LINK_FIELDS, LANES)
+    links[:, 0] = 1.0
+    partners = np.full((chunks, LANES), offset(n), np.uint32)
+    # the disc that stands for nobody cannot be its own partner: their distance would be nothing
+    partners[chunk_start[-2] :, n % LANES] = offset(n + 1) if (n + 1) % LANES else 0
+    kinds = np.zeros(chunks * LANES, np.uint16)
+    chunk_kind = place_links(
+        owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
+        tuple(getattr(model, name) for name in MEMORY), offset(n), links.reshape(-1), partners.reshape(-1), kinds,
+    )  # fmt: skip
+    del owner, partner, turn
+    if not keep_pairs:
+        model.pair_i = model.pair_j = np.zeros(0, np.int32)
+        for name in MEMORY:
+            setattr(model, name, np.zeros(0))
+    flat = links.reshape(-1)
+    lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(
+        len(line_disc)
+    ) % LANES
+    for field, name in _LINE_MEMORY.items():
+        flat[lanes + field * LANES] = getattr(model, name)
+    incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
+    return Layout(
+        discs=_discs(model, slices), links=flat, partner=partners.reshape(-1), kinds=kinds, chunk_kind=chunk_kind,
+        chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
+        line_disc=(line_disc // LANES).astype(np.int64) * (DISC_FIELDS * LANES) + line_disc % LANES,
+        line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
+        line_radius=model.radius[model.line_disc],
+        line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
+    )  # fmt: skip
+
+
+def _discs(model: DiscModel, slices: int) -> np.ndarray:
+    n, order = len(model), model.order
+    discs = large_zeros(slices, DISC_FIELDS, LANES)
+
+    def put(field: int, values: np.ndarray) -> None:
+        lanes = np.zeros(slices * LANES)
+        lanes[:n] = values[order]
+        discs[:, field] = lanes.reshape(slices, LANES)
+
+    for field, name in _STATE.items():
+        put(field, getattr(model, name))
+    free = ~model.fixed
+    put(8, np.where(free, 1.0 / model.mass, 0.0))
+    put(9, np.where(free, model.ease / model.mass, 0.0))
+    put(10, model.weight)
+    put(11, model.x_list)
+    put(12, model.z_list)
+    empty = np.arange(n % LANES, LANES)
+    for field in (0, 1, 11, 12):
+        discs[-1, field, empty] = FAR * (1.0 + empty)
+    return discs.reshape(-1)
+
+
+def unpack(layout: Layout, model: DiscModel) -> None:
+    """Writes what a run has changed back into the model."""
+    n, order = len(model), model.order
+    discs = layout.discs.reshape(-1, DISC_FIELDS, LANES)
+
+    for field, name in _STATE.items():
+        getattr(model, name)[order] = discs[:, field].reshape(-1)[:n]
+    model.pair_i, model.pair_j, *memory = list_links(layout, order)
+    for name, values in zip(MEMORY, memory, strict=True):
+        setattr(model, name, values)
+    e = np.arange(len(model.line_disc))
+    lanes = (layout.chunk_start[-1] + 1 + e // LANES) * (LINK_FIELDS * LANES) + e % LANES
+    for field, name in _LINE_MEMORY.items():
+        setattr(model, name, layout.links[lanes + field * LANES])

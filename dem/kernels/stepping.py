@@ -1,0 +1,401 @@
+"""Kernel: many time steps of all discs, by any number of threads, with the same bits for any number.
+
+Scheme: velocity Verlet, which is the trapezoidal rule for the displacement (Sec. 2(2) of the paper). With the forces
+F at t_n,
+    v(n+1/2) = v(n-1/2) + dt F(n)/m,   x(n+1) = x(n) + dt v(n+1/2),   v*(n+1) = v(n+1/2) + dt/2 F(n)/m.
+Dashpots need a velocity at t_(n+1) before its force is known: v* is that one, to second order. Slip, and so the
+springs' memory, follows from v(n+1/2), that is from displacements.
+
+A step goes through the slices in order: the contacts a slice owns, then all slices whose last contact is known, while
+they are still in the cache. A slice that shares contacts with another thread's is moved at the end of the step, once
+that thread has been through the last of them: all threads meet only once a step.
+"""
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.barrier import report, wait, wait_for
+from dem.kernels.chunks import (
+    ROW,
+    SCRATCH,
+    SUM_R,
+    SUM_X,
+    SUM_Z,
+    add,
+    contacts,
+    contacts_with_losses,
+    line_contact,
+    line_lane,
+    load_constants,
+    load_partners,
+)
+from dem.kernels.layout import (
+    DISC,
+    DISC_FIELDS,
+    FR,
+    FX,
+    FZ,
+    INVMASS,
+    LANES,
+    LINK,
+    LINK_FIELDS,
+    RIM,
+    ROLL,
+    VR,
+    VRS,
+    VX,
+    VXS,
+    VZ,
+    VZS,
+    WEIGHT,
+    X0,
+    Z0,
+    Layout,
+    X,
+    Z,
+)
+from dem.kernels.prefetch import LINE, fetch
+
+# Why a run of the kernel came to its end.
+DONE, MOVED, OVERLAP = 0, 1, 2
+
+# Columns of the ledger kept per slice: work of weight, of external acceleration and of moving boundaries; energy
+# dissipated by dashpots, by sliding, by cracks. All in J per metre out of plane.
+WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS = range(6)
+LEDGER = 6
+
+OWN_LINES = (DISC_FIELDS - 8) * LANES // 8  # cache lines of a slice that its neighbours do not read
+
+
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
+    """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
+    links = layout.links
+    own = np.uint64(layout.chunk_start[p])
+    owned = layout.chunk_start[p + 1] - layout.chunk_start[p]
+    others = np.uint64(layout.incoming_start[p])
+    count = layout.incoming_start[p + 1] - layout.incoming_start[p]
+    for lane in range(LANES):
+        q = np.uint64(lane)
+        scratch[SUM_X + q] = 0.0
+        scratch[SUM_Z + q] = 0.0
+        scratch[SUM_R + q] = 0.0
+    for k in range(owned):
+        at = (own + np.uint64(k)) * LINK
+        for lane in range(LANES):
+            q = np.uint64(lane)
+            scratch[SUM_X + q] -= links[at + FX + q]
+            scratch[SUM_Z + q] -= links[at + FZ + q]
+            scratch[SUM_R + q] += links[at + FR + q]
+    for k in range(count):
+        slot = (others + np.uint64(k)) * ROW
+        for lane in range(LANES):
+            q = np.uint64(lane)
+            at = np.uint64(layout.incoming[slot + q])
+            scratch[SUM_X + q] += links[at]
+            scratch[SUM_Z + q] += links[at + ROW]
+            scratch[SUM_R + q] += links[at + ROW + ROW]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move(
+    p: int,
+    discs: np.ndarray,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+    reach: float,
+) -> bool:
+    """One step of the 64 discs of slice p; True if one has moved further than sqrt(reach) since the list was made.
+
+    kick: time (s) between the velocities kept and the new ones; weight_*: gravity, ax, az: external acceleration.
+    """
+    b = np.uint64(p) * DISC
+    half = 0.5 * dt
+    moved = False
+    for lane in range(LANES):
+        q = np.uint64(lane)
+        invmass = discs[b + INVMASS + q]
+        weight = discs[b + WEIGHT + q]
+        free = 1.0 if invmass > 0.0 else 0.0
+        accel_x = scratch[SUM_X + q] * invmass + free * (weight * weight_x + ax)
+        accel_z = scratch[SUM_Z + q] * invmass + free * (weight * weight_z + az)
+        accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
+        vx = discs[b + VX + q] + kick * accel_x
+        vz = discs[b + VZ + q] + kick * accel_z
+        vr = discs[b + VR + q] + kick * accel_r
+        x = discs[b + X + q] + dt * vx
+        z = discs[b + Z + q] + dt * vz
+        discs[b + VX + q] = vx
+        discs[b + VZ + q] = vz
+        discs[b + VR + q] = vr
+        discs[b + VXS + q] = vx + half * accel_x
+        discs[b + VZS + q] = vz + half * accel_z
+        discs[b + VRS + q] = vr + half * accel_r
+        discs[b + X + q] = x
+        discs[b + Z + q] = z
+        discs[b + ROLL + q] += dt * vr
+        dx = x - discs[b + X0 + q]
+        dz = z - discs[b + Z0 + q]
+        moved |= not (dx * dx + dz * dz <= reach)
+    return moved
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def work(
+    p: int,
+    discs: np.ndarray,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+) -> tuple[float, float, float]:
+    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J).
+
+    ax, az: mean of the external acceleration over the step.
+    """
+    b = np.uint64(p) * DISC
+    by_weight = 0.0
+    by_external = 0.0
+    by_boundary = 0.0
+    for lane in range(LANES):
+        q = np.uint64(lane)
+        invmass = discs[b + INVMASS + q]
+        mass = 1.0 / invmass if invmass > 0.0 else 0.0
+        vx = discs[b + VX + q]
+        vz = discs[b + VZ + q]
+        by_weight = add(by_weight, mass * discs[b + WEIGHT + q] * (weight_x * vx + weight_z * vz))
+        by_external = add(by_external, mass * (ax * vx + az * vz))
+        driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * discs[b + VR + q]
+        by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
+    return by_weight * dt, by_external * dt, by_boundary * kick
+
+
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def contacts_of_slice(
+    p: int,
+    layout: Layout,
+    table: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+    scratch: np.ndarray,
+    loaded: int,
+    slip_time: float,
+    floor: float,
+    share: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> tuple[bool, int]:
+    """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
+    too_deep = False
+    b = np.uint64(p) * DISC
+    for line in range(OWN_LINES):
+        fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
+    for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
+        first = np.uint64(chunk) * ROW
+        kind = layout.chunk_kind[chunk]
+        if kind != loaded or kind < 0:
+            load_constants(kind, layout.kinds, first, table, scratch)
+            loaded = kind
+        load_partners(chunk, layout, scratch)
+        if ledger:
+            deep, damping, slid, cracked = contacts_with_losses(
+                chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share
+            )
+            books[p, DASHPOT] += damping
+            books[p, SLIDING] += slid
+            books[p, CRACKS] += cracked
+        else:
+            deep = contacts(chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share)
+        too_deep |= deep
+    for e in range(layout.line_start[p], layout.line_start[p + 1]):
+        deep, damping, slid = line_contact(e, line_lane(e, layout), layout, lines, line_table, slip_time, floor)
+        too_deep |= deep
+        if ledger:
+            books[p, DASHPOT] += damping
+            books[p, SLIDING] += slid
+    return too_deep, loaded
+
+
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def move_slice(
+    p: int,
+    layout: Layout,
+    scratch: np.ndarray,
+    kick: float,
+    dt: float,
+    weight_x: float,
+    weight_z: float,
+    ax: float,
+    az: float,
+    mean_x: float,
+    mean_z: float,
+    reach: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> bool:
+    """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
+    sum_forces(p, layout, scratch)
+    moved = move(p, layout.discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach)
+    if ledger:
+        by_weight, by_external, by_boundary = work(
+            p, layout.discs, scratch, kick, dt, weight_x, weight_z, mean_x, mean_z
+        )
+        books[p, WORK_WEIGHT] += by_weight
+        books[p, WORK_EXTERNAL] += by_external
+        books[p, WORK_BOUNDARY] += by_boundary
+    return moved
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
+    """Linear interpolation of a series, constant outside it; `place`: an interval at or before that of `time`."""
+    if time <= times[0]:
+        return values[0]
+    if time >= times[-1]:
+        return values[-1]
+    while times[place + 1] < time:
+        place += 1
+    span = times[place + 1] - times[place]
+    return values[place] + (values[place + 1] - values[place]) * ((time - times[place]) / span)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def begin_of(thread: int, threads: int, slices: int) -> int:
+    """First slice of a thread."""
+    return slices * thread // threads
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Slices of begin to end that share contacts with other threads, and how many slices each thread must be through.
+
+    Returns (slices (shared,), counts (shared, threads)).
+    """
+    slices = len(layout.chunk_start) - 1
+    shared = np.zeros(end - begin, np.int64)
+    count = np.zeros((end - begin, threads), np.int64)
+    found = 0
+    for p in range(begin, end):
+        if layout.first[p] >= begin and layout.last[p] < end:
+            continue
+        shared[found] = p
+        for k in range(layout.incoming_start[p] * LANES, layout.incoming_start[p + 1] * LANES):
+            chunk = np.int64(layout.incoming[k]) // (LINK_FIELDS * LANES)
+            if chunk >= layout.chunk_start[-1]:
+                continue  # nothing, or a rigid line, which is the slice's own
+            owner = np.searchsorted(layout.chunk_start, chunk, side="right") - 1
+            if begin <= owner < end:
+                continue
+            for t in range(threads):
+                start = begin_of(t, threads, slices)
+                if start <= owner < begin_of(t + 1, threads, slices):
+                    count[found, t] = max(count[found, t], owner - start + 1)
+        found += 1
+    # What needs least of the others comes first, so that no slice waits behind one that needs their last.
+    order = np.argsort(count[:found].sum(axis=1), kind="mergesort")
+    return shared[:found][order], count[:found][order]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(
+    thread: int,
+    threads: int,
+    barrier: np.ndarray,
+    stops: np.ndarray,
+    steps: int,
+    dt: float,
+    last_dt: float,
+    time: float,
+    layout: Layout,
+    table: np.ndarray,
+    lines: np.ndarray,
+    line_table: np.ndarray,
+    gravity: np.ndarray,
+    times: np.ndarray,
+    accelerations: np.ndarray,
+    reach: float,
+    floor: float,
+    share: float,
+    ledger: bool,
+    books: np.ndarray,
+) -> tuple[int, float, int]:
+    """Takes up to `steps` steps of `dt`; each of `threads` threads calls it with its own number.
+
+    stops (2, threads): what each thread found in a step. last_dt: the step before (0 after velocities were set).
+    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
+    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
+    """
+    slices = len(layout.chunk_start) - 1
+    begin = begin_of(thread, threads, slices)
+    end = begin_of(thread + 1, threads, slices)
+    shared, need = needs(begin, end, threads, layout)
+    scratch = np.zeros(SCRATCH)
+    loaded = -1
+    place = 0
+    reason = DONE
+    taken = 0
+    while taken < steps and reason == DONE:
+        # a new time step follows the old one without a jump of the velocities
+        kick = 0.5 * (last_dt + dt)
+        slip_time = last_dt
+        while place + 2 < len(times) and times[place + 1] < time:
+            place += 1
+        ax = interpolate(time, times, accelerations[0], place)
+        az = interpolate(time, times, accelerations[1], place)
+        mean_x = 0.5 * (ax + interpolate(time + dt, times, accelerations[0], place))
+        mean_z = 0.5 * (az + interpolate(time + dt, times, accelerations[1], place))
+        too_deep = False
+        moved = False
+        ready = begin
+        for p in range(begin, end):
+            deep, loaded = contacts_of_slice(
+                p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
+            )
+            too_deep |= deep
+            if threads > 1:
+                report(barrier, thread)
+            while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
+                if layout.first[ready] >= begin and layout.last[ready] < end:
+                    moved |= move_slice(
+                        ready,
+                        layout,
+                        scratch,
+                        kick,
+                        dt,
+                        gravity[0],
+                        gravity[1],
+                        ax,
+                        az,
+                        mean_x,
+                        mean_z,
+                        reach,
+                        ledger,
+                        books,
+                    )
+                ready += 1
+        for k in range(len(shared)):
+            for t in range(threads):
+                if need[k, t] > 0:
+                    size = begin_of(t + 1, threads, slices) - begin_of(t, threads, slices)
+                    wait_for(barrier, t, taken * size + need[k, t])
+            moved |= move_slice(
+                shared[k], layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger,
+                books,
+            )  # fmt: skip
+        stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
+        if threads > 1:
+            wait(barrier, threads)
+        for k in range(threads):
+            reason = max(reason, stops[taken % 2, k])
+        last_dt = dt
+        time += dt
+        taken += 1
+    return taken, time, reason

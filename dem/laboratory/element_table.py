@@ -1,0 +1,54 @@
+"""Element tests of the discs of every layer of a section, beside the soil they were made from."""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from dem.errors import DemError
+from dem.laboratory.element_test import element_test
+from dem.laboratory.patch import PackingKind
+from dem.springs import LayerSprings
+from meshes.section.section import Section
+
+SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
+G = 9.80665
+PACKINGS: tuple[PackingKind, ...] = ("lattice", "random")
+
+
+def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> np.ndarray:
+    """Vertical effective stress (Pa) in the middle of each stratum where it is thickest."""
+    left, right = section.extent
+    outline = section.outline()
+    found = np.zeros((len(section.strata), 2))  # thickness, stress
+    density = np.array([s.density_ordinary for s in section.strata])
+    for x in np.linspace(left, right, columns + 2)[1:-1]:
+        z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), points)
+        layer = section.stratum_at(np.full(points, x), z)
+        weight = np.where(layer >= 0, density[layer], 0.0) * G * (z[0] - z[1])
+        stress = np.cumsum(weight)
+        for k in np.unique(layer[layer >= 0]):
+            here = np.flatnonzero(layer == k)
+            if len(here) > found[k, 0]:
+                found[k] = len(here), stress[here[len(here) // 2]]
+    return found[:, 1]
+
+
+def element_tests(
+    section: Section, layers: Sequence[LayerSprings], radius: float, *, seed: int = 0, workers: int = 1
+) -> list[dict[str, Any]]:
+    """Every layer as a lattice and as a random packing, some at a time; a test that cannot be done says why."""
+    stresses = middle_stresses(section)
+    tasks = [(k, packing) for k in np.flatnonzero(stresses > 0.0) for packing in PACKINGS]
+
+    def work(task: tuple[int, PackingKind]) -> dict[str, Any]:
+        k, packing = task
+        stratum, pressures = section.strata[k], [float(share * stresses[k]) for share in SHARES]
+        try:
+            return element_test(layers[k], packing, radius, pressures, seed=seed).as_json(stratum)
+        except (DemError, ValueError) as error:
+            return {"stratum": stratum.name, "packing": packing, "soil": None, "assembly": None, "reason": str(error)}
+
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(work, tasks))

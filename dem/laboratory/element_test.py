@@ -1,0 +1,230 @@
+"""Element tests of a layer's discs: what soil do they stand for?
+
+A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
+after settling. From there small probes give its stiffness, a biaxial test (plane strain) and a simple-shear test its
+strength. What holds for patch and loading stands in `patch.py` and `loading.py`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dem.laboratory.loading import Curve, confine, load, probe
+from dem.laboratory.patch import SIZES, PackingKind, lattice_patch, random_patch
+from dem.laboratory.plane_elastic import PlaneElastic
+from dem.laboratory.strength import Strength, from_plane, from_principal, strength
+from dem.springs import LayerSprings
+from meshes.section.section import Stratum
+
+LARGEST_STRAIN = 0.2
+RATE = 2e-4  # strain per sqrt(m / kn)
+INERTIAL = 3e-3  # number at most: what is weakly confined is tested more slowly
+
+
+@dataclass(frozen=True)
+class PressureTest:
+    """All that was done at one pressure (Pa): stiffness, isotropy (M_xx / M_zz - 1), curves and strengths, inertial
+    number: rate times diameter times sqrt(density / pressure); pore_springs: per free disc, once set."""
+
+    pressure: float
+    stiffness: PlaneElastic
+    skewness: float
+    biaxial: Curve
+    biaxial_strength: Strength
+    shear: Curve
+    shear_strength: Strength
+    inertial_number: float
+    pore_springs: float
+
+
+@dataclass(frozen=True)
+class ElementTest:
+    """What the discs of a layer stand for as soil.
+
+    E (Pa), nu: of soil in plane strain with the initial tangent stiffness of the patch, mean over the pressures, G (Pa)
+    from shear; c (Pa), phi (rad): Mohr-Coulomb's line through the biaxial tests; c_shear, phi_shear: through the
+    simple-shear tests; dilation (rad): at the peak of the biaxial tests, mean. c_last, phi_last: through what is left
+    at their ends, the mean of the last tenth.
+    verdicts: a sentence for every test whose strength is not that of a peak or plateau.
+    """
+
+    layer: LayerSprings
+    packing: PackingKind
+    radius: float
+    seed: int
+    stiffness: PlaneElastic
+    G: float
+    c: float
+    phi: float
+    c_last: float
+    phi_last: float
+    c_shear: float
+    phi_shear: float
+    dilation: float
+    tests: tuple[PressureTest, ...]
+
+    @property
+    def E(self) -> float:
+        """Young's modulus of the soil (Pa)."""
+        return self.stiffness.E
+
+    @property
+    def nu(self) -> float:
+        """Poisson's ratio of the soil."""
+        return self.stiffness.nu
+
+    @property
+    def verdicts(self) -> tuple[str, ...]:
+        """What keeps the strengths from being those of a peak or plateau, in words."""
+        found = []
+        for test in self.tests:
+            for curve, result in ((test.biaxial, test.biaxial_strength), (test.shear, test.shear_strength)):
+                if result.verdict == "still rising":
+                    found.append(
+                        f"{curve.kind} at {test.pressure:.4g} Pa: no peak up to a strain of "
+                        f"{curve.strain[-1]:.3g}; the strength is what was mobilised there"
+                    )
+                elif curve.stopped:
+                    found.append(
+                        f"{curve.kind} at {test.pressure:.4g} Pa: stopped at a strain of {curve.strain[-1]:.3g}"
+                        + ("; the strength is what was mobilised there" if result.verdict == "stopped" else "")
+                        + f" ({curve.stopped})"
+                    )
+        if np.isnan(self.phi):
+            found.append("biaxial: the strength falls as the pressure grows, so there is neither c nor phi")
+        return tuple(found)
+
+    @property
+    def quality(self) -> dict[str, float]:
+        """How near to rest the tests were up to their peaks: unbalanced ratio, inertial number, error of the servo.
+
+        The error is that of the pressure it keeps, as a share.
+        """
+        unbalanced, errors = [], []
+        for test in self.tests:
+            for curve, axis in ((test.biaxial, 0), (test.shear, 1)):
+                way = slice(int(np.argmax(curve.resistance)) + 1)
+                unbalanced.append(curve.unbalanced[way])
+                errors.append(-curve.stress[way, axis, axis] / curve.pressure - 1.0)
+        return {
+            "unbalanced_largest": float(np.concatenate(unbalanced).max()),
+            "unbalanced_median": float(np.median(np.concatenate(unbalanced))),
+            "inertial_number_largest": max(test.inertial_number for test in self.tests),
+            "rate_per_s_largest": max(test.biaxial.rate for test in self.tests),
+            "pressure_error_rms": float(np.sqrt(np.mean(np.square(np.concatenate(errors))))),
+        }
+
+    def as_json(self, stratum: Stratum) -> dict[str, Any]:
+        """The discs beside the soil they were made from, as JSON can hold it; what could not be had is None."""
+        return {
+            "stratum": stratum.name,
+            "packing": self.packing,
+            "soil": {
+                "E_Pa": float(stratum.youngs_modulus),
+                "nu": float(stratum.poissons_ratio),
+                "c_Pa": float(stratum.cohesion),
+                "phi_deg": float(np.degrees(stratum.friction_angle)),
+            },
+            "assembly": {
+                "E_Pa": self.E,
+                "nu": self.nu,
+                "c_Pa": _number(self.c),
+                "phi_deg": _number(np.degrees(self.phi)),
+                "c_last_Pa": _number(self.c_last),
+                "phi_last_deg": _number(np.degrees(self.phi_last)),
+                "dilation_deg": float(np.degrees(self.dilation)),
+                "G_Pa": self.G,
+                "c_shear_Pa": self.c_shear,
+                "phi_shear_deg": float(np.degrees(self.phi_shear)),
+                "E_2d_Pa": self.stiffness.E_2d,
+                "nu_2d": self.stiffness.nu_2d,
+            },
+            "tests": [
+                {
+                    "pressure_Pa": test.pressure,
+                    "biaxial": {"verdict": test.biaxial_strength.verdict, "strain": test.biaxial_strength.strain,
+                                "sigma_1_Pa": test.biaxial_strength.major, "sigma_3_Pa": test.biaxial_strength.minor},
+                    "simple_shear": {"verdict": test.shear_strength.verdict, "strain": test.shear_strength.strain,
+                                     "tau_Pa": test.shear_strength.shear, "sigma_Pa": test.shear_strength.normal},
+                }
+                for test in self.tests
+            ],
+            "verdicts": list(self.verdicts),
+            "quality": self.quality,
+        }  # fmt: skip
+
+
+def element_test(
+    layer: LayerSprings,
+    packing: PackingKind,
+    radius: float,
+    pressures: Sequence[float],
+    *,
+    seed: int = 0,
+    threads: int = 1,
+    strain: float = LARGEST_STRAIN,
+    rate: float = RATE,
+    size: tuple[int, int] | None = None,
+) -> ElementTest:
+    """Tests a patch of a layer's discs at two or more confining pressures (Pa).
+
+    radius: mean, of the discs (m); seed: of the random packing; strain: the largest of either test; rate: strain per
+    sqrt(m / kn), so that all layers are tested equally slowly, but never faster than an inertial number of `INERTIAL`;
+    size: columns and rows of the patch, its frame included. Raises ValueError for what cannot be tested, DemError where
+    a patch does not come to rest under its pressure.
+    """
+    if packing not in ("lattice", "random"):
+        raise ValueError(f"packing is 'lattice' or 'random', not {packing!r}")
+    if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
+        raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
+    if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
+        raise ValueError(f"a strain of {strain} or a rate of {rate} cannot be tested: up to 0.5, and 0.01")
+    columns, rows = size or SIZES[packing]
+    if columns < 8 or rows < 8:
+        raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
+    tests = tuple(
+        _at_pressure(layer, packing, radius, p, seed, threads, strain, rate, (columns, rows)) for p in sorted(pressures)
+    )
+    biaxial, shear = [t.biaxial_strength for t in tests], [t.shear_strength for t in tests]
+    c, phi = from_principal([s.major for s in biaxial], [s.minor for s in biaxial])
+    c_last, phi_last = from_principal([s.major_last for s in biaxial], [s.minor_last for s in biaxial])
+    c_shear, phi_shear = from_plane([s.normal for s in shear], [s.shear for s in shear])
+    stiffness = PlaneElastic(*(float(np.mean([getattr(t.stiffness, k) for t in tests])) for k in ("M", "lame", "G")))
+    return ElementTest(
+        layer=layer, packing=packing, radius=radius, seed=seed, stiffness=stiffness, G=stiffness.G, c=c, phi=phi,
+        c_last=c_last, phi_last=phi_last, c_shear=c_shear, phi_shear=phi_shear,
+        dilation=float(np.mean([s.dilation for s in biaxial])), tests=tests,
+    )  # fmt: skip
+
+
+def _at_pressure(
+    layer: LayerSprings,
+    packing: PackingKind,
+    radius: float,
+    pressure: float,
+    seed: int,
+    threads: int,
+    strain: float,
+    rate: float,
+    size: tuple[int, int],
+) -> PressureTest:
+    patch = lattice_patch(layer, radius, size) if packing == "lattice" else random_patch(layer, radius, size, seed)
+    confine(patch, pressure, threads)
+    bonds = patch.model.set_pore_springs()
+    stiffness, skewness = probe(patch, pressure, threads)
+    quick = 2.0 * radius * float(np.sqrt(layer.density / pressure)) / patch.time_unit
+    rate = min(rate, INERTIAL / quick)
+    biaxial = load(patch.copy(), "biaxial", pressure, strain, rate, stiffness, threads)
+    shear = load(patch.copy(), "simple shear", pressure, strain, rate, stiffness, threads)
+    return PressureTest(
+        pressure=pressure, stiffness=stiffness, skewness=skewness, biaxial=biaxial, biaxial_strength=strength(biaxial),
+        shear=shear, shear_strength=strength(shear),
+        inertial_number=rate * quick,
+        pore_springs=bonds / float((~patch.frame).sum()),
+    )  # fmt: skip
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,175 @@
+"""What is done to a patch: confined, probed, compressed, sheared, slowly enough for inertia to have no part in it.
+
+Stress-controlled directions are servo-controlled: a rate in proportion to the error and its integral. Pressures are
+positive (Pa); strains are those of the frame.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from dem.errors import ConfinementError, DemError
+from dem.laboratory.patch import Patch, Press
+from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
+
+Kind = Literal["biaxial", "simple shear"]
+
+AT_REST = 1e-3  # of the pressure, and of the mean contact force
+PATIENCE = 20_000.0  # time units until a patch must have come to rest
+FASTEST = 1e-3  # strain per time unit while confined
+PROBE = 1e-3  # stress of a probe over the pressure, about
+PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
+INTERVALS = 160  # of a test: the servo corrects as often
+GROWTH = 40.0  # intervals until one is twice as long as the first: a stiff patch is strong early, a soft one late
+AVERAGE = 2  # intervals in a record
+PAST_PEAK = 2.0, 0.95  # a test ends at this multiple of the peak's strain, if no more than this share of it is left
+LATERAL = 10.0  # times the prescribed rate, at most: a lattice of rigid discs spreads at three times it
+REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error, and a steady one
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A test, record by record (n,), and how it went.
+
+    strain: axial compression, or shear strain gamma; stress (n, 2, 2): tension positive (Pa); volumetric:
+    growth of the area (natural strain); unbalanced: ratio of forces; cracked: share of the pore
+    springs. rate: of the strain (1/s); stopped: why before the largest strain, empty if not.
+    """
+
+    kind: Kind
+    pressure: float
+    strain: np.ndarray
+    stress: np.ndarray
+    volumetric: np.ndarray
+    unbalanced: np.ndarray
+    cracked: np.ndarray
+    rate: float
+    stopped: str
+
+    @property
+    def principal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Major and minor principal stress, compression positive (Pa)."""
+        values = np.linalg.eigvalsh(-0.5 * (self.stress + self.stress.swapaxes(1, 2)))
+        return values[:, 1], values[:, 0]
+
+    @property
+    def deviator(self) -> np.ndarray:
+        """Difference of the principal stresses (Pa)."""
+        major, minor = self.principal
+        return major - minor
+
+    @property
+    def shear(self) -> np.ndarray:
+        """Shear stress on the horizontal plane (Pa): that which moves with the upper platen, sigma_xz."""
+        return self.stress[:, 0, 1]
+
+    @property
+    def resistance(self) -> np.ndarray:
+        """What is to reach a peak: the deviator, or the shear stress (Pa)."""
+        return self.deviator if self.kind == "biaxial" else self.shear
+
+
+def confine(patch: Patch, pressure: float, threads: int = 1) -> None:
+    """Brings a patch to this pressure, the same on all sides and without shear stress, and to rest there.
+
+    Raises ConfinementError if it does not come to rest, OverlapError if its discs are too soft.
+    """
+    modulus = lattice_elastic(patch.model.springs.layers[0], pores=False).M
+    unit = patch.time_unit
+    with Press(patch, threads) as press:
+        for _ in range(int(PATIENCE / 3.0)):
+            stress = patch.stress()
+            error = 0.5 * (stress + stress.T) + pressure * np.eye(2)
+            if np.abs(error).max() < AT_REST * pressure and patch.unbalanced() < AT_REST:
+                break
+            limit = FASTEST / unit
+            press.strain(np.clip(-error / (3.0 * unit * modulus), -limit, limit), 3.0 * unit)
+        else:
+            raise ConfinementError(
+                f"the patch does not come to rest at {pressure:g} Pa: largest error of its stress "
+                f"{np.abs(error).max():.3g} Pa, unbalanced ratio {patch.unbalanced():.3g}. Take another seed "
+                "or a larger patch."
+            )
+        patch.turn_to(np.zeros((2, 2)))
+
+
+def probe(patch: Patch, pressure: float, threads: int = 1) -> tuple[PlaneElastic, float]:
+    """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
+
+    What a copy does that is only held is taken off: no state of rest is perfect.
+    """
+    size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
+    ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
+    ways["shear"] = np.array([[0.0, 0.5], [0.5, 0.0]])
+    found = {}
+    for name, way in ways.items():
+        probed = patch.copy()
+        unit = patch.time_unit
+        with Press(probed, threads) as press:
+            press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
+            press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
+        found[name] = probed.stress() / size
+    x, z, shear = (found[name] - found["none"] for name in ("x", "z", "shear"))
+    stiffness = PlaneElastic(
+        M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
+        G=0.5 * float(shear[0, 1] + shear[1, 0]),
+    )  # fmt: skip
+    return stiffness, float(x[0, 0] / z[1, 1]) - 1.0
+
+
+def load(
+    patch: Patch, kind: Kind, pressure: float, strain: float, rate: float, stiffness: PlaneElastic, threads: int = 1
+) -> Curve:
+    """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
+
+    biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
+    kept. Once well past its peak a test is over; one that cannot go on ends with the reason in `stopped`.
+    """
+    per_second = rate / patch.time_unit
+    lengths = 1.0 + np.arange(INTERVALS) / GROWTH
+    lengths *= strain / per_second / lengths.sum()
+    drive = np.diag([0.0, -per_second]) if kind == "biaxial" else np.array([[0.0, per_second], [0.0, 0.0]])
+    held = 0 if kind == "biaxial" else 1
+    steady = per_second * stiffness.nu_2d if kind == "biaxial" else 0.0
+    bonds = max(1, int((patch.model.pore_length != 0.0).sum()))
+    rows: list[np.ndarray] = []
+    stopped = ""
+    stress = patch.stress()
+    with Press(patch, threads) as press:
+        try:
+            for interval in lengths:
+                wanted = -(stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
+                steady += wanted / MEMORY
+                drive[held, held] = np.clip(wanted + steady, -LATERAL * per_second, LATERAL * per_second)
+                press.strain(drive, interval)
+                stress = patch.stress()
+                rows.append(_record(patch, kind, stress, bonds))
+                if _is_over(rows, kind):
+                    break
+        except DemError as error:
+            stopped = str(error).removesuffix(f" {press.run.engine.kept}")
+    records = np.array(rows)[: len(rows) // AVERAGE * AVERAGE].reshape(-1, AVERAGE, 8).mean(axis=1)
+    return Curve(
+        kind, pressure, records[:, 0], records[:, 1:5].reshape(-1, 2, 2), records[:, 5], records[:, 6], records[:, 7],
+        per_second, stopped,
+    )  # fmt: skip
+
+
+def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
+    """Whether the last record lies well past the peak."""
+    if len(rows) % AVERAGE or len(rows) < INTERVALS // 4:
+        return False
+    means = np.array(rows).reshape(-1, AVERAGE, len(rows[0])).mean(axis=1)
+    xx, xz, zx, zz = means[:, 1:5].T
+    resistance = np.hypot(xx - zz, xz + zx) if kind == "biaxial" else xz
+    at = int(np.argmax(resistance))
+    strain, left = PAST_PEAK
+    return bool(means[-1, 0] > strain * means[at, 0] and resistance[-1] < left * resistance[at])
+
+
+def _record(patch: Patch, kind: Kind, stress: np.ndarray, bonds: int) -> np.ndarray:
+    f = patch.deformation
+    strain = -np.log(f[1, 1]) if kind == "biaxial" else f[0, 1] / f[1, 1]
+    cracked = (patch.model.pore_length < 0.0).sum() / bonds
+    return np.array([strain, *stress.ravel(), np.log(np.linalg.det(f)), patch.unbalanced(), cracked])

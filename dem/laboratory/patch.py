@@ -1,0 +1,203 @@
+"""A patch of discs of one layer inside a frame of fixed ones: what an element test strains, and the stress it carries.
+
+The frame follows one affine motion, x = F X about the middle of the patch, so the mean strain is known without
+measuring (Gauss), and neither platen nor membrane favours a place to fail. Stress is the mean over a region
+that moves along with the frame and lies inside of it. Tension is positive, SI units, per metre out of plane.
+"""
+
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+
+from dem.engine.engine import Engine, Run, largest_step
+from dem.errors import EscapeError
+from dem.model import DiscModel
+from dem.packing import ROW, Packing, random_packing
+from dem.springs import LayerSprings
+
+PackingKind = Literal["lattice", "random"]
+
+# columns and rows by default, frame included; a frame stiffens what lies near, where that is not affine anyway
+SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24, 27)}
+POROSITIES = (0.2, 0.21, 0.22, 0.24)  # of a random patch before it is confined: the first that its seed can do
+DASHPOTS = 0.2  # of sqrt(m k)
+STEP = 0.6  # of the stable step
+SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
+
+
+@dataclass(eq=False)
+class Patch:
+    """A model, the frame (mask), the region (2, 2: low and high corner in the coordinates X) and F so far."""
+
+    model: DiscModel
+    frame: np.ndarray
+    region: np.ndarray
+    deformation: np.ndarray = field(default_factory=lambda: np.eye(2))
+    rates: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
+
+    @property
+    def time_unit(self) -> float:
+        """sqrt(m / kn) of a disc of the layer (s)."""
+        return float(np.sqrt(self.model.mass.mean() / self.model.springs.layers[0].kn))
+
+    def copy(self) -> "Patch":
+        """Another patch in the same state."""
+        return deepcopy(self)
+
+    def turn_to(self, rates: np.ndarray) -> None:
+        """The frame's velocity gradient (2, 2) from now on (1/s).
+
+        Free discs get the change as well, so that no wave runs inwards from the frame. The velocities of the step under
+        way are changed in place: `set_velocity` would make the contacts forget its slip.
+        """
+        model = self.model
+        change = rates - self.rates
+        vx, vz = change @ np.array([model.x, model.z])
+        vr = 0.5 * (change[1, 0] - change[0, 1]) * model.radius
+        for name, value in (("vx", vx), ("vz", vz), ("vr", vr)):
+            getattr(model, name)[:] += value
+            getattr(model, name + "_half")[:] += value
+        frame = self.frame
+        exact = rates @ np.array([model.x[frame], model.z[frame]])
+        for name, value in (("vx", exact[0]), ("vz", exact[1])):
+            getattr(model, name)[frame] = value
+            getattr(model, name + "_half")[frame] = value
+        self.rates = rates.copy()
+
+    def stress(self) -> np.ndarray:
+        """Mean stress (2, 2) in the region (Pa): the sum of pair force times the part of the branch that lies inside.
+
+        Forces are those of the last step, dashpots included.
+        """
+        model = self.model
+        ends = [np.array([model.x[k], model.z[k]]) for k in (model.pair_i, model.pair_j)]
+        back = np.linalg.inv(self.deformation)
+        first, second = (back @ end for end in ends)
+        share = share_inside(first, second, self.region)
+        forces = np.array([model.force_x, model.force_z])
+        area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
+        return -np.einsum("c,ac,bc->ab", share, forces, ends[1] - ends[0]) / area
+
+    def check_frame(self) -> None:
+        """Raises EscapeError if a free disc has slipped out through the frame."""
+        at = np.abs(np.linalg.inv(self.deformation) @ np.array([self.model.x, self.model.z]))
+        gone = (at > at[:, self.frame].max(axis=1)[:, None]).any(axis=0) & ~self.frame
+        if gone.any():
+            disc = int(np.argmax(gone))
+            raise EscapeError(
+                f"disc {disc} has slipped out through the frame at t = {self.model.time:.6g} s, through a gap in it. "
+                "Test to a smaller strain, or take another seed."
+            )
+
+    def unbalanced(self) -> float:
+        """Mean force on a free disc that its contacts leave unbalanced, over the mean force of those that carry any."""
+        model = self.model
+        n = len(model)
+        total = [np.bincount(model.pair_j, f, n) - np.bincount(model.pair_i, f, n)
+                 for f in (model.force_x, model.force_z)]  # fmt: skip
+        forces = np.hypot(model.force_x, model.force_z)
+        carrying = forces > 0.0
+        if not carrying.any():
+            return 0.0
+        return float(np.hypot(*total)[~self.frame].mean() / forces[carrying].mean())
+
+
+class Press:
+    """Strains a patch: steps of the engine between changes of the frame's velocity."""
+
+    def __init__(self, patch: Patch, threads: int = 1) -> None:
+        self.patch = patch
+        engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=threads, ledger=False)
+        self.run = Run(engine, patch.model, engine.step_of(patch.model))
+
+    def __enter__(self) -> "Press":
+        self.run.update()  # a run that has begun keeps the contacts to itself
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.run.close()
+
+    def strain(self, rates: np.ndarray, duration: float) -> None:
+        """Takes the patch `duration` (s) on at this velocity gradient (1/s). Raises DemError."""
+        patch, run = self.patch, self.run
+        patch.turn_to(rates)
+        # contacts come and go, and the stable step with them
+        steps = int(np.ceil(duration / (STEP * largest_step(patch.model).seconds)))
+        run.dt = duration / steps
+        run.advance(steps)
+        patch.deformation = (np.eye(2) + rates * duration) @ patch.deformation
+        patch.check_frame()
+
+
+def share_inside(first: np.ndarray, second: np.ndarray, region: np.ndarray) -> np.ndarray:
+    """Share of each segment between points (2, n) that lies in the rectangle `region` (Liang-Barsky)."""
+    along = second - first
+    start, end = np.zeros(first.shape[1]), np.ones(first.shape[1])
+    for axis in range(2):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            a = (region[0, axis] - first[axis]) / along[axis]
+            b = (region[1, axis] - first[axis]) / along[axis]
+        parallel = along[axis] == 0.0
+        inside = (first[axis] >= region[0, axis]) & (first[axis] <= region[1, axis])
+        start = np.maximum(start, np.where(parallel, 0.0, np.minimum(a, b)))
+        end = np.minimum(end, np.where(parallel, np.where(inside, 1.0, 0.0), np.maximum(a, b)))
+    return np.maximum(end - start, 0.0)
+
+
+def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:
+    """Rows of discs that just touch, along x; the frame is the outermost ring.
+
+    The region spans whole columns and rows, so that its mean is that of the lattice.
+    """
+    columns, rows = size
+    step = 2.0 * radius
+    row, column = np.divmod(np.arange(columns * rows), columns)
+    x = (column + 0.5 * (row % 2)) * step
+    z = row * ROW * step
+    middle = np.array([0.5 * (columns - 0.5) * step, 0.5 * (rows - 1) * ROW * step])
+    frame = (row == 0) | (row == rows - 1) | (column == 0) | (column == columns - 1)
+    half = 0.5 * step * np.array([columns - 4, (rows - 4) * ROW])
+    return _patch(layer, x - middle[0], z - middle[1], np.full(len(x), radius), frame, half)
+
+
+def random_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["random"], seed: int = 0) -> Patch:
+    """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame."""
+    half = radius * np.array([size[0], size[1] * ROW])
+    packing = _heap(float(half[0]), float(half[1]), radius, seed)
+    x, z = packing.x, packing.z
+    depth = np.minimum(half[0] - np.abs(x), half[1] - np.abs(z))
+    reach = 2.0 * layer.alpha * radius
+    return _patch(layer, x, z, packing.radius, depth < reach, half - reach - radius)
+
+
+@lru_cache(maxsize=8)
+def _heap(half_width: float, half_height: float, radius: float, seed: int) -> Packing:
+    outline = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width, half_height]
+    whole = None
+    for porosity in POROSITIES:
+        try:
+            whole = random_packing(
+                outline, lambda x, z: np.zeros(len(x), np.int32), radius, porosity=porosity, seed=seed
+            )
+            break
+        except ValueError:
+            continue
+    if whole is None:
+        raise ValueError(f"no random patch for seed {seed} up to a porosity of {POROSITIES[-1]}: take another seed")
+    free = whole.free
+    return Packing(whole.x[free], whole.z[free], whole.radius[free], whole.layer[free], whole.lines)
+
+
+def _patch(
+    layer: LayerSprings, x: np.ndarray, z: np.ndarray, radius: np.ndarray, frame: np.ndarray, half: np.ndarray
+) -> Patch:
+    # dashpots have no part in what is at rest, and those of the layer would ask for a step four times as small
+    mass = layer.density * np.pi * float(np.mean(radius**2))
+    cn, ct = (DASHPOTS * float(np.sqrt(mass * k)) for k in (layer.kn, layer.ks))
+    model = DiscModel.create(
+        x, z, radius, [replace(layer, cn=cn, ct=ct)], np.where(frame, -1, 0), skin=SKIN * float(radius.mean())
+    )
+    return Patch(model, model.fixed.copy(), np.array([-half, half]))

@@ -1,0 +1,91 @@
+"""What curves say about strength: peak, verdict, dilation, and Mohr-Coulomb's line through several of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.laboratory.loading import Curve
+
+FALL = 0.02  # of the peak: what a test must lose to have passed one, or gain in its last fifth to be rising still
+WINDOW = 0.05  # of the records on either side, for the slope at the peak
+
+
+@dataclass(frozen=True)
+class Strength:
+    """Where a test was strongest.
+
+    verdict: "peak", "levels off", "still rising" (then it is what was mobilised at the largest strain) or "stopped".
+    strain there; major, minor: principal stresses; normal, shear: stresses on the horizontal plane; *_last: in the last
+    tenth of the test, mean (Pa, compression positive); dilation (rad), cracked: share of pore springs, at the peak.
+    """
+
+    verdict: str
+    strain: float
+    major: float
+    minor: float
+    normal: float
+    shear: float
+    major_last: float
+    minor_last: float
+    dilation: float
+    cracked: float
+
+
+def strength(curve: Curve) -> Strength:
+    """The strength of one test. Raises ValueError for a curve that ended before its third record."""
+    if len(curve.strain) < 3:
+        raise ValueError(f"{curve.kind} test at {curve.pressure:g} Pa: it stopped at once. {curve.stopped}")
+    resistance = curve.resistance
+    at = int(np.argmax(resistance))
+    major, minor = curve.principal
+    end = -max(1, len(major) // 10)
+    return Strength(
+        verdict=verdict(resistance, bool(curve.stopped)), strain=float(curve.strain[at]), major=float(major[at]),
+        minor=float(minor[at]), normal=-float(curve.stress[at, 1, 1]), shear=float(curve.shear[at]),
+        major_last=float(major[end:].mean()), minor_last=float(minor[end:].mean()), dilation=dilation(curve, at),
+        cracked=float(curve.cracked[at]),
+    )  # fmt: skip
+
+
+def verdict(resistance: np.ndarray, stopped: bool = False) -> str:
+    """Whether a test went over a peak, levels off, rises still, or was stopped on its way up."""
+    top = float(resistance.max())
+    if resistance[-1] < (1.0 - FALL) * top:
+        return "peak"
+    if stopped:
+        return "stopped"
+    return "still rising" if resistance[: -(-4 * len(resistance) // 5)].max() < (1.0 - FALL) * top else "levels off"
+
+
+def dilation(curve: Curve, at: int) -> float:
+    """Angle of dilation psi (rad) at a record, from the slope of the volumetric strain over some records around it.
+
+    Biaxial: sin psi = d eps_v / d(eps_1 - eps_3), eps_3 that of the sides, in plane strain; simple shear:
+    tan psi = d eps_v / d gamma (Bolton 1986, Geotechnique 36, 65). Positive where the patch grows.
+    """
+    reach = max(1, round(WINDOW * len(curve.strain)))
+    part = slice(max(0, at - reach), at + reach + 1)
+    if curve.kind == "biaxial":
+        # eps_v = -(eps_1 + eps_3) with compression positive
+        slope = np.polyfit(2.0 * curve.strain[part] + curve.volumetric[part], curve.volumetric[part], 1)[0]
+        return float(np.arcsin(np.clip(slope, -1.0, 1.0)))
+    return float(np.arctan(np.polyfit(curve.strain[part], curve.volumetric[part], 1)[0]))
+
+
+def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[float, float]:
+    """c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), least squares.
+
+    N = (1 + sin phi)/(1 - sin phi).
+    NaN for both where the major stress does not rise with the minor one: no friction angle says that.
+    """
+    slope, start = np.polyfit(minor, major, 1)
+    if not slope > 0.0:
+        return float("nan"), float("nan")
+    return float(start / (2.0 * np.sqrt(slope))), float(np.arcsin((slope - 1.0) / (slope + 1.0)))
+
+
+def from_plane(normal: Sequence[float], shear: Sequence[float]) -> tuple[float, float]:
+    """c (Pa) and phi (rad) of the line tau = c + sigma tan phi, least squares."""
+    slope, start = np.polyfit(normal, shear, 1)
+    return float(start), float(np.arctan(slope))

@@ -1,0 +1,268 @@
+"""Calibration: which factor on the springs moves the critical Kh of the discs, and which value meets the FEM's.
+
+A factor multiplies the constants of every layer alike, so that what tells the layers apart stays:
+stiffness: all springs, dashpots by its square root (the damping ratio stays); friction: of elements and pore springs;
+pore_strength: cohesion and stretch at which pore springs break; strength: friction and pore_strength together;
+all: stiffness and strength together.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from threading import Event, Lock
+from typing import Any, Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from dem.errors import DemError
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.search.critical import OnTrial, Search, critical_kh
+from dem.search.equilibrium import settle
+from dem.settings import DemSettings, Parameter
+from dem.side_by_side import side_by_side
+from dem.springs import LayerSprings
+
+PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
+ONE_AT_A_TIME = PARAMETERS[:3]
+SENSITIVITIES = (0.5, 2.0)
+RANGE = (0.1, 10.0)
+
+Key = tuple[str, float]  # parameter and factor
+OnSearch = Callable[[str, float, Search], None]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The factor that meets the target, or the closest there is.
+
+    searches: the critical Kh of every parameter and factor that was tried, in the order of trying.
+    """
+
+    target: float
+    tolerance: float
+    parameter: str
+    value: float
+    range: tuple[float, float]
+    verdict: Literal["calibrated", "out of reach"]
+    reason: str
+    search: Search
+    sensitivity: tuple[tuple[str, float, Search], ...]
+    trials: tuple[tuple[float, Search], ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The answer, how sensitive the critical Kh is to what, and every trial."""
+        return {
+            "target_kc": self.target,
+            "tolerance": self.tolerance,
+            "parameter": self.parameter,
+            "value": self.value,
+            "range": list(self.range),
+            **{key: value for key, value in self.search.as_json().items() if key in ("kc", "kc_lower", "kc_upper")},
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "sensitivity": [
+                {"parameter": name, "value": v, **brief(s)}
+                for name in ONE_AT_A_TIME
+                for p, v, s in sorted(self.sensitivity, key=lambda row: row[1])
+                if p in ("", name)
+            ],
+            "trials": [{"value": v, **brief(s)} for v, s in self.trials],
+        }
+
+
+def brief(search: Search) -> dict[str, Any]:
+    """The bracket and the verdict of a search, and the seconds of model time it took."""
+    whole = search.as_json()
+    kept = {key: whole[key] for key in ("kc", "kc_lower", "kc_upper", "verdict", "reason")}
+    return {**kept, "seconds": round(sum(trial.seconds for trial in search.trials), 3)}
+
+
+def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
+    """The layers with a factor on one parameter. Raises ValueError for a parameter that there is not."""
+    if parameter not in PARAMETERS:
+        raise ValueError(f"there is no parameter {parameter!r}; there are {', '.join(PARAMETERS)}")
+    stiffness = factor if parameter in ("stiffness", "all") else 1.0
+    friction = factor if parameter in ("friction", "strength", "all") else 1.0
+    pore = factor if parameter in ("pore_strength", "strength", "all") else 1.0
+    root = float(np.sqrt(stiffness))
+    return [
+        replace(
+            s, kn=s.kn * stiffness, ks=s.ks * stiffness, kpn=s.kpn * stiffness, kps=s.kps * stiffness,
+            cn=s.cn * root, ct=s.ct * root, friction=s.friction * friction, cohesion=s.cohesion * pore,
+            beta=1.0 + (s.beta - 1.0) * pore,
+            pore_friction=None if s.pore_friction is None else s.pore_friction * friction,
+        )
+        for s in layers
+    ]  # fmt: skip
+
+
+class Calibrator:
+    """Searches for the critical Kh at any factor, each at most once, some at a time; known ones are taken as they are.
+
+    known: searches of an earlier run. on_trial and on_search hear of every trial and search, on_search once at a time.
+    Threads share the work, since the kernels let go of Python's lock; what they find does not depend on their number.
+    """
+
+    def __init__(
+        self,
+        ground: Ground,
+        layers: Sequence[LayerSprings],
+        settled: DiscModel,
+        settings: DemSettings,
+        *,
+        known: dict[Key, Search] | None = None,
+        on_trial: OnTrial | None = None,
+        on_search: OnSearch | None = None,
+    ) -> None:
+        self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
+        self.searches = dict(known or {})
+        self.on_trial, self.on_search = on_trial, on_search
+        self.stop = Event()
+        self.lock = Lock()
+
+    def settled_with(self, parameter: str, factor: float) -> DiscModel:
+        """Discs at rest with a factor on a parameter, from the lattice or packing they all start with."""
+        if factor == 1.0:
+            return self.settled
+        return settle(self.ground, changed(self.layers, parameter, factor), self.settings)
+
+    def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
+        """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less."""
+        key = (parameter, factor) if factor != 1.0 else ("", 1.0)
+        if key in self.searches:
+            return self.searches[key]
+        width = self.settings.resolution
+        try:
+            found = critical_kh(
+                self.settled_with(parameter, factor), self.ground, self.settings, threads=threads,
+                resolution=min(width, 0.5 * self.settings.tolerance) if fine else width,
+                on_trial=self.on_trial, stopped=self.stop.is_set,
+            )  # fmt: skip
+        except DemError as error:  # critical_kh hands none on: the discs did not settle
+            found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
+        with self.lock:
+            self.searches[key] = found
+            if self.on_search is not None:
+                self.on_search(*key, found)
+        return found
+
+    def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
+        """Several searches at a time. On an interrupt all of them stop at their next look."""
+        jobs = [partial(self.search, *key, fine=fine) for key in wanted]
+        return side_by_side(jobs, self.settings.workers, self.stop)
+
+
+def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
+    """The critical Kh with each parameter halved and doubled, one at a time."""
+    wanted = [("", 1.0), *((p, f) for p in ONE_AT_A_TIME for f in SENSITIVITIES)]
+    found = calibrator.search_all(wanted, fine=False)
+    return [(p, f, search) for (p, f), search in zip(wanted, found, strict=True)]
+
+
+def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
+    """The parameter to calibrate: of those that reach the target, the one that moves the critical Kh most.
+
+    Reached, that is, halved or doubled; where none does, at the end of the range towards the target; and where none
+    gets there, whichever comes closest.
+    """
+    base = middle(next(s for p, _, s in table if not p))
+    weaker = target < base
+    reached = {p: [middle(s) for q, _, s in table if q == p] for p in ONE_AT_A_TIME}
+
+    def able() -> list[str]:
+        return [p for p in reached if any((kc - target) * (base - target) <= 0.0 for kc in reached[p])]
+
+    if not able():
+        low, high = calibrator.settings.range or RANGE
+        ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
+        for p, search in zip(ONE_AT_A_TIME, ends, strict=True):
+            reached[p].append(middle(search))
+    if not able():
+        return min(ONE_AT_A_TIME, key=lambda p: min(abs(kc - target) for kc in reached[p]))
+    moved = {p: abs(middle(s) - base) for p, f, s in table if p and (f < 1.0) == weaker}
+    return max(able(), key=lambda p: moved[p])
+
+
+def best(
+    calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
+) -> Calibration:
+    """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target."""
+    if parameter != "auto":
+        return calibrate(calibrator, target, parameter, table)
+    found = calibrate(calibrator, target, choose(calibrator, table, target), table)
+    if found.verdict == "calibrated":
+        return found
+    other = calibrate(calibrator, target, "all", table)
+    return min(found, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
+
+
+def middle(search: Search) -> float:
+    """What a search comes to as a number: the middle of its bracket, or the end it ran into."""
+    if search.upper is None:
+        return search.lower
+    return 0.5 * (search.lower + search.upper)
+
+
+def calibrate(
+    calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
+) -> Calibration:
+    """The factor at which the critical Kh is within the tolerance of the target, by Brent's method on its logarithm.
+
+    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range. Only a search that
+    ended in a bracket counts as met.
+    """
+    settings = calibrator.settings
+    low, high = settings.range or RANGE
+    tried = {f: s for (p, f), s in calibrator.searches.items() if p in ("", parameter) and low <= f <= high}
+
+    def miss(log_factor: float) -> float:
+        factor = float(np.exp(log_factor))
+        search = tried[factor] = calibrator.search(parameter, factor, settings.workers)
+        gap = middle(search) - target
+        return 0.0 if _met(search, target, settings.tolerance) else gap
+
+    ends = _bracket(tried, target)
+    for outwards in _outwards(middle(tried[1.0]) > target if 1.0 in tried else True, low, high, settings.workers):
+        if ends is not None or any(_met(s, target, settings.tolerance) for s in tried.values()):
+            break
+        tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
+        ends = _bracket(tried, target)
+    if ends is not None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
+        known = {float(np.log(f)): middle(tried[f]) - target for f in ends}
+        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=0.003, maxiter=12, disp=False)
+    value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
+    met = _met(tried[value], target, settings.tolerance)
+    reach = [middle(s) for s in tried.values()]
+    reason = (
+        f"critical Kh {middle(tried[value]):.4f}, the FEM's is {target:.4f}"
+        if met
+        else f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
+        f"{max(reach):.3f}, closest to {target:.4f} at {value:.3g}: {middle(tried[value]):.4f}"
+    )
+    return Calibration(
+        target, settings.tolerance, parameter, value, (low, high), "calibrated" if met else "out of reach", reason,
+        tried[value], tuple(table), tuple(tried.items()),
+    )  # fmt: skip
+
+
+def _outwards(weaker: bool, low: float, high: float, count: int) -> Iterator[list[float]]:
+    """Halves, quarters, ... down to the low end of the range, or doubles up to the high one, so many at a time."""
+    end, factor = (low, 0.5) if weaker else (high, 2.0)
+    steps = [factor**k for k in range(1, 40) if low < factor**k < high]
+    steps.append(end)
+    for start in range(0, len(steps), count):
+        yield steps[start : start + count]
+
+
+def _met(search: Search, target: float, tolerance: float) -> bool:
+    return search.verdict == "bracketed" and abs(middle(search) - target) <= tolerance
+
+
+def _bracket(tried: dict[float, Search], target: float) -> tuple[float, float] | None:
+    """Two neighbouring factors with the target between their critical Kh, the narrowest such pair."""
+    factors = sorted(tried)
+    pairs = [(a, b) for a, b in pairwise(factors) if (middle(tried[a]) - target) * (middle(tried[b]) - target) < 0.0]
+    return min(pairs, key=lambda p: p[1] / p[0]) if pairs else None

@@ -1,0 +1,130 @@
+"""The critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, the least at which
+they do not.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.search.equilibrium import Trial, displacement, try_kh
+from dem.settings import DemSettings
+from dem.side_by_side import StoppedError
+
+PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
+STRIDE = 0.08  # Kh of the first steps, or the power of two of the width that is nearest
+
+Answer = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
+OnTrial = Callable[[Trial, DiscModel], None]
+
+
+@dataclass
+class Search:
+    """The bracket of the critical Kh and every trial on the way; kc is the middle of the bracket.
+
+    curve: (Kh, displacement in m) of the states that stood; flexibility: elastic displacement over Kh (m).
+    """
+
+    lower: float = 0.0
+    upper: float | None = None
+    verdict: Answer = "undecided"
+    reason: str = ""
+    flexibility: float = 0.0
+    trials: list[Trial] = field(default_factory=list)
+    curve: list[tuple[float, float]] = field(default_factory=list)
+
+    @property
+    def kc(self) -> float | None:
+        """The middle of the bracket; None without one."""
+        return None if self.upper is None or self.verdict != "bracketed" else 0.5 * (self.lower + self.upper)
+
+    def as_json(self) -> dict[str, Any]:
+        """The answer first, then what it rests on."""
+        return {
+            "kc": self.kc,
+            "kc_lower": self.lower,
+            "kc_upper": self.upper,
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "flexibility_m": self.flexibility,
+            "trials": [trial.as_json() for trial in self.trials],
+            "curve": [list(point) for point in self.curve],
+        }
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> "Search":
+        """The search that `as_json` wrote."""
+        return cls(
+            data["kc_lower"], data["kc_upper"], data["verdict"], data["reason"], data["flexibility_m"],
+            [Trial.from_json(trial) for trial in data["trials"]], [(kh, d) for kh, d in data["curve"]],
+        )  # fmt: skip
+
+
+def critical_kh(
+    settled: DiscModel,
+    ground: Ground,
+    settings: DemSettings,
+    *,
+    resolution: float | None = None,
+    threads: int = 1,
+    on_trial: OnTrial | None = None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Search:
+    """The critical Kh of settled discs: Kh rises by steps from one state that stands to the next, and a step that does
+    not hold is halved, down to the width of the bracket. A Kh that failed is only tried again from a width below it, so
+    that both ends of the bracket are reached from the same state.
+
+    `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
+    counts as one that does not stand, and the answer is undecided if it remains the upper end. stopped: asked at every
+    look; raises StoppedError once it says so. on_trial hears of every trial with the discs as they ended.
+    """
+
+    def watch(_: object) -> None:
+        if stopped():
+            raise StoppedError
+
+    search = Search()
+    width = settings.resolution if resolution is None else resolution
+    step = width * 2.0 ** round(np.log2(STRIDE / width)) if width < STRIDE else width
+    stood = settled.copy()
+    kh, failed = PROBE, float("inf")
+    while True:
+        if kh > settings.kh_limit:
+            search.verdict, search.reason = "stands everywhere", f"stands at the limit of the search, {search.lower:g}"
+            return search
+        model = stood.copy()
+        # an elastic displacement is not known before the probe has stood
+        known = search.flexibility or float("inf")
+        trial = try_kh(model, settled, ground, settings, search.lower, kh, known, threads, watch)
+        search.trials.append(trial)
+        if on_trial is not None:
+            on_trial(trial, model)
+        if trial.verdict == "stands":
+            stood, search.lower = model, kh
+            moved = displacement(model, settled, ground)
+            search.curve.append((kh, moved))
+            search.flexibility = search.flexibility or abs(moved) / kh
+            if kh > failed * (1.0 - 1e-9):
+                failed = float("inf")
+        elif not search.flexibility:
+            search.upper, search.reason = kh, trial.reason
+            search.verdict = "fails under its own weight"
+            return search
+        elif step <= width * (1.0 + 1e-9):
+            break
+        else:
+            failed = kh
+        while step > width * (1.0 + 1e-9) and _after(search.lower, step) > failed * (1.0 - 1e-9):
+            step *= 0.5
+        kh = _after(search.lower, step)
+    search.upper, search.reason = kh, trial.reason
+    search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
+    return search
+
+
+def _after(kh: float, step: float) -> float:
+    """The next Kh: a step further, or the step itself where the probe is all that stood."""
+    return kh + step if step <= kh else step

@@ -1,0 +1,230 @@
+"""Settling, and whether discs stand or fail under a seismic coefficient that is raised smoothly and then held.
+
+How far from rest they are is said by two numbers without units. Unbalanced force ratio: mean resultant on the discs
+that can move over mean contact force. Kinetic ratio: kinetic energy, the most since the last look, over stored energy.
+Displacement is the mean over all discs that can move, weighted with their mass, in the direction of the push (m): what
+the seismic force works on.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from dem.engine.engine import Engine, largest_step
+from dem.engine.forces import contact_forces, keep_slip, resultants
+from dem.errors import DemError
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.settings import DemSettings
+from dem.springs import LayerSprings
+
+STEP = 0.6  # of the stable one: what is looked for is rest, and energy is not booked on the way to it
+SETTLED = 1e-4  # unbalanced force ratio under weight
+RISE = 0.05  # Kh that is raised in one period of the ground
+LOOK = 0.25  # of a period between two looks
+PULSE = 1.0 / 32.0  # of a period between two looks while settling
+
+Verdict = Literal["stands", "fails", "undecided"]
+Watch = Callable[["Rest"], None]
+
+
+class NotSettledError(DemError):
+    """Discs that did not come to rest under their own weight."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """How far from rest discs are at one time (s), and how far they came (m)."""
+
+    time: float
+    unbalanced_ratio: float
+    kinetic_ratio: float
+    displacement: float
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A verdict on one seismic coefficient, and what it rests on; seconds of the model's time."""
+
+    kh: float
+    verdict: Verdict
+    reason: str
+    unbalanced_ratio: float
+    kinetic_ratio: float
+    displacement_m: float
+    elastic_displacement_m: float
+    seconds: float
+
+    def as_json(self) -> dict[str, Any]:
+        """What JSON can hold: None for a number that is not finite."""
+        whole = asdict(self)
+        return {key: None if isinstance(v, float) and not np.isfinite(v) else v for key, v in whole.items()}
+
+    @classmethod
+    def from_json(cls, data: dict[str, Any]) -> "Trial":
+        """The trial that `as_json` wrote."""
+        values: dict[str, Any] = {key: float("inf") if value is None else value for key, value in data.items()}
+        return cls(**values)
+
+
+def unbalanced_ratio(model: DiscModel) -> float:
+    """Mean resultant force on the discs that can move, over the mean force of the contacts that carry any."""
+    forces = contact_forces(model)
+    fx, fz, _ = resultants(model, forces)
+    size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
+    carrying = size > 0.0
+    if not carrying.any():
+        return float("inf")
+    return float(np.hypot(fx, fz)[~model.fixed].mean() / size[carrying].mean())
+
+
+def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
+    """Kinetic over stored energy; `kinetic` (J/m) in place of what there is now."""
+    energy = Engine().measure(model)
+    return (energy.kinetic if kinetic is None else kinetic) / energy.stored if energy.stored > 0.0 else float("inf")
+
+
+def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:
+    """Mean displacement downhill, along the horizontal, since `before`, weighted with mass (m)."""
+    free = ~model.fixed
+    dx, _ = ground.turned(model.x - before.x, model.z - before.z)
+    return float(ground.downhill * np.average(dx[free], weights=model.mass[free]))
+
+
+def period(model: DiscModel, ground: Ground) -> float:
+    """Period of the lowest shear mode of the ground (s): 4 times the time a shear wave takes from base to surface.
+
+    V_s = r sqrt(1.5 (kn + ks) / m) of the triangular lattice for each layer, its thickness by its share of the discs.
+    """
+    free = ~model.fixed
+    u, v = ground.to_section(model.x[free], model.z[free])
+    height = float(np.ptp(v - np.polyval(np.polyfit(u, v, 1), u))) + 2.0 * ground.radius
+    time = 0.0
+    for k, layer in enumerate(model.springs.layers):
+        share = float((model.layer[free] == k).mean())
+        mass = np.pi * ground.radius**2 * layer.density
+        time += share * height / (ground.radius * np.sqrt(1.5 * (layer.kn + layer.ks) / mass))
+    return 4.0 * time
+
+
+def settle(
+    ground: Ground, layers: list[LayerSprings], settings: DemSettings, model: DiscModel | None = None
+) -> DiscModel:
+    """The discs at rest under their weight, with pore springs set: the start of everything.
+
+    model: discs to go on from instead of the packing, whose pore springs are taken away. Until the unbalanced force
+    ratio is below `SETTLED`, velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping,
+    Cundall 1976). Raises NotSettledError.
+    """
+    if model is None:
+        model = ground.model(layers, settings)
+    else:
+        model.cut_pore_springs()
+        model.set_springs(layers)
+    cycle = period(model, ground)
+    limit = model.time + 40.0 * cycle
+    last = 0.0
+    while model.time < limit:
+        last, _ = calm(model, LOOK * cycle, last)
+        if unbalanced_ratio(model) < SETTLED:
+            stop(model)
+            model.set_pore_springs()
+            return model
+    raise NotSettledError(
+        f"after {limit:.3g} s under its weight the ground is not at rest: unbalanced force ratio "
+        f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is asked for. Take stiffer springs or smaller discs."
+    )
+
+
+def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
+    """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most."""
+    pulses = round(LOOK / PULSE)
+    most = 0.0
+    for _ in range(pulses):
+        step_on(model, seconds / pulses, threads)
+        energy = moving_energy(model)
+        most = max(most, energy)
+        if energy < last:
+            stop(model)
+            energy = 0.0
+        last = energy
+    return last, most
+
+
+def stop(model: DiscModel) -> None:
+    """Takes the velocity away from all discs that can move."""
+    keep_slip(model)
+    model.set_velocity(0.0, 0.0, where=~model.fixed)
+
+
+def moving_energy(model: DiscModel) -> float:
+    """Kinetic energy of the discs (J per metre)."""
+    turning = np.divide(model.vr**2, model.ease, out=np.zeros(len(model)), where=model.ease > 0.0)
+    return float(0.5 * np.sum((model.mass * (model.vx**2 + model.vz**2 + turning))[~model.fixed]))
+
+
+def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
+    """Takes discs on without booking energies, at the longest step that is safely stable now."""
+    Engine(dt=STEP * largest_step(model).seconds, ledger=False, threads=threads).run(model, seconds)
+
+
+def try_kh(
+    model: DiscModel,
+    before: DiscModel,
+    ground: Ground,
+    settings: DemSettings,
+    from_kh: float,
+    kh: float,
+    flexibility: float,
+    threads: int = 1,
+    watch: Watch | None = None,
+) -> Trial:
+    """Takes discs that stand at `from_kh` to `kh`, and says whether they stand there; `model` is taken along.
+
+    Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
+    hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
+    below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew at every
+    look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a
+    DemError stopped the discs.
+    flexibility: elastic displacement over Kh (m), infinite if not known: nothing fails then.
+    """
+    cycle = period(model, ground)
+    start = model.time
+    risen = start + cycle * max(0.5, abs(kh - from_kh) / RISE)
+    model.acceleration = ground.shaking(from_kh, kh, start, risen)
+    elastic = flexibility * abs(kh)
+    seen: list[Rest] = []
+    last = 0.0
+    while model.time < risen + settings.patience * cycle:
+        try:
+            if model.time < risen:
+                step_on(model, LOOK * cycle, threads)
+                most = moving_energy(model)
+            else:
+                last, most = calm(model, LOOK * cycle, last, threads)
+        except DemError as error:
+            return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
+        ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
+        here = Rest(model.time - start, *ratios, displacement(model, before, ground))
+        seen.append(here)
+        if watch is not None:
+            watch(here)
+        moving = here.unbalanced_ratio > settings.unbalanced and here.kinetic_ratio > settings.kinetic
+        resting = here.unbalanced_ratio <= settings.unbalanced and here.kinetic_ratio <= settings.kinetic
+        if model.time < risen:
+            continue
+        if resting:
+            return _trial(kh, "stands", "forces balance and nothing moves", seen, elastic, here.time)
+        recent = np.array([rest.displacement for rest in seen[-round(1.0 / LOOK) - 1 :]])
+        if moving and abs(here.displacement) > settings.growth * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
+            reason = f"displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
+            return _trial(kh, "fails", reason, seen, elastic, here.time)
+    reason = f"neither at rest nor past {settings.growth:g} elastic displacements after {settings.patience:g} periods"
+    return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
+
+
+def _trial(kh: float, verdict: Verdict, reason: str, seen: list[Rest], elastic: float, seconds: float) -> Trial:
+    last = seen[-1] if seen else Rest(0.0, float("inf"), float("inf"), 0.0)
+    return Trial(kh, verdict, reason, last.unbalanced_ratio, last.kinetic_ratio, last.displacement, elastic, seconds)

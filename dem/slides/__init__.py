@@ -1,0 +1,1 @@
+"""Layers liquefy and the ground slides: how far, where along the surface, and on which slip surface."""

@@ -1,0 +1,98 @@
+"""Strict lower and upper bound of the critical seismic coefficient of a section, by limit analysis.
+
+The flow rule is associated. Where ψ < φ, ``davis`` offers the substitute of Davis (1968), c and tan φ times
+cos ψ cos φ / (1 - sin ψ sin φ): its bracket is one of the substitute, and no bound of the section.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fem.errors import UnstableError
+from fem.limit.adaptive_bounds import Bracket, Progress, bracket
+from fem.limit.limit_problem import Ground, Side, Traction
+from fem.limit.side_stress import SideStress, side_stresses
+from fem.loads import GRAVITY, push, soils
+from fem.settings import BoundsSettings, FemSettings
+from meshes.errors import InputError
+from meshes.section.section import Section, Stratum
+from meshes.triangles import TriMesh, triangulate
+
+# Cells in the height of the section to start from, and in the thickness of a layer.
+CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
+# The first mesh has at most this share of the cells allowed.
+FIRST_SHARE = 0.15
+
+
+def kh_bounds(
+    section: Section, fem: FemSettings, settings: BoundsSettings, progress: Progress | None = None
+) -> Bracket:
+    """Lower and upper bound of Kh. Sides, direction and vertical coefficient are those of the finite elements.
+
+    Raises InputError if the section lacks what the analysis needs or its sides are tied, UnstableError if it is proven
+    to fail whatever the push, BadMeshError if there are no triangles.
+    """
+    strata = soils(section, fem)
+    if fem.sides == "tied":
+        raise InputError(section.name, ['fem, sides = "tied": bounds know "roller" and "fixed"'])
+    if all(s.density_seismic == 0.0 for s in strata):
+        raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
+    mesh = first_mesh(section, settings.max_cells)
+    ground = ground_of(section, mesh, fem, settings.davis)
+    found = bracket(mesh, ground, settings.gap, settings.max_cells, progress, useless=0.0)
+    if found.upper < 0.0:
+        raise UnstableError(
+            f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
+        )
+    return found
+
+
+def first_mesh(section: Section, max_cells: int) -> TriMesh:
+    """Triangles about as large as the layers are thick, fewer where that would be too many."""
+    layers = section.layering
+    areas = layers.areas()
+    across = (layers.present() * layers.width[:, None]).sum(axis=0)
+    height = float(np.ptp(section.outline()[:, 1]))
+    sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
+    expected = float((areas / (0.43 * sizes**2)).sum())
+    sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
+    return triangulate(
+        section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)}
+    )
+
+
+def ground_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) -> Ground:
+    """The section as a problem of limit analysis whose multiplier is Kh."""
+    cohesion, friction = strengths(section.strata, davis)
+    ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
+    seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
+    nothing = np.zeros(len(ordinary))
+    sides = {"surface": Side(), "base": Side("xy"), "left": Side("xy"), "right": Side("xy")}
+    if fem.sides == "roller":
+        for name, stress in side_stresses(section, mesh).items():
+            sides[name] = Side("y", fixed=_pressing(stress, -1.0 if name == "left" else 1.0))
+    return Ground(
+        cohesion=cohesion,
+        friction=friction,
+        fixed_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
+        live_force=np.column_stack([push(section, fem) * seismic, nothing]),
+        sides=sides,
+    )
+
+
+def _pressing(stress: SideStress, outwards: float) -> Traction:
+    def traction(points: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        return np.column_stack([outwards * stress.at(points[:, 1], stratum), np.zeros(len(points))])
+
+    return traction
+
+
+def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if asked for."""
+    cohesion = np.array([s.cohesion for s in strata])
+    friction = np.array([s.friction_angle for s in strata])
+    if not davis:
+        return cohesion, friction
+    dilation = np.array([s.dilation_angle for s in strata])
+    factor = np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
+    return factor * cohesion, np.arctan(factor * np.tan(friction))

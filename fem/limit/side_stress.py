@@ -1,0 +1,118 @@
+"""The K0 stress that stays on the sides of a section on rollers: the reaction to its weight while they are held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fem.limit.upper_bound import strain_rates
+from fem.loads import GRAVITY
+from meshes.bisection import bisect
+from meshes.section.section import Section
+from meshes.triangles import TriMesh
+
+# Cells of the elastic analysis, at least.
+ENOUGH_CELLS = 3000
+
+
+@dataclass(frozen=True, eq=False)
+class SideStress:
+    """The horizontal stress on a side, tension positive: linear in each of the ``strata`` (k,) there, with the
+    elevations (m) of its top and bottom (k, 2) and the stress (Pa) at both (k, 2)."""
+
+    strata: np.ndarray
+    elevation: np.ndarray
+    stress: np.ndarray
+
+    def at(self, elevation: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """The stress (Pa) at elevations (m) within strata."""
+        place = np.searchsorted(self.strata, stratum)
+        top, bottom = self.elevation[place].T
+        share = np.clip((top - elevation) / (top - bottom), 0.0, 1.0)
+        return (1.0 - share) * self.stress[place, 0] + share * self.stress[place, 1]
+
+
+def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
+    """The stress on the "left" and the "right" side.
+
+    It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a
+    factor for each stratum that makes its resultant there the one of plane elasticity under weight with the sides
+    held horizontally, the gravity stage of ``fem.critical``: where the ground slopes, one side takes more and the
+    other less.
+    It stays nearer to the plain K0 stress than to Rankine's active and passive ones.
+    """
+    while len(mesh.cells) < ENOUGH_CELLS:
+        mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))
+    stress = _elastic_stress(section, mesh)
+    return {side: _side_stress(section, mesh, stress, side) for side in ("left", "right")}
+
+
+def _side_stress(section: Section, mesh: TriMesh, stress: np.ndarray, side: str) -> SideStress:
+    layers = section.layering
+    elevation = layers.left[0] if side == "left" else layers.right[-1]
+    here = np.flatnonzero(elevation[:-1] > elevation[1:])
+    wanted = _resultants(mesh, stress, side, len(section.strata))
+    above, found = 0.0, []
+    for k in here:
+        soil = section.strata[k]
+        below = above + soil.density_ordinary * GRAVITY * (elevation[k] - elevation[k + 1])
+        vertical = np.array([above, below])
+        ratio = soil.poissons_ratio / (1.0 - soil.poissons_ratio)
+        plain = ratio * vertical
+        force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
+        factor = -wanted[k] / force if force > 0.0 else 1.0
+        sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
+        active = np.maximum(((1.0 - sin) * vertical - 2.0 * soil.cohesion * cos) / (1.0 + sin), 0.0)
+        passive = ((1.0 + sin) * vertical + 2.0 * soil.cohesion * cos) / (1.0 - sin)
+        # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
+        lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
+        found.append(-np.clip(factor * plain, lowest, highest))
+        above = below
+    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(found))
+
+
+def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np.ndarray:
+    """Force (N/m), tension positive, of the horizontal stress (m, 3 corners) in every stratum on a side."""
+    ends = mesh.boundaries[side]
+    cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
+    mean = np.zeros(len(ends))
+    for end in (0, 1):
+        mean += 0.5 * stress[cells, np.argmax(mesh.cells[cells] == ends[:, end][:, None], axis=1)]
+    length = np.hypot(*(mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]).T)
+    return np.bincount(mesh.stratum[cells], weights=mean * length, minlength=strata)
+
+
+def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
+    """Horizontal stress (Pa) at the corners (m, 3) under weight, quadratic triangles, sides held horizontally."""
+    nodes = mesh.six_nodes
+    count = int(nodes.max()) + 1
+    young = np.array([s.youngs_modulus for s in section.strata])
+    poisson = np.array([s.poissons_ratio for s in section.strata])
+    shear = young / (2.0 * (1.0 + poisson))
+    lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson)
+    law = np.zeros((len(young), 3, 3))
+    law[:, 0, 0] = law[:, 1, 1] = lame + 2.0 * shear
+    law[:, 0, 1] = law[:, 1, 0] = lame
+    law[:, 2, 2] = shear
+    strain = strain_rates(mesh, nodes)
+    # The strain is linear: over a cell, the product of two such fields is A/12 (1 + δ_ij) of their corner values.
+    mass = (np.ones((3, 3)) + np.eye(3)) / 12.0
+    blocks = np.einsum("m,kl,mij->mkilj", mesh.areas, mass, law[mesh.stratum]).reshape(-1, 9, 9)
+    size = len(blocks)
+    weight = sparse.bsr_matrix((blocks, np.arange(size), np.arange(size + 1)), shape=(9 * size, 9 * size))
+    stiffness = (strain.T @ weight @ strain).tocsc()
+    load = np.zeros((count, 2))
+    density = np.array([s.density_ordinary for s in section.strata])
+    np.add.at(load[:, 1], nodes[:, 3:], (-GRAVITY * density[mesh.stratum] * mesh.areas / 3.0)[:, None])
+    moves = np.ones((count, 2), dtype=bool)
+    for name, axes in (("base", [0, 1]), ("left", [0]), ("right", [0])):
+        ends = mesh.boundaries[name]
+        on_it = np.concatenate([ends.ravel(), len(mesh.points) + mesh.edge_numbers(ends)])
+        moves[on_it[:, None], axes] = False
+    free = moves.ravel()
+    displacement = np.zeros(2 * count)
+    factor = splu(stiffness[free][:, free], diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    displacement[free] = factor.solve(load.ravel()[free])
+    strains = (strain @ displacement).reshape(-1, 3, 3)
+    return np.einsum("mj,mkj->mk", law[mesh.stratum][:, 0], strains)

@@ -1,0 +1,118 @@
+"""Upper bound: quadratic velocities, continuous, that obey the flow rule everywhere.
+
+In a triangle with straight sides and six nodes the strain rate is linear. The flow rule, being convex, holds in all of
+it if it holds at its corners, and the dissipation is at most a third of its area times the sum at its corners: what is
+minimised is a strict upper bound (Makrodimopoulos & Martin 2007).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from fem.limit import cone_program
+from fem.limit.limit_problem import LimitProblem
+from meshes.triangles import TriMesh
+
+# Volume rate kept above the limit of the flow rule for rounding, in the unit of the velocity over that of length, and
+# as much again as a share of the shear rate.
+STRAIN_MARGIN = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class UpperBound:
+    """The multiplier, the velocities (m, 6 nodes, 2) it belongs to, dimensionless, work of the live load 1.
+
+    Nodes of a cell: its corners, then the middles of its edges.
+    """
+
+    multiplier: float
+    velocity: np.ndarray
+    solution: cone_program.Solution
+
+
+def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBound:
+    """The smallest multiplier at which such velocities take up the work of the loads, their equations met to rounding.
+
+    Whether it is a bound is for ``fem.bound_checks`` to say.
+    """
+    nodes, moves, fixed, live = nodes_and_loads(problem)
+    areas = np.repeat(problem.mesh.areas / 3.0, 3)
+    size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
+    strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]).tocsr()
+    # At a corner between held edges nothing can strain, and rounding must not make it.
+    strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
+    corners = strains[::3]
+    program = cone_program.ConeProgram(
+        strain[strains],
+        np.repeat(problem.cohesion, 3)[corners],
+        np.repeat(problem.friction, 3)[corners],
+        size[corners],
+        fixed[moves],
+        live[moves],
+        strain_margin=margin * size[corners],
+        strain_share=margin,
+    )
+    solution = cone_program.solve(program)
+    rates = _corrected(program, solution.rates)
+    velocity = np.zeros(len(moves))
+    velocity[moves] = rates
+    return UpperBound(solution.multiplier, velocity.reshape(-1, 2)[nodes], solution)
+
+
+def _corrected(program: cone_program.ConeProgram, rates: np.ndarray) -> np.ndarray:
+    """Rates whose volume stays where φ = 0 and whose live load does work of 1, to rounding."""
+    clay = np.flatnonzero(program.friction == 0.0)
+    volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
+    equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()
+    wanted = np.concatenate([[1.0], np.zeros(len(clay))])
+    rates = rates + cone_program.smallest_correction(equal, wanted - equal @ rates)
+    return rates / (program.live @ rates)
+
+
+def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes (m, 6) of the cells, which components move (2 n,), and the work of both loads on each of them (2 n,)."""
+    mesh, outline = problem.mesh, problem.outline
+    nodes = mesh.six_nodes
+    count = len(mesh.points) + len(mesh.edges)
+    moves = np.ones((count, 2), dtype=bool)
+    along = np.column_stack([outline.ends, len(mesh.points) + outline.edges])
+    for axis in (0, 1):
+        moves[along[outline.held[:, axis]], axis] = False
+    fixed, live = np.zeros((count, 2)), np.zeros((count, 2))
+    third = mesh.areas[:, None, None] / 3.0  # quadratic shapes: the middles carry all of it
+    length = np.hypot(*(mesh.points[outline.ends[:, 1]] - mesh.points[outline.ends[:, 0]]).T)[:, None]
+    for work, force, traction in (
+        (fixed, problem.fixed_force, outline.fixed),
+        (live, problem.live_force, outline.live),
+    ):
+        np.add.at(work, nodes[:, 3:], third * force[:, None, :])
+        first, last = traction[:, 0], traction[:, 1]
+        for node, share in zip(along.T, (first / 6.0, last / 6.0, (first + last) / 3.0), strict=True):
+            np.add.at(work, node, length * share)  # Simpson's rule, exact for linear times quadratic
+    return nodes, moves.ravel(), fixed.ravel(), live.ravel()
+
+
+def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:
+    """From the velocities (2 n,) to the strain rates at the corners (9 m,), [xx, yy, engineering xy] corner by corner.
+
+    At corner k the gradient of a shape is (4 δ_ik - 1) ∇L_i for corner i, and 4 ∇L_j for the middle of the edge kj.
+    """
+    cells = len(nodes)
+    gradient = mesh.gradients
+    slope = np.zeros((cells, 3, 6, 2))
+    for k in range(3):
+        for i in range(3):
+            slope[:, k, i] = (3.0 if i == k else -1.0) * gradient[:, i]
+        slope[:, k, 3 + k] = 4.0 * gradient[:, (k + 1) % 3]
+        slope[:, k, 3 + (k + 2) % 3] = 4.0 * gradient[:, (k + 2) % 3]
+    first = 9 * np.arange(cells)[:, None, None] + 3 * np.arange(3)[:, None]
+    first = np.broadcast_to(first, (cells, 3, 6))
+    node = np.broadcast_to(2 * nodes[:, None, :], (cells, 3, 6))
+    x, y = slope[..., 0], slope[..., 1]
+    rows = np.stack([first, first + 1, first + 2, first + 2])
+    columns = np.stack([node, node + 1, node, node + 1])
+    values = np.stack([x, y, y, x])
+    keep = values != 0.0
+    shape = (9 * cells, 2 * (int(nodes.max()) + 1))
+    return sparse.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=shape)

@@ -1,0 +1,267 @@
+"""The layers of a section between its breakpoints, where every interface is a straight line.
+
+Interface 0 is the ground surface, interface k the bottom of stratum k - 1 (0-based), the last one the base.
+Between two neighbouring breakpoints all are straight; at a breakpoint they may have a vertical step. A
+stratum of no thickness is absent there.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.polyline import Line, limits
+
+# Points closer than this share of the section's width are one point.
+SNAP = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Layering:
+    """Interfaces over the intervals between breakpoints: ``left`` and ``right`` are (intervals, interfaces)."""
+
+    x: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    strata: int
+
+    @property
+    def tolerance(self) -> float:
+        return SNAP * float(self.x[-1] - self.x[0])
+
+    @property
+    def width(self) -> np.ndarray:
+        """Width of each interval (m)."""
+        return np.diff(self.x)
+
+    def thickness(self) -> tuple[np.ndarray, np.ndarray]:
+        """Thickness (m) of every stratum at the left and right end of each interval, (intervals, strata)."""
+        return self.left[:, :-1] - self.left[:, 1:], self.right[:, :-1] - self.right[:, 1:]
+
+    def areas(self) -> np.ndarray:
+        """Area (m²) of every stratum."""
+        at_left, at_right = self.thickness()
+        return 0.5 * (self.width[:, None] * (at_left + at_right)).sum(axis=0)
+
+    def present(self) -> np.ndarray:
+        """Where a stratum has an area, (intervals, strata)."""
+        at_left, at_right = self.thickness()
+        return (at_left > 0) | (at_right > 0)
+
+    def interfaces(self, x: np.ndarray) -> np.ndarray:
+        """Elevation (m) of every interface at x, (len(x), interfaces); at a step, that to the right of it."""
+        x = np.asarray(x, dtype=float)
+        i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
+        share = ((x - self.x[i]) / self.width[i])[:, None]
+        return (1.0 - share) * self.left[i] + share * self.right[i]
+
+    def stratum_at(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Index of the stratum at each point, -1 outside the section."""
+        x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
+        elevation = self.interfaces(x)
+        inside = (x >= self.x[0]) & (x <= self.x[-1]) & (z <= elevation[:, 0]) & (z >= elevation[:, -1])
+        below_tops = (z[:, None] <= elevation[:, :-1]) & (elevation[:, :-1] > elevation[:, 1:])
+        deepest = below_tops.shape[1] - 1 - np.argmax(below_tops[:, ::-1], axis=1)
+        return np.where(inside, deepest, -1)
+
+    def polygons(self, stratum: int) -> list[np.ndarray]:
+        """The outlines (n, 2) of a stratum, counter-clockwise, one for each piece that is connected."""
+        pieces: list[list[int]] = []
+        for i in np.flatnonzero(self.present()[:, stratum]):
+            if pieces and pieces[-1][-1] == i - 1 and self._joined(i, stratum):
+                pieces[-1].append(i)
+            else:
+                pieces.append([i])
+        return [self._outline(piece, stratum) for piece in pieces]
+
+    def outline(self) -> np.ndarray:
+        """The outline (n, 2) of the whole section, counter-clockwise."""
+        everything = list(range(len(self.width)))
+        return self._chain(everything, self.strata, 0)
+
+    def _joined(self, i: int, stratum: int) -> bool:
+        """Whether the stratum's parts left and right of breakpoint i share more than a point."""
+        top = min(self.right[i - 1, stratum], self.left[i, stratum])
+        bottom = max(self.right[i - 1, stratum + 1], self.left[i, stratum + 1])
+        return bool(top > bottom)
+
+    def _outline(self, piece: list[int], stratum: int) -> np.ndarray:
+        return self._chain(piece, stratum + 1, stratum)
+
+    def _chain(self, piece: list[int], lower: int, upper: int) -> np.ndarray:
+        def along(interface: int) -> list[tuple[float, float]]:
+            ends = [((self.x[i], self.left[i, interface]), (self.x[i + 1], self.right[i, interface])) for i in piece]
+            return [point for pair in ends for point in pair]
+
+        points = np.array(along(lower) + along(upper)[::-1])
+        distinct = np.any(points != np.roll(points, 1, axis=0), axis=1)
+        return without_collinear(points[distinct], self.tolerance)
+
+
+def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
+    """A closed polygon (n, 2) without the points that lie on the straight line between their neighbours.
+
+    A point is left out only where its distance from that line is rounding, a millionth of ``tolerance``.
+    """
+    keep = list(range(len(polygon)))
+    k = 0
+    while k < len(keep) and len(keep) > 3:
+        before, here, after = (polygon[keep[(k + j) % len(keep)]] for j in (-1, 0, 1))
+        chord, leg = after - before, here - before
+        length = float(np.hypot(*chord))
+        off = abs(float(chord[0] * leg[1] - chord[1] * leg[0]))
+        between = 0.0 < float(chord @ leg) < length**2
+        if between and off <= 1e-6 * tolerance * length:
+            del keep[k]
+        else:
+            k += 1
+    return polygon[keep]
+
+
+def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) -> tuple[Layering, list[str]]:
+    """The layers under ``surface`` (n, 2) down to ``base``, and what is wrong with them, one sentence each.
+
+    A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is
+    still thick there) and where its bottom rises above the ground surface, which cuts it off.
+    """
+    x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
+    raw = [(line or base).points(x_left, x_right) for line in bottoms]
+    is_depth = [(line or base).elevation is None for line in bottoms]
+    raw_base = base.points(x_left, x_right)
+    snap = SNAP * (x_right - x_left)
+
+    surface, *raw, raw_base = _snapped_x([surface, *raw, raw_base], snap)
+    x = np.unique(np.concatenate([points[:, 0] for points in (surface, *raw, raw_base)]))
+    x = x[(x >= x_left) & (x <= x_right)]
+    ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
+    x = np.union1d(x, _crossings(x, ground, lines, snap))
+    ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
+
+    problems = []
+    interfaces = [ground]
+    reach = np.minimum(floor, ground)
+    for k, (line, points) in enumerate(zip(lines, raw, strict=True)):
+        top = interfaces[-1]
+        spans = ((x[:-1] >= points[0, 0]) & (x[1:] <= points[-1, 0]))[:, None]
+        bottom = np.where(spans, np.minimum(line, ground), top)
+        problems += _above(bottom, top, x, snap, f"the bottom of stratum {k + 1} rises above its top")
+        problems += _above(reach, bottom, x, snap, f"the bottom of stratum {k + 1} lies below the base")
+        interfaces.append(np.minimum(np.maximum(bottom, reach), top))
+    problems += _above(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
+    problems += _above(floor, ground, x, snap, "the base rises above the ground surface")
+    if not problems:
+        problems += _apart(ground, floor, x, snap)
+
+    stack = _snapped_z(np.stack(interfaces, axis=-1), snap)
+    layers = Layering(x=x, left=stack[:, 0, :], right=stack[:, 1, :], strata=len(lines))
+    if not problems:
+        thin = f"has no thickness anywhere (less than {snap:g} m, a millionth of the section's width, is none)"
+        problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
+    return layers, problems
+
+
+def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
+    """A sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
+    x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
+    snap = SNAP * (x_right - x_left)
+    surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
+    x = np.union1d(surface[:, 0], points[:, 0])
+    ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
+    return _above(elevation, ground, x, snap, f"{what} rises above the ground surface")
+
+
+def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
+    """The lines with points whose x differ by no more than ``snap`` moved onto the first of them."""
+    values = np.unique(np.concatenate([points[:, 0] for points in lines]))
+    group = np.concatenate([[0], np.cumsum(np.diff(values) > snap)])
+    first = values[np.searchsorted(group, group)]
+    snapped = []
+    for points in lines:
+        points = points.copy()
+        points[:, 0] = first[np.searchsorted(values, points[:, 0])]
+        steps = np.concatenate([[False], np.diff(points[:, 0]) == 0.0])
+        in_a_row = steps & np.concatenate([steps[1:], [False]])
+        snapped.append(points[~in_a_row])
+    return snapped
+
+
+def _ends(points: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Values of a polyline at both ends of every interval between the x, (intervals, 2)."""
+    before, after = limits(points, x)
+    return np.stack([after[:-1], before[1:]], axis=1)
+
+
+def _elevations(
+    surface: np.ndarray,
+    bottoms: list[np.ndarray],
+    is_depth: list[bool],
+    base: np.ndarray,
+    base_is_depth: bool,
+    x: np.ndarray,
+) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
+    """Elevations of the ground, of every bottom and of the base over the intervals between the x."""
+    ground = _ends(surface, x)
+
+    def elevation(points: np.ndarray, depth: bool) -> np.ndarray:
+        value = _ends(points, x)
+        return ground - value if depth else value
+
+    lines = [elevation(points, depth) for points, depth in zip(bottoms, is_depth, strict=True)]
+    return ground, lines, elevation(base, base_is_depth)
+
+
+def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap: float) -> np.ndarray:
+    """Where lines pass through the ground surface between two breakpoints."""
+    found = []
+    for line in lines:
+        gap = ground - line
+        i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
+        at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
+        found.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
+    return np.concatenate(found) if found else np.empty(0)
+
+
+def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
+    """A sentence if ``line`` is above ``other`` by more than ``snap`` anywhere."""
+    excess = line - other
+    i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
+    worst = float(excess[i, end])
+    if worst <= snap:
+        return []
+    wrong = np.flatnonzero((excess > snap).any(axis=1))
+    return [
+        f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {x[wrong[0]]:g} "
+        f"and {x[wrong[-1] + 1]:g} m)"
+    ]
+
+
+def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
+    """A sentence if the section falls apart: where the base meets the ground, or steps past a step of the ground."""
+    lowest, highest = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    for end in (0, 1):
+        at = slice(end, len(x) - 1 + end)
+        lowest[at] = np.minimum(lowest[at], ground[:, end])
+        highest[at] = np.maximum(highest[at], floor[:, end])
+    wrong = np.flatnonzero(lowest - highest <= snap)
+    return [
+        f"the section has no height at x = {x[b]:g} m; expected the base to be below the ground on both sides of it"
+        for b in wrong[:1]
+    ]
+
+
+def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:
+    """Interfaces (intervals, 2, interfaces) with elevations that differ by no more than ``snap`` made equal.
+
+    At every breakpoint both sides are looked at together, so that neighbours share their points exactly.
+    """
+    intervals = stack.shape[0]
+    for b in range(intervals + 1):
+        sides = [(b - 1, 1)] if b == intervals else [(b, 0)] if b == 0 else [(b - 1, 1), (b, 0)]
+        values = np.concatenate([stack[i, end] for i, end in sides])
+        order = np.argsort(-values, kind="stable")
+        group = np.concatenate([[0], np.cumsum(-np.diff(values[order]) > snap)])
+        snapped = np.empty_like(values)
+        snapped[order] = values[order][np.searchsorted(group, group)]
+        for (i, end), part in zip(sides, np.split(snapped, len(sides)), strict=True):
+            stack[i, end] = part
+    return stack

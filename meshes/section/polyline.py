@@ -1,0 +1,124 @@
+"""Lines across a section: points from left to right, as elevations or as depths below the surface."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, model_validator
+
+from meshes.section.quantity import COORDINATE, Quantity
+
+Points = tuple[tuple[float, float], ...]
+
+
+def read_points(value: Any) -> Points:
+    """Points [[x, z], ...] in metres from left to right; two points may share their x to make a vertical step.
+
+    Raises ValueError with every problem of the line, one on each line of the message.
+    """
+    if not isinstance(value, list | tuple) or len(value) < 2:
+        raise ValueError("expected two or more points [[x, z], ...] from left to right")
+    problems: list[str] = []
+    points: list[tuple[float, float]] = []
+    for number, point in enumerate(value, start=1):
+        if not isinstance(point, list | tuple) or len(point) != 2:
+            problems.append(f"point {number} = {point!r}: expected a pair [x, z]")
+            continue
+        pair = []
+        for name, entry in zip("xz", point, strict=True):
+            try:
+                pair.append(COORDINATE.read(entry))
+            except ValueError as error:
+                problems.append(f"point {number}, {name} = {entry!r}: {error}")
+        if len(pair) == 2:
+            points.append((pair[0], pair[1]))
+    if not problems:
+        problems = _order_problems(points)
+    if problems:
+        raise ValueError("\n".join(problems))
+    return tuple(points)
+
+
+def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
+    problems = []
+    x = [point[0] for point in points]
+    for i in range(1, len(x)):
+        if x[i] < x[i - 1]:
+            problems.append(
+                f"point {i + 1} at x = {x[i]:g} m stands after x = {x[i - 1]:g} m: expected points from left to right"
+            )
+        if i > 1 and x[i] == x[i - 1] == x[i - 2]:
+            problems.append(f"three points at x = {x[i]:g} m: expected at most two, which make a vertical step")
+    if not problems and x[0] == x[-1]:
+        problems.append(f"all points at x = {x[0]:g} m: expected a line from left to right")
+    if not problems and (x[0] == x[1] or x[-1] == x[-2]):
+        problems.append("a vertical step at the end of the line: expected it to run on horizontally from there")
+    return problems
+
+
+def _read_points_or_level(value: Any) -> Points | float:
+    return read_points(value) if isinstance(value, list | tuple) else COORDINATE.read(value)
+
+
+def _written(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_written(entry) for entry in value]
+    return getattr(value, "written", value)
+
+
+Polyline = Annotated[Points, PlainValidator(read_points), PlainSerializer(_written)]
+PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSerializer(_written)]
+
+
+class Line(BaseModel):
+    """A line given as ``elevation`` or as ``depth`` below the ground surface (m, positive downwards).
+
+    Either is a list of points [[x, z], ...], any number of them, or one number that holds across the section.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    elevation: PolylineOrLevel | None = None
+    depth: PolylineOrLevel | None = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> "Line":
+        if (self.elevation is None) == (self.depth is None):
+            raise ValueError("expected either elevation or depth")
+        if any(depth < 0 for depth in (z for _, z in self.depth_points)):
+            raise ValueError("a negative depth lies above the ground: expected depths of 0 or more")
+        return self
+
+    @property
+    def depth_points(self) -> Points:
+        """The points of a line given as depth, its constant as one point; empty for elevations."""
+        if self.depth is None:
+            return ()
+        return self.depth if isinstance(self.depth, tuple) else ((0.0, self.depth),)
+
+    def points(self, left: float, right: float) -> np.ndarray:
+        """The points as an (n, 2) array; a constant reaches from ``left`` to ``right`` (m)."""
+        value = self.elevation if self.depth is None else self.depth
+        if isinstance(value, tuple):
+            return np.array(value, dtype=float)
+        return np.array([[left, value], [right, value]], dtype=float)
+
+
+def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of a polyline (n, 2) just left and just right of each x, which differ at its vertical steps.
+
+    Outside its range the end segments run on; callers cut that off.
+    """
+    px, pz = points[:, 0], points[:, 1]
+
+    def on_segment(first: np.ndarray) -> np.ndarray:
+        first = np.clip(first, 0, len(px) - 2)
+        # At the ends of a line the clipped segment may be a vertical step only if input was not validated.
+        share = (x - px[first]) / (px[first + 1] - px[first])
+        return (1.0 - share) * pz[first] + share * pz[first + 1]
+
+    left = on_segment(np.searchsorted(px, x, side="left") - 1)
+    right = on_segment(np.searchsorted(px, x, side="right") - 1)
+    return left, right
+
+
+__all__ = ["Line", "Points", "Polyline", "Quantity", "limits", "read_points"]

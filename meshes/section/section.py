@@ -1,0 +1,339 @@
+"""The ground as a person describes it: a validated section of layered soil, read from and written to TOML."""
+
+import difflib
+import hashlib
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+import numpy as np
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from meshes.errors import InputError
+from meshes.section.layering import Layering, above_ground, layering
+from meshes.section.polyline import Line, Polyline
+from meshes.section.quantity import Angle, Density, PoissonsRatio, Stiffness, Strength
+
+BOUNDARIES = ("surface", "base", "left", "right")
+
+# Tables that stand in the same file and belong to those who mesh, solve and draw.
+SETTINGS_TABLES = ("mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures")
+
+# The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
+# the pen, and neither a mesh nor a picture comes of it.
+NARROWEST, LONGEST = 1e-3, 1000.0
+
+# What pydantic calls by Python's names.
+PLAIN_WORDS = {
+    "model_type": "expected a table of keys and values",
+    "dict_type": "expected a table of keys and values",
+    "tuple_type": "expected a list",
+    "too_short": "expected at least one",
+    "string_type": "expected text",
+    "string_pattern_mismatch": "expected another spelling",
+    "bool_type": "expected true or false",
+    "int_type": "expected a whole number",
+}
+
+# A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
+NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
+
+
+class Model(BaseModel):
+    """What every part of an input has in common: no unknown keys, no change after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Stratum(Model):
+    """A layer of one soil, with its parameters in SI units."""
+
+    name: str = Field(
+        description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
+    )
+    description: str = ""
+    bottom: Line | None = Field(
+        default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
+    )
+    youngs_modulus: Stiffness = Field(description='a stiffness such as "1560 tf/m^2"')
+    poissons_ratio: PoissonsRatio = Field(description="a Poisson's ratio from 0 to below 0.5")
+    density_ordinary: Density = Field(
+        description='the density that gravity acts on, buoyant below water, such as "1.0 t/m^3"'
+    )
+    density_seismic: Density = Field(
+        description='the density that the horizontal acceleration acts on, such as "2.0 t/m^3"'
+    )
+    cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
+    friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
+    dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
+    liquefies_in: tuple[Annotated[StrictInt, Field(ge=1)], ...] = Field(
+        default=(), description="the cases it liquefies in, such as [1, 2, 3]"
+    )
+
+    @property
+    def liquefiable(self) -> bool:
+        """Whether it liquefies in any case."""
+        return bool(self.liquefies_in)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        problems = []
+        if self.dilation_angle > self.friction_angle:
+            problems.append("dilation_angle above friction_angle: expected at most the friction angle")
+        if self.density_seismic < self.density_ordinary:
+            problems.append(
+                "density_seismic below density_ordinary: expected the saturated density to be the larger one"
+            )
+        if len(set(self.liquefies_in)) < len(self.liquefies_in):
+            problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+
+class Section(Model):
+    """The section of a layered slope; x to the right and elevation upwards, in metres.
+
+    Strata stand from the top down. A stratum lies between its bottom line and whatever is above it: it ends
+    where its bottom line ends, where that line meets the one above, or where it comes out of the ground.
+    """
+
+    name: str = Field(
+        description="a name that can be a folder's: up to 80 letters, digits and . _ -, such as s13",
+        pattern=r"^[A-Za-z0-9][\w.-]{0,79}$",
+    )
+    title: str = ""
+    reconstruction: StrictBool = False
+    reconstruction_note: str = ""
+    surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
+    base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
+    water_table: Line | None = None
+    strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
+
+    settings_tables: ClassVar[tuple[str, ...]] = SETTINGS_TABLES
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        problems = list(_naming_problems([stratum.name for stratum in self.strata]))
+        if self.reconstruction and not self.reconstruction_note.strip():
+            problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
+        bottoms = [stratum.bottom for stratum in self.strata]
+        problems += _geometry_problems(self.surface, self.base, self.water_table, bottoms)
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    @cached_property
+    def layering(self) -> Layering:
+        """The layers between breakpoints."""
+        bottoms = [stratum.bottom for stratum in self.strata]
+        return layering(np.array(self.surface, dtype=float), self.base, bottoms)[0]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """x (m) of the left and the right side."""
+        return float(self.surface[0][0]), float(self.surface[-1][0])
+
+    def outline(self) -> np.ndarray:
+        """The outline (n, 2) of the section (m), counter-clockwise."""
+        return self.layering.outline()
+
+    def stratum_at(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Index of the stratum at each point (m), -1 outside the section."""
+        return self.layering.stratum_at(x, z)
+
+    def water_points(self) -> np.ndarray | None:
+        """The water table as elevations (n, 2) in metres, or None."""
+        if self.water_table is None:
+            return None
+        points = self.water_table.points(*self.extent)
+        if self.water_table.depth is None:
+            return points
+        layers = layering(np.array(self.surface, dtype=float), self.water_table, [None])[0]
+        chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
+        return np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
+
+    @classmethod
+    def read(cls, path: Path | str) -> Self:
+        """The section in a TOML file; raises InputError with every problem found."""
+        return cls.parse(read_toml(path), str(path))
+
+    @classmethod
+    def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
+        """The section from what a TOML file holds; raises InputError with every problem found."""
+        known = {key: value for key, value in data.items() if key in cls.model_fields or key not in SETTINGS_TABLES}
+        try:
+            return cls.model_validate(known)
+        except ValidationError as error:
+            problems = [text for entry in error.errors() for text in _sentences(entry, known, cls)]
+            problems = list(dict.fromkeys(problems))
+            # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
+            if not any(entry["loc"] == () for entry in error.errors()):
+                problems += _problems_of_the_rest(known)
+            raise InputError(source, problems) from error
+
+    def to_toml(self) -> str:
+        """The section as TOML with all defaults filled in and quantities as they were written."""
+        return tomli_w.dumps(self.model_dump(mode="python", exclude_none=True, by_alias=True))
+
+    def sha256(self) -> str:
+        """A fingerprint of the section."""
+        return hashlib.sha256(self.to_toml().encode()).hexdigest()
+
+
+def read_toml(path: Path | str) -> dict[str, Any]:
+    """What a TOML file holds; raises InputError if there is none or it is not TOML."""
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")  # some editors on Windows begin a file with a mark
+    except FileNotFoundError:
+        raise InputError(str(path), ["there is no such file"]) from None
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        raise InputError(str(path), [f"cannot be read: {reason}"]) from None
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(path), [f"is not TOML: {error}"]) from None
+    except RecursionError:
+        raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None
+
+
+def _naming_problems(names: Sequence[str]) -> Iterator[str]:
+    for name in dict.fromkeys(names):
+        if names.count(name) > 1:
+            yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
+        if name in BOUNDARIES:
+            yield f'strata: the name "{name}" is taken by a boundary of the mesh'
+
+
+def _geometry_problems(surface: Any, base: Line, water_table: Line | None, bottoms: Sequence[Line | None]) -> list[str]:
+    ground = np.array(surface, dtype=float)
+    left, right = float(ground[0, 0]), float(ground[-1, 0])
+    width = right - left
+    if width < NARROWEST:
+        return [f"surface: the section is {width:g} m wide; expected at least {NARROWEST:g} m"]
+    problems = []
+    lines = [(f"strata {k}, bottom", line) for k, line in enumerate(bottoms, start=1)]
+    for key, line in [("base", base), ("water_table", water_table), *lines]:
+        if line is None:
+            continue
+        points = line.points(left, right)
+        outside = points[(points[:, 0] < left) | (points[:, 0] > right)]
+        if len(outside):
+            problems.append(
+                f"{key}: the point at x = {outside[0, 0]:g} m lies outside the section, which reaches from "
+                f"{left:g} to {right:g} m"
+            )
+        elif not key.startswith("strata") and (points[0, 0] > left or points[-1, 0] < right):
+            problems.append(f"{key}: expected a line across the whole section, from x = {left:g} to {right:g} m")
+    for k, bottom in enumerate(bottoms[:-1], start=1):
+        if bottom is None:
+            problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
+    if problems:
+        return problems
+    layers, faults = layering(ground, base, bottoms)
+    outline = layers.outline()
+    height = float(np.ptp(outline[:, 1]))
+    if not width / LONGEST <= height <= width * LONGEST:
+        faults.append(
+            f"the section is {width:g} m wide and {height:g} m high; expected one to be no more than {LONGEST:g} "
+            "times the other"
+        )
+    if water_table is not None:
+        # Usually another datum; and standing water has no weight in this model.
+        faults += above_ground(ground, water_table, "the water table")
+    return [f"geometry: {text}" for text in faults]
+
+
+def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
+    """What is wrong with names and geometry, as far as those can be read, in input that has other faults."""
+    strata = data.get("strata")
+    if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
+        return []
+    names = [name for stratum in strata if isinstance(name := stratum.get("name"), str)]
+    problems = list(_naming_problems(names))
+    try:
+        surface = TypeAdapter(Polyline).validate_python(data["surface"])
+        base = Line.model_validate(data["base"])
+        water_table = Line.model_validate(data["water_table"]) if "water_table" in data else None
+        bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
+    except (KeyError, ValidationError):
+        return problems
+    return problems + _geometry_problems(surface, base, water_table, bottoms)
+
+
+def _sentences(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
+    """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
+    key = _key(error["loc"], data)
+    if error["type"] == "missing":
+        expected = _description(error["loc"], model)
+        return [f"{key}: missing" + (f"; expected {expected}" if expected else "")]
+    if error["type"] == "extra_forbidden":
+        known = _known_keys(error["loc"], model)
+        close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
+        hint = f'; did you mean "{close[0]}"?' if close else f"; expected one of {', '.join(known)}"
+        return [f"{key}: unknown key{hint}"]
+    value = error["input"]
+    shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
+    if error["type"] == "too_short" and len(error["input"]) > 0:
+        return []  # none of the entries is sound, and each has its own sentence
+    if error["type"] == "value_error":
+        return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
+    expected = _description(error["loc"], model)
+    plain = PLAIN_WORDS.get(error["type"])
+    if plain:
+        return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
+    message = error["msg"][0].lower() + error["msg"][1:]
+    return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
+
+
+def _key(location: tuple[int | str, ...], data: Any) -> str:
+    """A location as a person finds it: tables by number from 1, and by name where they have one."""
+    parts: list[str] = []
+    for step in location:
+        inside = isinstance(data, Mapping | list | tuple)
+        try:
+            data = data[step] if inside else None
+        except (KeyError, IndexError, TypeError):
+            data = None
+        if isinstance(step, int):
+            name = data.get("name") if isinstance(data, Mapping) else None
+            parts[-1] += f" {step + 1}" + (f' "{name}"' if isinstance(name, str) else "")
+        else:
+            parts.append(step)
+    return ", ".join(parts)
+
+
+def _model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
+    """The model whose field a location names."""
+    here: type[BaseModel] | None = model
+    for step in location[:-1]:
+        if isinstance(step, int):
+            continue
+        if here is None or step not in here.model_fields:
+            return None
+        here = next(_models_in(here.model_fields[step].annotation), None)
+    return here
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in getattr(annotation, "__args__", ()):
+        yield from _models_in(part)
+
+
+def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
+    here = _model_at(location, model)
+    return list(here.model_fields) if here else []
+
+
+def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
+    here = _model_at(location, model)
+    field = here.model_fields.get(str(location[-1])) if here else None
+    return (field.description or "") if field else ""

@@ -1,0 +1,77 @@
+"""Small assemblies of discs that several tests start from. One kind of soil unless a test gives its own; SI units."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from dem.engine.engine import Engine
+from dem.model import DiscModel
+from dem.springs import LayerSprings
+
+RADIUS = 0.75
+DENSITY = 2000.0
+MASS = np.pi * RADIUS**2 * DENSITY
+KN = 1.0e8
+GRAVITY = 9.81
+
+# undamped, frictionless, without pore springs; tests add what they are about
+BARE = LayerSprings(
+    "bare", kn=KN, ks=0.0, cn=0.0, ct=0.0, kpn=0.0, kps=0.0, density=DENSITY, effective_density=DENSITY,
+    friction=0.0, cohesion=0.0,
+)  # fmt: skip
+# a soil with every part of the law at work
+SOIL = replace(
+    BARE, name="soil", ks=0.4 * KN, cn=0.2 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), kpn=0.1 * KN,
+    kps=0.04 * KN, friction=0.7, cohesion=1.0e4,
+)  # fmt: skip
+FLOOR = np.array([[0.0, 0.0, 0.0, 1.0, -1e6, 1e6]])
+
+
+def lattice(columns: int, rows: int, spacing: float = 2.0 * RADIUS) -> tuple[np.ndarray, np.ndarray]:
+    """Centres of a triangular lattice, rows of `columns` discs, every other row half a spacing further on."""
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
+    return ((i + 0.5 * (j % 2)) * spacing).ravel(), (j * spacing * np.sqrt(0.75)).ravel()
+
+
+def box(columns: int, rows: int, soil: LayerSprings = SOIL, tilt: float = 0.0, squeeze: float = 1e-4) -> DiscModel:
+    """A lattice at rest in a box of fixed discs, open above, with a layer for the lower and one for the upper half."""
+    x, z = lattice(columns + 2, rows + 1, 2.0 * RADIUS * (1.0 - squeeze))
+    row = np.repeat(np.arange(rows + 1), columns + 2)
+    column = np.tile(np.arange(columns + 2), rows + 1)
+    layer = np.where(row <= rows // 2, 1, 0)
+    layer[(row == 0) | (column == 0) | (column == columns + 1)] = -1
+    stiffer = replace(soil, name="stiffer", kn=2.0 * soil.kn, ks=2.0 * soil.ks)
+    gravity = (GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt))
+    return DiscModel.create(x, z, RADIUS, [soil, stiffer], layer, gravity=gravity)
+
+
+def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> DiscModel:
+    """Discs of many sizes in a closed heap, somewhat into each other, with random velocities and spins."""
+    rng = np.random.default_rng(seed)
+    side = int(np.ceil(np.sqrt(count)))
+    x, z = lattice(side, side, 1.02 * 2.0 * RADIUS)
+    radius = RADIUS * rng.uniform(0.8, 1.2, count)
+    x = x[:count] + 0.1 * RADIUS * rng.standard_normal(count)
+    z = z[:count] + 0.1 * RADIUS * rng.standard_normal(count)
+    model = DiscModel.create(x, z, radius, [replace(soil, allowed_overlap=2.0)])
+    vx, vz = speed * rng.standard_normal((2, count))
+    model.set_velocity(vx, vz, speed / RADIUS * rng.standard_normal(count))
+    return model
+
+
+def trace(
+    model: DiscModel, dt: float, steps: int, watch: Callable[[DiscModel], object], **settings: object
+) -> np.ndarray:
+    """`watch` after every step of a run."""
+    seen: list[object] = []
+    Engine(dt=dt, **{"balance": np.inf} | settings).run(  # type: ignore[arg-type]
+        model, steps=steps, every=dt, on_output=lambda m: seen.append(watch(m))
+    )
+    return np.array(seen)
+
+
+def order(errors: np.ndarray, ratio: float = 2.0) -> float:
+    """Observed order of convergence: slope of the errors of ever finer steps, each `ratio` times the last."""
+    levels = np.arange(len(errors))
+    return float(-np.polyfit(levels * np.log(ratio), np.log(np.abs(errors)), 1)[0])

@@ -1,0 +1,195 @@
+"""Element tests of discs: the parts that need no long run, what they refuse, and what they hand on."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dem.engine.forces import contact_forces, stress
+from dem.errors import EscapeError, OverlapError
+from dem.laboratory.element_test import ElementTest, element_test
+from dem.laboratory.loading import Curve, confine, load, probe
+from dem.laboratory.patch import lattice_patch, random_patch, share_inside
+from dem.laboratory.plane_elastic import PlaneElastic
+from dem.laboratory.strength import dilation, from_plane, from_principal, verdict
+from meshes.section.section import Stratum
+from tests.support.dem_cases import KN, RADIUS, SOIL
+
+SMALL = (12, 14)
+STRATUM = Stratum(
+    name="sand", youngs_modulus="30 MPa", poissons_ratio=0.3, density_ordinary=1900.0, density_seismic=1900.0,
+    cohesion="5 kPa", friction_angle="35 deg",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sand() -> ElementTest:
+    return element_test(replace(SOIL, cohesion=0.0), "random", RADIUS, [2e6, 1e6], strain=0.1, size=SMALL)
+
+
+coordinate = st.floats(-5.0, 5.0)
+point = st.tuples(coordinate, coordinate)
+REGION = np.array([[-1.0, -2.0], [1.0, 2.0]])
+
+
+@given(point, point)
+def test_share_of_a_segment_in_a_region(first: tuple[float, float], second: tuple[float, float]) -> None:
+    a, b = np.array([first]).T, np.array([second]).T
+    share = share_inside(a, b, REGION)[0]
+    assert 0.0 <= share <= 1.0
+    assert share == pytest.approx(share_inside(b, a, REGION)[0], abs=1e-9)
+    # counted point by point
+    along = a + (b - a) * (np.arange(2000) + 0.5) / 2000
+    inside = np.all((along >= REGION[0][:, None]) & (along <= REGION[1][:, None]), axis=0)
+    assert share == pytest.approx(inside.mean(), abs=1.1e-3)
+
+
+@given(st.floats(0.0, 1e5), st.floats(0.0, 1.3), st.lists(st.floats(1e3, 1e6), min_size=2, max_size=5, unique=True))
+def test_mohr_coulombs_line_gives_back_what_it_was_drawn_from(c: float, phi: float, minor: list[float]) -> None:
+    if np.ptp(minor) < 1e3:
+        minor = [*minor, max(minor) + 1e4]
+    ratio = (1.0 + np.sin(phi)) / (1.0 - np.sin(phi))
+    major = [ratio * s + 2.0 * c * np.sqrt(ratio) for s in minor]
+    assert from_principal(major, minor) == pytest.approx((c, phi), rel=1e-6, abs=1e-3)
+    shear = [c + s * np.tan(phi) for s in minor]
+    assert from_plane(minor, shear) == pytest.approx((c, phi), rel=1e-6, abs=1e-3)
+
+
+def test_strength_that_falls_with_pressure_is_no_friction() -> None:
+    assert np.isnan(from_principal([3.0, 2.0], [1.0, 2.0])).all()
+
+
+@given(st.floats(1e4, 1e9), st.floats(0.0, 0.49))
+def test_plane_strain_and_sheet(youngs: float, nu: float) -> None:
+    """M, lame and G of Hooke's law in plane strain lead back to E and nu."""
+    lame = youngs * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    shear = youngs / (2.0 * (1.0 + nu))
+    elastic = PlaneElastic(lame + 2.0 * shear, lame, shear)
+    assert (elastic.E, elastic.nu) == pytest.approx((youngs, nu), rel=1e-6, abs=1e-9)
+    assert (elastic.E_2d, elastic.nu_2d) == pytest.approx((youngs / (1.0 - nu**2), nu / (1.0 - nu)), rel=1e-6, abs=1e-9)
+    assert elastic.anisotropy == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "stopped", "word"),
+    [
+        ([1, 2, 3, 2, 1], False, "peak"),
+        ([1, 2, 3, 2, 1], True, "peak"),
+        ([1, 2, 3, 4, 5], False, "still rising"),
+        ([1, 2, 3, 4, 5], True, "stopped"),
+        ([1, 2, 3, 3, 3, 3, 3], False, "levels off"),
+    ],
+)
+def test_verdict(values: list[float], stopped: bool, word: str) -> None:
+    assert verdict(np.repeat(values, 4).astype(float), stopped) == word
+
+
+@pytest.mark.parametrize("psi", [-0.1, 0.0, 0.3])
+def test_dilation_of_a_curve_that_grows_at_a_known_angle(psi: float) -> None:
+    axial = np.linspace(0.0, 0.1, 21)
+    # eps_v = sin psi (eps_1 - eps_3) with eps_v = -(eps_1 + eps_3)
+    lateral = -axial * (1.0 + np.sin(psi)) / (1.0 - np.sin(psi))
+    curves = {
+        "biaxial": Curve(
+            "biaxial", 1e5, axial, np.zeros((21, 2, 2)), -(axial + lateral), axial, axial, 1.0, ""
+        ),
+        "simple shear": Curve(
+            "simple shear", 1e5, axial, np.zeros((21, 2, 2)), axial * np.tan(psi), axial, axial, 1.0, ""
+        ),
+    }  # fmt: skip
+    for curve in curves.values():
+        assert dilation(curve, 10) == pytest.approx(psi, abs=1e-9)
+
+
+@pytest.mark.parametrize("make", [lattice_patch, random_patch])
+def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
+    patch = make(SOIL, RADIUS)
+    confine(patch, 2e5)
+    assert patch.stress() == pytest.approx(-2e5 * np.eye(2), abs=1.01e-3 * 2e5)
+    assert patch.unbalanced() < 1e-3
+    if make is lattice_patch:
+        # disc by disc instead of by clipping: the mean over discs that have all their neighbours
+        model = patch.model
+        inner = np.all(np.abs(np.array([model.x, model.z]).T) < patch.region[1], axis=1)
+        area = inner.sum() * 2.0 * np.sqrt(3.0) * RADIUS**2 * np.linalg.det(patch.deformation)
+        assert stress(model, contact_forces(model), area, inner) == pytest.approx(patch.stress(), rel=1e-3, abs=10.0)
+
+
+def test_frame_follows_its_affine_motion_to_rounding() -> None:
+    patch = lattice_patch(SOIL, RADIUS)
+    start = np.array([patch.model.x, patch.model.z])
+    confine(patch, 1e5)
+    load(patch, "simple shear", 1e5, 0.02, 1e-3, probe(patch, 1e5)[0])
+    now = np.array([patch.model.x, patch.model.z])
+    frame = patch.frame
+    assert now[:, frame] == pytest.approx(patch.deformation @ start[:, frame], abs=1e-9)
+    assert np.abs(now - patch.deformation @ start)[:, ~frame].max() > 1e-6  # the others are free to differ
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"packing": "square"}, "'lattice' or 'random'"),
+        ({"pressures": [1e4]}, "two or more"),
+        ({"pressures": [1e4, -1e4]}, "above 0 Pa"),
+        ({"pressures": [1e4, float("nan")]}, "above 0 Pa"),
+        ({"strain": 0.0}, "strain of 0.0"),
+        ({"rate": 1.0}, "rate of 1.0"),
+        ({"size": (4, 18)}, "4 x 18"),
+    ],
+)
+def test_refuses(changes: dict[str, object], words: str) -> None:
+    arguments = {"layer": SOIL, "packing": "lattice", "radius": RADIUS, "pressures": [1e4, 2e4]} | changes
+    with pytest.raises(ValueError, match=words):
+        element_test(**arguments)  # type: ignore[arg-type]
+
+
+def test_a_disc_outside_of_the_frame_is_found() -> None:
+    patch = lattice_patch(SOIL, RADIUS)
+    patch.check_frame()
+    disc = int(np.flatnonzero(~patch.frame)[0])
+    patch.model.x[disc] += 100.0 * RADIUS
+    with pytest.raises(EscapeError, match=f"disc {disc} has slipped out"):
+        patch.check_frame()
+
+
+def test_discs_too_soft_for_the_pressure_are_said_to_be() -> None:
+    with pytest.raises(OverlapError, match="overlap"):
+        confine(lattice_patch(SOIL, RADIUS), 2.0 * KN)
+
+
+def test_a_test_that_cannot_go_on_keeps_its_curve_and_says_why() -> None:
+    """A lattice locks: its discs are pressed into each other until they may not be."""
+    patch = lattice_patch(replace(SOIL, allowed_overlap=0.03), RADIUS)
+    confine(patch, 4e5)
+    curve = load(patch, "biaxial", 4e5, 0.2, 1e-3, probe(patch, 4e5)[0])
+    assert "overlap" in curve.stopped
+    assert 0.005 < curve.strain[-1] < 0.1
+    assert verdict(curve.resistance, True) == "stopped"
+
+
+def test_as_json_holds_soil_beside_discs(sand: ElementTest) -> None:
+    found = json.loads(json.dumps(sand.as_json(STRATUM), allow_nan=False))
+    assert found["stratum"] == "sand"
+    assert found["packing"] == "random"
+    assert found["soil"] == pytest.approx({"E_Pa": 30e6, "nu": 0.3, "c_Pa": 5e3, "phi_deg": 35.0})
+    assert found["assembly"]["E_Pa"] == sand.E
+    assert found["assembly"]["phi_deg"] == pytest.approx(np.degrees(sand.phi))
+    assert [t["pressure_Pa"] for t in found["tests"]] == [1e6, 2e6]
+    assert found["verdicts"] == list(sand.verdicts)
+
+
+def test_quality_is_recorded(sand: ElementTest) -> None:
+    assert 0.0 < sand.quality["unbalanced_median"] < 0.05
+    assert 0.0 < sand.quality["inertial_number_largest"] < 5e-3
+    assert sand.quality["pressure_error_rms"] < 0.05
+
+
+def test_same_bits_twice_and_with_two_threads(sand: ElementTest) -> None:
+    again = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, threads=2, size=SMALL)
+    assert again.as_json(STRATUM) == sand.as_json(STRATUM)
+    other = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, seed=1, size=SMALL)
+    assert other.phi != sand.phi

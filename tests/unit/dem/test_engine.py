@@ -1,0 +1,405 @@
+"""The engine as a machine: threads, restarts, numbering, neighbour lists, the JIT, and every way it stops in words."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dem.engine.engine import Engine, largest_step
+from dem.engine.forces import contact_forces, resultants
+from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
+from dem.model import Acceleration, DiscModel, tilted_gravity
+from tests.support import TOP
+from tests.support.dem_cases import BARE, FLOOR, GRAVITY, RADIUS, SOIL, box, trace
+
+QUAKE = Acceleration(np.linspace(0.0, 2.0, 41), 3.0 * np.sin(np.arange(41.0)), np.cos(np.arange(41.0)))
+
+
+def shaken(columns: int = 20, rows: int = 14) -> DiscModel:
+    """A box in which lists are made anew, pore springs crack and discs slide."""
+    model = box(columns, rows, replace(SOIL, cohesion=4e3), tilt=0.1)
+    model.skin = 0.04  # a thin one, so that lists are made often
+    model.set_pore_springs()
+    model.acceleration = QUAKE
+    rng = np.random.default_rng(4)
+    model.set_velocity(*(0.5 * rng.standard_normal((2, len(model))) * ~model.fixed), 0.0)
+    return model
+
+
+def same(a: DiscModel, b: DiscModel) -> bool:
+    """Equal to the last bit in everything that is an array or a number."""
+    return all(
+        np.array_equal(value, getattr(b, name), equal_nan=True)
+        for name, value in vars(a).items()
+        if isinstance(value, np.ndarray | float | int)
+    )
+
+
+@pytest.mark.parametrize("ledger", [True, False])
+def test_number_of_threads_changes_no_bit(ledger: bool) -> None:
+    runs = []
+    for threads in (1, 2, 3, 5):
+        model = shaken()
+        Engine(threads=threads, ledger=ledger, balance=1.0).run(model, 1.0)
+        runs.append(model)
+    assert runs[0].lists_made > 4
+    assert np.any(runs[0].pore_length < 0.0)
+    assert all(same(runs[0], other) for other in runs[1:])
+
+
+def test_restart_changes_no_bit(tmp_path: Path) -> None:
+    engine = Engine(dt=2e-4, balance=1.0)
+    whole = shaken()
+    engine.run(whole, steps=4001)
+    part = shaken()
+    engine.run(part, steps=1777)
+    part.save(tmp_path / "checkpoint.h5")
+    part = DiscModel.load(tmp_path / "checkpoint.h5")
+    engine.run(part, steps=4001 - 1777)
+    assert whole.lists_made > 4
+    assert np.any(whole.pore_length < 0.0)
+    assert same(whole, part)
+    assert part.springs.layers == whole.springs.layers
+
+
+def test_checkpoint_holds_everything(tmp_path: Path) -> None:
+    model = shaken()
+    model.lines = FLOOR.copy() - (0, 5, 0, 0, 0, 0)
+    Engine(balance=1.0).run(model, 0.2)
+    model.save(tmp_path / "checkpoint.h5")
+    again = DiscModel.load(tmp_path / "checkpoint.h5")
+    assert same(model, again)
+    assert vars(again).keys() == vars(model).keys()
+    assert np.array_equal(again.acceleration.x, QUAKE.x)
+    assert np.array_equal(again.springs.pairs, model.springs.pairs)
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_numbering_changes_rounding_only() -> None:
+    """The same discs numbered in another order move the same way, until chaos has magnified the last bits."""
+    first = shaken()
+    shuffle = np.random.default_rng(0).permutation(len(first))
+    second = DiscModel.create(
+        first.x[shuffle], first.z[shuffle], RADIUS, first.springs.layers, first.layer[shuffle],
+        gravity=first.gravity, acceleration=first.acceleration, skin=first.skin,
+    )  # fmt: skip
+    second.set_pore_springs()
+    second.set_velocity(first.vx[shuffle], first.vz[shuffle])
+    engine = Engine(dt=2e-4, balance=1.0)
+    engine.run(first, steps=300)
+    engine.run(second, steps=300)
+    assert np.abs(first.x[shuffle] - second.x).max() < 1e-9
+    assert np.abs(first.vx[shuffle] - second.vx).max() < 1e-7
+    assert np.sum(first.pore_length < 0.0) == np.sum(second.pore_length < 0.0)
+
+
+def test_skin_of_the_list_changes_rounding_only() -> None:
+    ends = []
+    for skin in (0.02, 0.3, 0.6):
+        model = shaken()
+        model.skin = skin
+        model.make_list()
+        Engine(dt=2e-4, balance=1.0).run(model, steps=400)
+        ends.append((model.x.copy(), model.lists_made))
+    assert ends[0][1] > ends[2][1]
+    assert np.abs(ends[0][0] - ends[1][0]).max() < 1e-9
+    assert np.abs(ends[0][0] - ends[2][0]).max() < 1e-9
+
+
+def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
+    """A disc that flies past another and back: its force changes by no more in a step than its path allows."""
+    soil = replace(SOIL, cn=0.0, ct=0.0)
+    model = DiscModel.create([0.0, 3.0], [0.0, 1.3], RADIUS, [soil], fixed=[True, False])
+    model.set_velocity(np.array([0.0, -2.0]), 0.0)
+    pairs, force = [], []
+
+    def watch(m: DiscModel) -> float:
+        pairs.append(len(m.pair_i))
+        force.append(np.hypot(*(f[1] for f in resultants(m, contact_forces(m))[:2])))
+        return 0.0
+
+    dt = 1e-4
+    trace(model, dt, 25000, watch)
+    assert 0 in pairs
+    assert 1 in pairs
+    jumps = np.abs(np.diff(force))
+    assert max(force) > 1e5
+    assert jumps.max() <= 1.5 * (soil.kn + soil.ks) * 2.5 * dt
+
+
+def test_list_is_made_only_when_a_disc_has_moved_half_the_skin() -> None:
+    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE], skin=0.2)
+    model.set_velocity(np.array([0.0, 1.0]), 0.0)
+    begin = model.lists_made
+    Engine(dt=1e-3).run(model, steps=99)
+    assert model.lists_made == begin
+    Engine(dt=1e-3).run(model, steps=3)
+    assert model.lists_made == begin + 1
+
+
+def test_output_comes_at_the_times_asked_for() -> None:
+    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE], gravity=(0.0, -GRAVITY))
+    seen = []
+    Engine(dt=1e-3).run(model, 0.1, every=0.03, on_output=lambda m: seen.append((m.time, m.z[0])))
+    assert [t for t, _ in seen] == pytest.approx([0.03, 0.06, 0.09, 0.1])
+    assert [z for _, z in seen] == pytest.approx([-0.5 * GRAVITY * t**2 for t, _ in seen])
+
+
+def test_weight_is_effective_and_the_rest_is_full() -> None:
+    """Gravity moves a disc with rho_w / rho_d of its value, Kh with all of it."""
+    soil = replace(BARE, density=2220.0, effective_density=1220.0)
+    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [soil], gravity=(0.0, -GRAVITY))
+    model.acceleration = Acceleration.seismic(0.1, g=GRAVITY)
+    Engine(dt=1e-3).run(model, 1.0)
+    assert model.vz == pytest.approx(-GRAVITY * 1220.0 / 2220.0, rel=1e-9)
+    assert model.vx == pytest.approx(0.1 * GRAVITY, rel=1e-9)
+
+
+def test_acceleration_in_time_is_followed() -> None:
+    times = np.linspace(0.0, 1.0, 11)
+    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE])
+    model.acceleration = Acceleration(times, np.sin(5.0 * times), times**2)
+    Engine(dt=1e-3).run(model, 1.5)
+    for v, a in ((model.vx, np.sin(5.0 * times)), (model.vz, times**2)):
+        assert v == pytest.approx(0.1 * (a.sum() - 0.5 * (a[0] + a[-1])) + 0.5 * a[-1], abs=1e-3)
+
+
+def test_kh_acts_horizontally_in_a_tilted_frame() -> None:
+    tilt = 0.2
+    down = np.array(tilted_gravity(tilt, 1.0))
+    across = Acceleration.seismic(1.0, tilt=tilt, g=1.0)
+    side = np.array([across.x[0], across.z[0]])
+    assert side @ down == pytest.approx(0.0, abs=1e-15)
+    assert side @ side == pytest.approx(1.0)
+    assert side[0] > 0.0
+    ramp = Acceleration.seismic(0.3, tilt=tilt, ramp=(1.0, 3.0), g=1.0)
+    assert np.interp([0.0, 1.0, 2.0, 3.0, 9.0], ramp.times, ramp.x) == pytest.approx(
+        0.3 * np.cos(tilt) * np.array([0.0, 0.0, 0.5, 1.0, 1.0]), abs=1e-12
+    )
+
+
+def test_softened_springs_keep_overlap_and_slip() -> None:
+    model = box(8, 6, tilt=0.1)
+    Engine().run(model, 1.0)
+    before = contact_forces(model)
+    a, b = model.springs.layers
+    model.set_springs([replace(s, kn=0.1 * s.kn, ks=0.1 * s.ks, cn=0.0, ct=0.0) for s in (a, b)])
+    after = contact_forces(model)
+    model.set_springs([replace(s, cn=0.0, ct=0.0) for s in (a, b)])
+    undone = contact_forces(model)
+    assert after.normal == pytest.approx(0.1 * undone.normal, abs=1e-6 * np.abs(before.normal).max())
+    assert after.tangential == pytest.approx(0.1 * undone.tangential, abs=1e-6 * np.abs(before.normal).max())
+
+
+def test_cut_pore_springs_by_layer() -> None:
+    model = box(8, 6)
+    model.set_pore_springs()
+    upper = (model.layer[model.pair_i] == 0) | (model.layer[model.pair_j] == 0)
+    held = model.pore_length > 0.0
+    assert model.cut_pore_springs([0]) == np.sum(upper & held)
+    assert np.all(model.pore_length[upper] == 0.0)
+    assert np.all(model.pore_length[held & ~upper] > 0.0)
+
+
+def test_settled_column_of_discs_carries_its_weight_to_the_base() -> None:
+    model = DiscModel.create(
+        np.zeros(9), RADIUS + 2.0 * RADIUS * np.arange(9), RADIUS,
+        [replace(SOIL, effective_density=1200.0, cn=5.0 * SOIL.cn)], lines=FLOOR, gravity=(0.0, -GRAVITY),
+    )  # fmt: skip
+    Engine().run(model, 12.0)
+    model.set_pore_springs()
+    Engine().run(model, 1.0)
+    assert contact_forces(model).line_fz == pytest.approx([np.sum(model.mass * model.weight) * GRAVITY], rel=1e-6)
+
+
+def test_fast_disc_stays_inside_or_the_run_stops_in_words() -> None:
+    stopped = 0
+    for speed in (10.0, 100.0, 1000.0, 10000.0):
+        model = box(6, 5, replace(SOIL, allowed_overlap=2.0))
+        model.lines = np.array([
+            [0.0, -2.0 * RADIUS, 0.0, 1.0, -1e3, 1e3], [-2.0 * RADIUS, 0.0, 1.0, 0.0, -1e3, 1e3],
+            [17.0 * RADIUS, 0.0, -1.0, 0.0, -1e3, 1e3],
+        ])  # fmt: skip
+        model.make_list()
+        model.set_velocity(0.0, -speed, where=model.z == model.z.max())
+        try:
+            Engine(balance=np.inf).run(model, 0.3)
+        except (SpeedError, EscapeError, OverlapError) as error:
+            stopped += f"t = {model.time:.6g} s" in str(error)
+        else:
+            assert np.all(model.z[~model.fixed] > -2.0 * RADIUS)
+            assert np.all(np.abs(model.x[~model.fixed] - 7.5 * RADIUS) < 10.0 * RADIUS)
+    assert 0 < stopped < 4
+
+
+def test_too_large_a_step_is_refused_with_the_number() -> None:
+    model = box(6, 5)
+    stable = largest_step(model)
+    with pytest.raises(StepTooLargeError, match=f"stable step of {stable.seconds:.4g} s that disc {stable.disc}"):
+        Engine(dt=1.01 * stable.seconds).run(model, 0.1)
+    assert Engine(dt="auto").step_of(model) <= 0.2 * stable.seconds
+    Engine(dt=0.99 * stable.seconds, balance=1.0).run(model, steps=10)
+
+
+def test_pairs_that_parted_for_good_do_not_shrink_the_step() -> None:
+    """A cracked pair stays listed for its memory, however far its discs are; it must not count as a lever so long."""
+    model = box(6, 5)
+    model.set_pore_springs()
+    model.pore_length[model.pore_length != 0.0] *= -1.0
+    before = largest_step(model).seconds
+    top = int(np.argmax(np.where(model.fixed, -np.inf, model.z)))
+    model.z[top] += 100.0 * RADIUS
+    model.make_list()
+    assert len(model.pair_i[(model.pair_i == top) | (model.pair_j == top)]) > 0
+    assert largest_step(model).seconds >= before
+
+
+def test_smallest_of_all_limits_sets_the_step() -> None:
+    """One light, stiff disc among heavy ones: its limit counts, not the heaviest disc's."""
+    light = replace(BARE, name="light", density=20.0, effective_density=20.0)
+    x = np.array([0.0, 1.5, 3.0, 4.5])
+    heavy = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], 0)
+    mixed = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], [0, 0, 1, 0])
+    assert largest_step(mixed).seconds == pytest.approx(0.1 * largest_step(heavy).seconds, rel=1e-9)
+    assert largest_step(mixed).disc == 2
+
+
+def test_nan_stops_the_run_and_leaves_the_checkpoint(tmp_path: Path) -> None:
+    model = box(6, 5)
+    kept = tmp_path / "kept.h5"
+    engine = Engine(checkpoint=kept, checkpoint_every=0.05)
+    engine.run(model, 0.1)
+    model.vx_half[17] = model.vx[17] = np.nan
+    with pytest.raises(NotFiniteError, match=rf"disc \d+ at x = .* t = 0\.1.*last checkpoint is {kept}"):
+        engine.run(model, 0.1)
+    assert np.isfinite(DiscModel.load(kept).x).all()
+
+
+def test_too_deep_an_overlap_stops_the_run() -> None:
+    model = box(6, 5, replace(SOIL, kn=1e4, ks=1e4))
+    with pytest.raises(
+        OverlapError, match=r"disc \d+ at x = .* overlap by 0\.5\d* of their mean radius, allowed are 0\.5"
+    ):
+        Engine(balance=1.0).run(model, 5.0)
+    model = box(6, 5, replace(SOIL, kn=3e5, ks=1e4, allowed_overlap=1.5))
+    Engine(balance=1.0).run(model, 1.0)
+
+
+def test_energy_from_nowhere_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = box(6, 5)
+    engine = Engine()
+    engine.run(model, 0.1)
+    books = model.books
+    books[0, 3] += 0.01 * model.turnover  # a dashpot that took what nobody gave
+    model.energy_known += 0.01 * model.turnover
+    with pytest.raises(EnergyBalanceError, match=r"came from nowhere .* disc \d+ at x = "):
+        engine.run(model, 0.1)
+
+
+def test_undamped_heap_that_gains_energy_is_caught() -> None:
+    """A spring whose stiffness is changed under the engine's feet: the ledger sees it."""
+    model = box(8, 6, replace(SOIL, cn=0.0, ct=0.0, friction=0.0, kpn=0.0, kps=0.0))
+    engine = Engine(dt=2e-5)
+    engine.run(model, 0.05)
+
+    def pump(m: DiscModel) -> None:
+        m.springs.pairs[0] *= 1.2
+
+    with pytest.raises(EnergyBalanceError):
+        engine.run(model, 0.2, every=0.01, on_output=pump)
+
+
+def test_disc_behind_a_line_is_found() -> None:
+    model = DiscModel.create([0.0], [RADIUS], RADIUS, [BARE], lines=FLOOR)
+    model.z[:] = -1.5 * RADIUS
+    with pytest.raises(EscapeError, match="behind rigid line 0"):
+        Engine(dt=1e-4, balance=1.0).run(model, steps=1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [({"dt": -1.0}, "dt must be positive"), ({"threads": 0}, "threads"), ({"crack_by": "x"}, "crack_by")],
+)
+def test_impossible_settings_are_refused(settings: dict, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Engine(**settings)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [({"radius": 0.0}, "radius"), ({"layer": 3}, "layer 3 of 1"), ({"skin": 0.0}, "skin"), ({"x": [np.nan]}, "finite")],
+)
+def test_impossible_discs_are_refused(change: dict, words: str) -> None:
+    given = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layers": [BARE]} | change
+    with pytest.raises(ValueError, match=words):
+        DiscModel.create(**given)
+
+
+def test_interrupted_run_leaves_a_whole_model() -> None:
+    """Ctrl-C while the kernel runs: the model stands where the kernel stopped, and goes on from there."""
+    model, whole = shaken(), shaken()
+    engine = Engine(dt=2e-4, balance=1.0)
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        engine.run(model, steps=10_000_000)
+    timer.join()
+    assert 0 < model.steps < 10_000_000
+    assert model.time == pytest.approx(model.steps * 2e-4)
+    engine.run(whole, steps=model.steps)
+    for name in ("x", "vz_half", "pore_length", "shear"):
+        assert np.array_equal(getattr(model, name), getattr(whole, name))
+
+
+TINY = """
+import numpy as np
+from tests.support.dem_cases import box, SOIL
+from dataclasses import replace
+from dem.engine.engine import Engine
+from tests.support import TOP
+model = box(5, 4, replace(SOIL, cohesion=2e3), tilt=0.1)
+model.lines = np.array([[0.0, -1.5, 0.0, 1.0, -1e3, 1e3], [0.0, 1.0, 1.0, 0.0, -1e3, 1e3]])
+model.make_list()
+model.set_pore_springs()
+model.set_velocity(np.sin(np.arange(len(model))) * ~model.fixed, 0.0)
+ledger = Engine(dt=3e-4, threads=2, balance=1.0).run(model, steps=60)
+booked = [ledger.gap, ledger.dashpots, ledger.cracks]
+values = [model.x, model.z, model.vx, model.vr, np.sort(model.pore_length), booked]
+print(" ".join(float(v).hex() for v in np.concatenate(values)))
+"""
+
+
+@pytest.mark.slow
+def test_processes_that_start_at_once_share_one_cache(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", TINY]
+    where = TOP
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    for _ in range(2):  # compiling at the same time, then reading
+        started = [
+            subprocess.Popen(command, cwd=where, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(3)
+        ]
+        outputs = [process.communicate()[0] for process in started]
+        assert all(process.returncode == 0 for process in started)
+        assert len(set(outputs)) == 1
+        assert outputs[0]
+
+
+def test_same_numbers_with_the_jit_switched_off() -> None:
+    root = TOP
+    outputs = []
+    for off in ("0", "1"):
+        result = subprocess.run(
+            [sys.executable, "-c", TINY], cwd=root, env=os.environ | {"NUMBA_DISABLE_JIT": off}, capture_output=True,
+            text=True, check=False,
+        )  # fmt: skip
+        assert result.returncode == 0, result.stderr
+        outputs.append(np.array([float.fromhex(v) for v in result.stdout.split()]))
+    with_jit, without = outputs
+    assert np.array_equal(with_jit[:-3], without[:-3])  # the motion, to the last bit
+    assert with_jit[-3:] == pytest.approx(without[-3:], rel=1e-9, abs=1e-6)  # sums of the ledger

@@ -1,0 +1,414 @@
+"""What must hold for every trial stress, and how the stress update behaves towards its caller."""
+
+import math
+import multiprocessing
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fem.kernels import mohr_coulomb as mc
+from fem.kernels import return_mapping as rm
+from tests.support import TOP
+
+YOUNG = 1e3
+every = settings(deadline=None, max_examples=200, derandomize=True)
+
+
+def updated(table, stress, strain=None, material=None):
+    """stress, tangent, plastic strain and region for arrays (n, 4) of old stresses and strain increments."""
+    stress = np.ascontiguousarray(np.atleast_2d(stress), dtype=float)
+    n = len(stress)
+    strain = np.zeros((n, 4)) if strain is None else np.ascontiguousarray(np.broadcast_to(strain, (n, 4)))
+    material = np.zeros(n, int) if material is None else material
+    out = np.empty((n, 4)), np.empty((n, 4, 4)), np.empty((n, 4)), np.empty(n, np.int8)
+    mc.update(strain, stress, material, table, *out)
+    return out
+
+
+def friction_and_dilation():
+    degrees = st.one_of(st.sampled_from([0.0, 1e-6, 30.0]), st.floats(0, 60))
+    fraction = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0, 1))
+    return st.tuples(degrees, fraction).map(lambda pair: (math.radians(pair[0]), math.radians(pair[0]) * pair[1]))
+
+
+def size(largest):
+    """A stress, often exactly zero or one, never so small that its square is lost."""
+    return st.one_of(st.sampled_from([0.0, 1.0]), st.floats(1e-6, largest))
+
+
+@st.composite
+def parameters(draw):
+    friction, dilation = draw(friction_and_dilation())
+    poisson = draw(st.one_of(st.sampled_from([0.0, 0.3]), st.floats(0, 0.49)))
+    return poisson, draw(size(10)), friction, dilation, draw(st.one_of(st.just(math.nan), size(10)))
+
+
+component = st.one_of(st.sampled_from([0.0, 1.0, -1.0, -2.0]), st.floats(-100, 100).map(lambda v: round(v, 6)))
+stresses = st.tuples(component, component, component, component).map(lambda s: np.array([s]))
+
+
+def in_plane(stress):
+    """Principal stresses a >= b in the plane, for (n, 4)."""
+    mean, half = (stress[:, 0] + stress[:, 1]) / 2, (stress[:, 0] - stress[:, 1]) / 2
+    radius = np.hypot(half, stress[:, 3])
+    return mean + radius, mean - radius
+
+
+@every
+@given(parameters(), stresses)
+def test_returned_stress_is_admissible(p, trial):
+    table = mc.table(YOUNG, *p)
+    stress, tangent, plastic, _ = updated(table, trial)
+    scale = np.abs(trial).max() + p[1]
+    assert all(np.isfinite(a).all() for a in (stress, tangent, plastic))
+    assert mc.yield_value(stress, np.zeros(1, int), table)[0] <= 1e-11 * scale
+    # The stress-free state is admissible, so flow dissipates.
+    assert (stress * plastic).sum() >= -1e-11 * scale**2 / YOUNG
+
+
+@every
+@given(parameters(), stresses)
+def test_what_is_admissible_is_left_alone(p, trial):
+    table = mc.table(YOUNG, *p)
+    stress, tangent, plastic, region = updated(table, trial)
+    scale = np.abs(trial).max() + p[1]
+    inside = mc.yield_value(trial, np.zeros(1, int), table)[0]
+    if inside < -1e-10 * scale:
+        assert region[0] == rm.ELASTIC
+    if region[0] == rm.ELASTIC:
+        assert inside <= 1e-11 * scale
+        assert np.array_equal(stress, trial)
+        assert not plastic.any()
+        assert np.allclose(tangent[0, 3], [0, 0, 0, YOUNG / 2 / (1 + p[0])])
+    again, *_ = updated(table, stress)
+    assert np.abs(again - stress).max() <= 1e-11 * scale
+
+
+@every
+@given(parameters(), stresses)
+def test_axes_and_order_of_principal_stresses_are_kept(p, trial):
+    stress, *_ = updated(mc.table(YOUNG, *p), trial)
+    scale = np.abs(trial).max() + p[1]
+    (a,), (b,) = in_plane(trial)
+    (a_new,), (b_new,) = in_plane(stress)
+    ordered = np.argsort([-a, -b, -trial[0, 2]], kind="stable")
+    assert np.all(np.diff(np.array([a_new, b_new, stress[0, 2]])[ordered]) <= 1e-11 * scale)
+    half, half_new = (s[0, 0] - s[0, 1] for s in (trial, stress))
+    assert abs(half * stress[0, 3] - half_new * trial[0, 3]) <= 1e-10 * scale**2
+    assert half * half_new >= -1e-11 * scale**2
+    assert trial[0, 3] * stress[0, 3] >= -1e-11 * scale**2
+
+
+@every
+@given(parameters(), stresses)
+def test_a_quarter_turn_of_the_axes_changes_nothing(p, trial):
+    table = mc.table(YOUNG, *p)
+    turn = np.array([[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, -1.0]])
+    stress, tangent, plastic, region = updated(table, trial)
+    turned = updated(table, trial @ turn)
+    np.testing.assert_allclose(turned[0], stress @ turn, rtol=1e-12)
+    np.testing.assert_allclose(turned[1][0], turn @ tangent[0] @ turn, rtol=1e-12, atol=1e-12 * YOUNG)
+    np.testing.assert_allclose(turned[2], plastic @ turn, rtol=1e-12)
+    assert turned[3] == region
+
+
+@every
+@given(parameters(), stresses, st.sampled_from([2.0**-10, 2.0**10]))
+def test_scaling_all_stresses_scales_the_result(p, trial, factor):
+    poisson, cohesion, friction, dilation, tension = p
+    stress, tangent, plastic, region = updated(mc.table(YOUNG, *p), trial)
+    larger = mc.table(YOUNG, poisson, factor * cohesion, friction, dilation, factor * tension)
+    scaled = updated(larger, factor * trial)
+    for new, old in zip(scaled, (factor * stress, tangent, factor * plastic, region), strict=True):
+        assert np.array_equal(new, old)
+
+
+@every
+@given(parameters(), stresses, stresses)
+def test_strain_and_stress_add_up(p, old, strain):
+    """Elastic strain is what carries the stress change: C (new - old) + plastic = strain increment."""
+    strain = strain / YOUNG
+    stress, _, plastic, _ = updated(mc.table(YOUNG, *p), old, strain)
+    change = stress - old
+    elastic = ((1 + p[0]) * change - p[0] * change[:, :3].sum()) / YOUNG
+    elastic[:, 3] = 2 * (1 + p[0]) * change[:, 3] / YOUNG
+    # Close to nu = 0.5 the trial stress is far larger than the strain alone suggests.
+    scale = np.abs(old).max() / YOUNG + np.abs(strain).max() / (1 - 2 * p[0])
+    np.testing.assert_allclose(elastic + plastic, strain, atol=1e-11 * scale)
+
+
+def test_nan_stays_where_it_is():
+    trial = np.tile([-1.0, -9.0, -3.0, 2.0], (3, 1))
+    trial[1, 0] = math.nan
+    stress, *_ = updated(mc.table(YOUNG, 0.3, 1, 0.5, 0), trial)
+    assert np.isnan(stress[1, 0])
+    assert stress[1, 1:].tolist() == [-9, -3, 2]
+    assert np.isfinite(stress[[0, 2]]).all()
+    assert np.array_equal(stress[0], stress[2])
+
+
+# --- tangent ---
+
+FLOWS = {"associated": (0.6, 0.6), "dilation": (0.6, 0.2), "no dilation": (0.6, 0.0), "Tresca": (0.0, 0.0)}
+SHEAR_REGIONS = {rm.ELASTIC, rm.SHEAR_PLANE, rm.LEFT_EDGE, rm.RIGHT_EDGE}
+TENSION_REGIONS = {rm.TENSION_PLANE, rm.TENSION_EDGE, rm.TENSION_APEX, rm.SHEAR_TENSION, rm.LEFT_CORNER}
+STEPS = 4e-3 * 4.0 ** -np.arange(4)
+
+
+def many_trials(seed, n):
+    """Trial stresses that return to every region, and strain increments of random direction."""
+    random = np.random.default_rng(seed)
+    mean, half, zz = random.uniform(-40, 20, n), random.exponential(6, n), random.normal(0, 15, n)
+    angle = random.uniform(0, 2 * math.pi, n)
+    trial = np.column_stack([mean + half * np.cos(angle), mean - half * np.cos(angle), mean + zz, half * np.sin(angle)])
+    direction = random.normal(size=(n, 4))
+    return trial, 10 / YOUNG * direction / np.linalg.norm(direction, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("tension", [math.nan, 1.0])
+@pytest.mark.parametrize("flow", FLOWS)
+def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
+    friction, dilation = FLOWS[flow]
+    table = mc.table(YOUNG, 0.3, 6.0, friction, dilation, tension)
+    trial, direction = many_trials(seed=3, n=100_000)
+    stress, tangent, _, region = updated(table, trial)
+    steady = np.ones(len(trial), bool)
+    remainder = np.empty((len(STEPS), len(trial)))
+    predicted = np.einsum("nij,nj->ni", tangent, direction)
+    for k, h in enumerate(STEPS):
+        ahead, _, _, region_ahead = updated(table, trial, h * direction)
+        steady &= region_ahead == region
+        remainder[k] = np.linalg.norm(ahead - stress - h * predicted, axis=1)
+    a, b = in_plane(trial)
+    steady &= a - b > 1  # the closer they are, the smaller the steps must be
+    place = np.where(trial[:, 2] >= a, 1, np.where(trial[:, 2] > b, 2, 3))
+
+    last = {rm.APEX} if math.isnan(tension) and friction > 0 else set()
+    expected = SHEAR_REGIONS | last | (set() if math.isnan(tension) else TENSION_REGIONS | {rm.RIGHT_CORNER})
+    for r in expected:
+        for z in (1, 2, 3):
+            here = np.flatnonzero(steady & (region == r) & (place == z))[:200]
+            assert here.size >= 10, f"{mc.REGIONS[r]}, zz number {z}: {here.size} states"
+            orders = np.polyfit(np.log(STEPS), np.log(remainder[:, here] + 1e-300), 1)[0]
+            exact = remainder[0, here] < 1e-9  # of a change of 0.04; less is lost to rounding at the last step
+            assert np.all(exact | (orders > 1.9)), f"{mc.REGIONS[r]}, zz number {z}: {orders[~exact].min()}"
+            if r in (rm.SHEAR_PLANE, rm.SHEAR_TENSION):
+                assert not exact.all(), "the axes turn: something must be left over"
+
+
+@pytest.mark.parametrize(
+    ("trial", "region"),
+    [
+        ((-3, -3, -3.5, 0), rm.ELASTIC),
+        ((-3, -3, -30, 0), rm.LEFT_EDGE),
+        ((-30, -30, -3, 0), rm.RIGHT_EDGE),
+        ((-1, -1, 1, 0), rm.TENSION_PLANE),
+        ((3, 3, -1, 0), rm.TENSION_EDGE),
+        ((9, 9, 9, 0), rm.TENSION_APEX),
+        ((6, 6, -4, 0), rm.LEFT_CORNER),
+        ((-4, -4, 8, 0), rm.RIGHT_CORNER),
+    ],
+)
+@pytest.mark.parametrize("split", [0.0, 1e-12])
+def test_tangent_where_the_in_plane_trial_stresses_coincide(trial, region, split):
+    table = mc.table(YOUNG, 0.3, 2.0, 0.5, 0.2, 0.5)
+    trial = np.add(trial, [split, 0, 0, split], dtype=float)
+    _, tangent, _, found = updated(table, trial)
+    assert found == region
+    h = 1e-5 * np.eye(4)
+    ahead, behind = updated(table, np.tile(trial, (4, 1)), h), updated(table, np.tile(trial, (4, 1)), -h)
+    assert set(ahead[3]) | set(behind[3]) == {region}
+    np.testing.assert_allclose(tangent[0], (ahead[0] - behind[0]).T / 2e-5, atol=1e-6 * YOUNG)
+
+
+def test_associated_tangent_is_symmetric():
+    table = mc.table(YOUNG, 0.2, 1.0, 0.6, 0.6, 0.5)
+    _, tangent, _, region = updated(table, many_trials(seed=4, n=20_000)[0])
+    assert np.abs(tangent - tangent.transpose(0, 2, 1)).max() < 1e-11 * YOUNG
+    assert len(np.unique(region)) == len(mc.REGIONS) - 1  # all but the apex, which the cut-off removes
+
+
+def test_pure_shear_without_strength_is_not_a_toss_up():
+    """With c = 0 and psi = 0 the plane's return ends at the apex; rounding must not choose between them."""
+    angle = np.linspace(0, 2 * np.pi, 1001)
+    trial = np.exp(np.linspace(-5, 15, 1001))[:, None] * np.column_stack(
+        [np.cos(angle), -np.cos(angle), 0 * angle, np.sin(angle)]
+    )
+    for friction in (0.0, 0.3, 0.6):
+        stress, _, _, region = updated(mc.table(YOUNG, 0.3, 0, friction, 0), trial)
+        assert set(region) == {rm.SHEAR_PLANE}
+        assert np.all(np.abs(stress) <= 1e-15 * np.abs(trial).max(axis=1)[:, None])
+
+
+# --- local safety factor ---
+
+
+@every
+@given(parameters(), stresses, st.integers(0, 2**31))
+def test_local_safety_factor_is_that_of_the_worst_plane(p, stress, seed):
+    _, cohesion, friction, _, _ = p
+    scale = np.abs(stress).max() + cohesion
+    (a,), (b,) = in_plane(stress)
+    major, minor = max(a, stress[0, 2]), min(b, stress[0, 2])
+    weakest = cohesion - major * math.tan(friction)
+    factor = mc.local_safety_factor(stress, np.zeros(1, int), mc.table(YOUNG, *p))[0]
+    if weakest <= 1e-6 * scale and (friction > 0.0 or cohesion == 0.0):  # an apex there is with friction only
+        assert factor == math.inf or factor >= 1 - 1e-6
+        return
+
+    def greatest(normal, shear):
+        return (shear / (cohesion - normal * math.tan(friction))).max()
+
+    x = np.linspace(0, math.pi, 20_001)
+    centre, radius = (major + minor) / 2, (major - minor) / 2
+    worst = greatest(centre + radius * np.cos(x), radius * np.sin(x))
+    if factor < 4:  # a sharper peak falls between the angles
+        assert factor == pytest.approx(worst, rel=1e-6, abs=1e-12)
+
+    normals = np.random.default_rng(seed).normal(size=(2000, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    xx, yy, zz, xy = stress[0]
+    traction = normals @ np.array([[xx, xy, 0], [xy, yy, 0], [0, 0, zz]])
+    normal = (traction * normals).sum(axis=1)
+    shear = np.linalg.norm(traction - normal[:, None] * normals, axis=1)
+    assert greatest(normal, shear) <= factor * (1 + 1e-9) + 1e-9 * scale
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+def test_local_safety_factor_is_one_at_yield_and_less_inside(flow):
+    table = mc.table(YOUNG, 0.3, 1.0, *FLOWS[flow])
+    trial, _ = many_trials(seed=5, n=2000)
+    stress, _, _, region = updated(table, trial)
+    factor = mc.local_safety_factor(stress, np.zeros(len(trial), int), table)
+    np.testing.assert_allclose(factor[region != rm.ELASTIC], 1, rtol=1e-7)
+    assert np.all(factor[region == rm.ELASTIC] < 1)
+
+
+def test_local_safety_factor_without_strength():
+    table = mc.table(YOUNG, 0.3, [1.0, 0.0], [math.pi / 4, 0.0], 0.0)
+    mean = np.array([[2], [1], [-1], [1], [-1], [-1]]) * [1, 1, 1, 0]
+    stress = mean + np.array([[0], [0], [0], [0.5], [0.5], [0]]) * [1, -1, 0, 0]
+    factor = mc.local_safety_factor(stress, np.array([0, 0, 0, 0, 1, 1]), table)
+    assert factor.tolist() == [math.inf, 1, 0, math.inf, math.inf, 1]
+
+
+# --- towards the caller ---
+
+TWO_MATERIALS = mc.table(YOUNG, [0.3, 0.2], [1.0, 2.0], [0.6, 0.3], [0.1, 0.3], [math.nan, 0.5])
+
+
+def mixed_case(n):
+    trial, direction = many_trials(seed=6, n=n)
+    return direction, trial, np.arange(n) % 2
+
+
+def test_every_output_may_be_left_out():
+    strain, old, material = mixed_case(500)
+    whole = updated(TWO_MATERIALS, old, strain, material)
+    names = ("tangent", "plastic_strain_increment", "region")
+    for name, wanted in zip(names, whole[1:], strict=True):
+        stress, output = np.empty_like(old), np.empty_like(wanted)
+        mc.update(strain, old, material, TWO_MATERIALS, stress, **{name: output})
+        assert np.array_equal(stress, whole[0])
+        assert np.array_equal(output, wanted)
+    mc.update(strain, old, material.astype(np.int32), TWO_MATERIALS, stress=old)
+    assert np.array_equal(old, whole[0]), "the old stress may be overwritten"
+
+
+@pytest.mark.parametrize("n", [0, 1, 2 * mc.SMALLEST_CHUNK, 3 * mc.SMALLEST_CHUNK + 5])
+def test_threads_change_no_bit(n):
+    strain, old, material = mixed_case(n)
+    single = updated(TWO_MATERIALS, old, strain, material)
+    for threads in (2, 3):
+        out = tuple(np.empty_like(a) for a in single)
+        mc.update(strain, old, material, TWO_MATERIALS, *out, threads=threads)
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(out, single, strict=True))
+
+
+def _two_threads():
+    strain, old, material = mixed_case(2 * mc.SMALLEST_CHUNK)
+    mc.update(strain, old, material, TWO_MATERIALS, np.empty_like(old), threads=2)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_threads_work_in_a_forked_process():
+    _two_threads()
+    child = multiprocessing.get_context("fork").Process(target=_two_threads)
+    child.start()
+    child.join(20)
+    alive = child.is_alive()
+    child.kill()
+    assert not alive, "the child waits for threads of its parent"
+    assert child.exitcode == 0
+
+
+def test_same_numbers_without_the_compiler(tmp_path):
+    strain, old, material = mixed_case(2000)
+    np.savez(tmp_path / "in.npz", strain=strain, old=old, material=material, table=TWO_MATERIALS)
+    script = (
+        "import sys, numpy as np; from fem.kernels import mohr_coulomb as mc, return_mapping as rm\n"
+        "assert not hasattr(rm.update_points, 'py_func')\n"
+        "a = np.load(sys.argv[1]); n = len(a['old'])\n"
+        "out = np.empty((n, 4)), np.empty((n, 4, 4)), np.empty((n, 4)), np.empty(n, np.int8)\n"
+        "mc.update(a['strain'], a['old'], a['material'], a['table'], *out)\n"
+        "np.savez(sys.argv[2], *out)\n"
+    )
+    subprocess.run(
+        [sys.executable, "-c", script, tmp_path / "in.npz", tmp_path / "out.npz"],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        cwd=TOP,
+        check=True,
+    )
+    interpreted = np.load(tmp_path / "out.npz")
+    compiled = updated(TWO_MATERIALS, old, strain, material)
+    assert len(np.unique(compiled[3])) == len(mc.REGIONS)
+    for k, wanted in enumerate(compiled):
+        np.testing.assert_allclose(interpreted[f"arr_{k}"], wanted, rtol=1e-14, atol=1e-14)
+
+
+def test_every_bad_parameter_is_named():
+    with pytest.raises(ValueError, match="material 0") as caught:
+        mc.table([-1, 1e6], [0.5, 0.3], [-2, math.inf], [30, 0.5], [-0.1, 0.6], [-3, math.inf])
+    for words in (
+        "material 0: Young's modulus -1 Pa",
+        "material 0: Poisson's ratio 0.5 must be in [0, 0.5)",
+        "material 0: cohesion -2 Pa",
+        "material 1: cohesion inf Pa",
+        "material 0: friction angle 30 rad must be in [0, pi/2): in degrees?",
+        "material 0: dilation angle -0.1 rad",
+        "material 1: dilation angle 0.6 rad must not exceed the friction angle",
+        "material 0: tensile strength -3 Pa must not be negative",
+    ):
+        assert words in str(caught.value)
+    assert len(str(caught.value).split("; ")) == 9
+
+
+@pytest.mark.parametrize("bad", [(math.nan, 0.3, 1, 0.5, 0), (1, math.nan, 1, 0.5, 0), (1, 0.3, 1, math.nan, 0)])
+def test_nan_is_no_parameter(bad):
+    with pytest.raises(ValueError, match="nan"):
+        mc.table(*bad)
+
+
+def test_wrong_arrays_are_refused():
+    strain, old, material = mixed_case(8)
+    good = {"strain_increment": strain, "stress_old": old, "material": material, "stress": np.empty((8, 4))}
+    for name, array in (
+        ("stress", np.empty((8, 3))),
+        ("stress", np.empty((4, 8)).T),
+        ("stress_old", old.astype(np.float32)),
+        ("tangent", np.empty((8, 16))),
+        ("plastic_strain_increment", np.empty((7, 4))),
+        ("region", np.empty(8, np.int64)),
+        ("material", material[:7]),
+        ("material", material + 0.5),
+        ("material", material + 1),
+        ("material", material - 1),
+        ("table", TWO_MATERIALS[:, :5]),
+    ):
+        with pytest.raises(ValueError, match=name):
+            mc.update(**{"table": TWO_MATERIALS, **good, name: array})

@@ -1,0 +1,94 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from meshes.section.section import Section
+from tests.support.sections import layer, slope
+
+
+def section(surface: Any, base: Any, *bottoms: Any) -> Section:
+    strata = [layer(f"layer {k}", bottom=bottom) if bottom else layer(f"layer {k}") for k, bottom in enumerate(bottoms)]
+    return Section.parse({"name": "test", "surface": surface, "base": base, "strata": strata})
+
+
+def shoelace(polygon: np.ndarray) -> float:
+    x, z = polygon.T
+    return float(0.5 * (x * np.roll(z, -1) - np.roll(x, -1) * z).sum())
+
+
+def test_areas_of_trapezoids() -> None:
+    # 100 m wide: a layer 4 m thick all along, the rest 16 m high on the left and 6 m on the right.
+    np.testing.assert_allclose(Section.parse(slope()).layering.areas(), [400.0, 1100.0], rtol=1e-14)
+
+
+def test_area_of_a_lens_that_pinches_out() -> None:
+    # A triangle of 40 m by 3 m: begins and ends on the bottom of the first layer.
+    lens = {"depth": [[20.0, 4.0], [30.0, 7.0], [60.0, 4.0]]}
+    layers = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, {"depth": 4.0}, lens, None).layering
+    np.testing.assert_allclose(layers.areas(), [400.0, 60.0, 1540.0], rtol=1e-14)
+    (triangle,) = layers.polygons(1)
+    assert {tuple(point) for point in triangle.tolist()} == {(20.0, 16.0), (30.0, 13.0), (60.0, 16.0)}
+    assert shoelace(triangle) == pytest.approx(60.0)
+    at = layers.stratum_at(np.array([30.0, 30.0, 30.0, 19.0, 61.0]), np.array([17.0, 14.0, 12.0, 15.9, 15.9]))
+    np.testing.assert_array_equal(at, [0, 1, 2, 2, 2])
+
+
+def test_lateral_neighbours_meet_in_a_vertical_face() -> None:
+    left, right = {"depth": [[0.0, 5.0], [40.0, 5.0]]}, {"depth": [[40.0, 5.0], [100.0, 5.0]]}
+    layers = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, {"depth": 1.0}, left, right, None).layering
+    np.testing.assert_allclose(layers.areas(), [100.0, 160.0, 240.0, 1500.0], rtol=1e-14)
+    np.testing.assert_array_equal(layers.stratum_at(np.array([39.0, 41.0]), np.array([17.0, 17.0])), [1, 2])
+    corners = {tuple(point) for point in layers.polygons(1)[0].tolist()}
+    assert corners == {(0.0, 19.0), (0.0, 15.0), (40.0, 15.0), (40.0, 19.0)}
+
+
+def test_a_layer_that_comes_out_of_the_ground() -> None:
+    # Ground falls from 20 to 0 m over 100 m; a level bottom at 10 m meets it at x = 50 m: a triangle of 50 by 10 m.
+    layers = section([[0.0, 20.0], [100.0, 0.0]], {"elevation": -10.0}, {"elevation": 10.0}, None).layering
+    np.testing.assert_allclose(layers.areas(), [250.0, 1750.0], rtol=1e-14)
+    np.testing.assert_allclose(layers.x, [0.0, 50.0, 100.0])
+
+
+def test_a_vertical_step_of_the_ground() -> None:
+    surface = [[0.0, 10.0], [30.0, 10.0], [30.0, 4.0], [50.0, 4.0]]
+    cut = section(surface, {"elevation": 0.0}, None)
+    assert cut.layering.areas() == pytest.approx([30 * 10 + 20 * 4])
+    assert shoelace(cut.outline()) == pytest.approx(380.0)
+    assert len(cut.outline()) == 6
+    np.testing.assert_array_equal(cut.stratum_at(np.array([29.0, 31.0, 31.0]), np.array([9.0, 9.0, 3.0])), [0, -1, 0])
+
+
+def test_a_vertical_step_of_an_interface() -> None:
+    stepped = {"depth": [[0.0, 2.0], [30.0, 2.0], [30.0, 5.0], [50.0, 5.0]]}
+    layers = section([[0.0, 10.0], [50.0, 10.0]], {"elevation": 0.0}, stepped, None).layering
+    np.testing.assert_allclose(layers.areas(), [60.0 + 100.0, 240.0 + 100.0], rtol=1e-14)
+    assert len(layers.polygons(0)) == 1
+
+
+def test_pieces_that_touch_in_one_point_are_two_polygons() -> None:
+    bottom = {"depth": [[0.0, 2.0], [50.0, 0.0], [100.0, 2.0]]}
+    layers = section([[0.0, 10.0], [100.0, 10.0]], {"elevation": 0.0}, bottom, None).layering
+    assert [shoelace(polygon) for polygon in layers.polygons(0)] == pytest.approx([50.0, 50.0])
+
+
+def test_points_outside_belong_to_no_stratum() -> None:
+    at = Section.parse(slope()).stratum_at(
+        np.array([-1.0, 101.0, 50.0, 50.0, 50.0]), np.array([1.0, 1, 15.1, -0.1, 14])
+    )
+    np.testing.assert_array_equal(at, [-1, -1, -1, -1, 0])
+
+
+def test_depths_and_elevations_describe_the_same_line() -> None:
+    surface = [[0.0, 20.0], [100.0, 10.0]]
+    by_depth = section(surface, {"depth": 12.0}, {"depth": [[0.0, 2.0], [100.0, 6.0]]}, None)
+    by_elevation = section(
+        surface, {"elevation": [[0.0, 8.0], [100.0, -2.0]]}, {"elevation": [[0.0, 18.0], [100.0, 4.0]]}, None
+    )
+    np.testing.assert_allclose(by_depth.layering.areas(), by_elevation.layering.areas(), rtol=1e-14)
+
+
+def test_a_water_table_given_as_depth_follows_the_ground() -> None:
+    data = {**slope(), "water_table": {"depth": [[0.0, 2.0], [50.0, 2.0], [50.0, 1.0], [100.0, 1.0]]}}
+    points = Section.parse(data).water_points()
+    np.testing.assert_allclose(points, [[0.0, 18.0], [50.0, 13.0], [50.0, 14.0], [100.0, 9.0]])

@@ -1,0 +1,426 @@
+"""Meshes: conforming, named, of the sizes asked for, the same every time, and readable by others."""
+
+from pathlib import Path
+from typing import Any
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+
+from meshes import quadrilaterals
+from meshes.errors import InputError
+from meshes.mapped import mapping, share_out
+from meshes.quadrilaterals import BadMeshError, MeshSettings, QuadMesh, check, generate, read
+from meshes.section.section import BOUNDARIES, Section
+from tests.support import SECTIONS
+from tests.support.sections import assert_conforming, layer, sections, slope
+
+FOLDER = SECTIONS
+SHIPPED = sorted(FOLDER.glob("*.toml"))
+
+
+def s13() -> Section:
+    return Section.read(FOLDER / "s13.toml")
+
+
+def grid(columns: int = 47, rows: int = 13, **values: Any) -> MeshSettings:
+    return MeshSettings(method="mapped", columns=columns, rows=rows, **values)
+
+
+def free(section: Section, cells: float = 300.0, **values: Any) -> MeshSettings:
+    """A free mesh of about so many cells."""
+    return MeshSettings(method="free", size=float(section.layering.areas().sum() / cells) ** 0.5, **values)
+
+
+def edge_lengths(mesh: QuadMesh, cells: np.ndarray) -> np.ndarray:
+    corners = mesh.points[mesh.cells[cells]]
+    return np.hypot(*np.moveaxis(np.roll(corners, -1, axis=1) - corners, -1, 0))
+
+
+# --- S-13 ---------------------------------------------------------------------------------------------------------
+
+
+def test_s13_is_47_columns_by_13_rows() -> None:
+    section = s13()
+    mesh = generate(section, grid())
+    assert (len(mesh.cells), len(mesh.points)) == (611, 672)
+    assert (len(mesh.boundaries["surface"]), len(mesh.boundaries["base"])) == (47, 47)
+    assert (len(mesh.boundaries["left"]), len(mesh.boundaries["right"])) == (13, 13)
+    assert len(np.unique(mesh.points[:, 0].round(9))) == 48
+    assert_conforming(mesh, section)
+
+
+def test_s13_areas_are_those_of_the_trapezoids() -> None:
+    """By hand: thickness at both ends, m, times half the length of 200 m, or of 100 m for layers 2 and 3."""
+    mesh = generate(s13(), grid())
+    by_hand = [
+        100 * (2.0 + 1.2),
+        # the bottom of layer 1 lies 1.6 m deep at x = 100 m
+        50 * ((4.5 - 1.6) + (4.0 - 1.2)),
+        50 * ((5.0 - 2.0) + (4.5 - 1.6)),
+        # layers 2 and 3 end at 5.0, 4.5 and 4.0 m
+        100 * ((7.7 - 5.0) + (5.0 - 4.0)),
+        100 * ((12.0 - 7.7) + (9.0 - 5.0)),
+        100 * ((14.0 - 12.0) + (9.9 - 9.0)),
+        100 * ((18.0 - 14.0) + (14.0 - 9.9)),
+        100 * ((23.0 - 18.0) + (20.0 - 14.0)),
+        100 * ((28.0 - 23.0) + (27.0 - 20.0)),
+        100 * ((31.5 - 28.0) + (31.5 - 27.0)),
+    ]
+    np.testing.assert_allclose(mesh.stratum_areas(), by_hand, rtol=1e-9)
+    assert sum(by_hand) == pytest.approx(200 * 31.5)
+
+
+def test_s13_rows_follow_the_interfaces() -> None:
+    """Every edge between two strata lies on an interface of the section, or on the contact of layers 2 and 3."""
+    section = s13()
+    mesh = generate(section, grid())
+    owners: dict[tuple[int, int], list[int]] = {}
+    for cell, stratum in zip(mesh.cells.tolist(), mesh.stratum.tolist(), strict=True):
+        for a in range(4):
+            first, second = cell[a], cell[(a + 1) % 4]
+            owners.setdefault((min(first, second), max(first, second)), []).append(stratum)
+    between = [(edge, strata) for edge, strata in owners.items() if len(set(strata)) == 2]
+    contact = [edge for edge, strata in between if set(strata) == {1, 2}]
+    assert [mesh.points[list(edge), 0].tolist() for edge in contact] == [[100.0, 100.0]]
+    for edge, strata in between:
+        x, z = mesh.points[list(edge)].T
+        if set(strata) != {1, 2}:
+            ground = 9.08 * (1.0 - x / 200.0)
+            bottom = section.layering.interfaces(x)[:, min(strata) + 1]
+            if min(strata) == 0:
+                np.testing.assert_allclose(ground - z, 2.0 - 0.8 * x / 200.0, atol=1e-9)
+            np.testing.assert_allclose(z, bottom, atol=1e-9)
+
+
+def test_lateral_neighbours_share_their_rows() -> None:
+    mesh = generate(s13(), grid(rows=26))
+    at_contact = [
+        {node for node in np.unique(mesh.cells[mesh.stratum == k]) if mesh.points[node, 0] == 100.0} for k in (1, 2)
+    ]
+    assert at_contact[0] == at_contact[1]
+    assert len(at_contact[0]) == 3  # two rows
+
+
+# --- What every mesh must be --------------------------------------------------------------------------------------
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(section=sections())
+def test_random_sections_mesh_freely(section: Section) -> None:
+    mesh = generate(section, free(section))
+    assert mesh.method == "free"
+    assert_conforming(mesh, section)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(section=sections())
+def test_random_sections_are_mapped_wherever_possible(section: Section) -> None:
+    assume(not isinstance(mapping(section), str))
+    once, twice = generate(section, grid(60, 12)), generate(section, grid(60, 12, refine=2))
+    assert len(once.cells) == 60 * 12
+    assert len(twice.cells) == 4 * len(once.cells)
+    assert_conforming(once, section)
+    assert_conforming(twice, section)
+
+
+@pytest.mark.slow
+@settings(max_examples=3000, deadline=None)
+@given(section=sections())
+def test_many_random_sections_mesh_freely(section: Section) -> None:
+    assert_conforming(generate(section, free(section)), section)
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("refine", [1, 2])
+def test_shipped_sections_mesh_freely(file: Path, refine: int) -> None:
+    section = Section.read(file)
+    assert_conforming(generate(section, free(section, 600.0, refine=refine)), section)
+
+
+def test_refined_cells_divide_the_coarse_ones() -> None:
+    """The coarse nodes are among the fine ones, so that results can be compared point by point."""
+    section = s13()
+    coarse, fine = generate(section, grid()), generate(section, grid(refine=3))
+    assert len(fine.cells) == 9 * 611
+    found = {tuple(point) for point in fine.points.round(6).tolist()}
+    assert {tuple(point) for point in coarse.points.round(6).tolist()} <= found
+
+
+def test_refining_a_free_mesh_halves_its_cells() -> None:
+    section = Section.read(FOLDER / "natural_slope.toml")
+    once, twice = generate(section, free(section, 600.0)), generate(section, free(section, 600.0, refine=2))
+    ratio = np.median(edge_lengths(once, slice(None))) / np.median(edge_lengths(twice, slice(None)))
+    assert 1.8 < ratio < 2.2
+    assert 3.4 < len(twice.cells) / len(once.cells) < 4.6
+
+
+@pytest.mark.parametrize("method", ["mapped", "free"])
+def test_the_same_mesh_every_time(method: str, tmp_path: Path) -> None:
+    section = s13()
+    chosen = grid() if method == "mapped" else free(section)
+    generate(section, chosen, tmp_path / "a.msh")
+    generate(section, chosen, tmp_path / "b.msh")
+    assert (tmp_path / "a.msh").read_bytes() == (tmp_path / "b.msh").read_bytes()
+
+
+def test_far_from_the_origin() -> None:
+    data = slope()
+    data["surface"] = [[250_000.0, 20.0], [250_100.0, 10.0]]
+    section = Section.parse(data)
+    assert_conforming(generate(section, grid(30, 8)), section)
+    assert_conforming(generate(section, free(section)), section)
+
+
+# --- Sizes --------------------------------------------------------------------------------------------------------
+
+
+def test_the_global_size_is_kept() -> None:
+    mesh = generate(Section.parse(slope()), MeshSettings(method="free", size=0.8))
+    assert 0.8 * 0.85 < np.median(edge_lengths(mesh, slice(None))) < 0.8 * 1.15
+
+
+def test_a_stratum_of_its_own_size() -> None:
+    mesh = generate(Section.parse(slope()), MeshSettings(method="free", size=2.0, sizes={"upper": "50 cm"}))
+    assert 0.4 < np.median(edge_lengths(mesh, mesh.stratum == 0)) < 0.6
+    deep = (mesh.stratum == 1) & (mesh.points[mesh.cells].mean(axis=1)[:, 1] < 3.0)
+    assert np.median(edge_lengths(mesh, deep)) > 1.4
+
+
+@pytest.mark.parametrize("name", ["surface", "upper", "base"])
+def test_finer_towards_an_interface(name: str) -> None:
+    section = Section.parse({**slope(), "surface": [[0.0, 60.0], [100.0, 60.0]]})
+    line = {"surface": 60.0, "upper": 56.0, "base": 0.0}[name]
+    mesh = generate(section, MeshSettings(method="free", size=3.0, towards={name: 0.4}))
+    distance = np.abs(mesh.points[mesh.cells].mean(axis=1)[:, 1] - line)
+    assert 0.3 < np.median(edge_lengths(mesh, distance < 0.4)) < 0.5
+    assert np.median(edge_lengths(mesh, distance > 45.0)) > 2.2
+
+
+def test_size_of_a_mapped_mesh() -> None:
+    mesh = generate(Section.parse(slope()), MeshSettings(size=1.0))
+    assert mesh.method == "mapped"
+    assert len(mesh.cells) == 100 * 15  # 100 m by 15 m in the mean
+    assert len(generate(Section.parse(slope()), MeshSettings(size=1.0, columns=40)).cells) == 40 * 15
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"sizes": {"uper": 1.0}}, 'mesh, sizes: there is no "uper"; expected one of upper, lower'),
+        ({"towards": {"left": 1.0}}, 'mesh, towards: there is no "left"; expected one of upper, lower, surface, base'),
+        ({"size": 1e-9}, "quadrilaterals; expected at most 5,000,000"),
+        ({"size": 1e-3, "method": "free"}, "quadrilaterals; expected at most 5,000,000"),
+        ({"sizes": {"upper": 1e-4}}, "quadrilaterals; expected at most 5,000,000"),
+        ({"towards": {"upper": 1e-5}}, "quadrilaterals; expected at most 5,000,000"),
+        ({"columns": 10**12}, "quadrilaterals; expected at most 5,000,000"),
+        ({"columns": 1000, "rows": 100, "refine": 64}, "quadrilaterals; expected at most 5,000,000"),
+        ({"size": 101.0}, "mesh, size = 101 m: expected at most the section's own size, 100 m"),
+        ({"size": 1.0, "columns": 5, "rows": 5}, "expected either a size or both columns and rows"),
+        ({"method": "free", "columns": 5}, 'mesh, columns and rows: expected none with method = "free"'),
+        ({"method": "mapped", "sizes": {"upper": 1.0}}, "mesh, sizes and towards: expected none with columns and rows"),
+        ({"rows": 9, "towards": {"upper": 1.0}}, "mesh, sizes and towards: expected none with columns and rows"),
+        ({"rows": 1}, "mesh, rows = 1: expected at least 2, one for each layer"),
+    ],
+)
+def test_settings_that_do_not_fit(values: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match="1 problem") as caught:
+        generate(Section.parse(slope()), MeshSettings(**values))
+    assert said in caught.value.problems[0]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"size": 1.0},
+        {"columns": 30, "rows": 9, "refine": 2},
+        {"method": "free", "size": 0.7},
+        {"size": 3.0, "sizes": {"upper": 0.3}},
+        {"size": 2.0, "towards": {"upper": 0.1}},
+        {"size": 2.0, "sizes": {"lower": 1.0}, "towards": {"base": 0.2}, "refine": 2},
+    ],
+)
+def test_the_number_of_cells_is_known_beforehand(values: dict[str, Any]) -> None:
+    """Well enough to refuse what no memory would hold."""
+    section = Section.parse(slope())
+    chosen = MeshSettings(**values)
+    assert 0.5 < len(generate(section, chosen).cells) / chosen.expected_quadrilaterals(section) < 2.0
+
+
+def test_sizes_ask_for_a_free_mesh() -> None:
+    section = Section.parse(slope())
+    assert MeshSettings().method_for(section) == "mapped"
+    assert MeshSettings(sizes={"upper": 1.0}).method_for(section) == "free"
+    assert MeshSettings(towards={"upper": 1.0}).method_for(section) == "free"
+
+
+@pytest.mark.parametrize(
+    ("bottom", "reason"),
+    [
+        ({"depth": [[0.0, 4.0], [60.0, 0.0]]}, 'stratum "upper" thins out to nothing at x = 60 m'),
+        ({"depth": [[0.0, 4.0], [60.0, 4.0]]}, "the number of layers changes from 2 to 1 at x = 60 m"),
+        ({"depth": [[0.0, 4.0], [60.0, 4.0], [60.0, 2.0], [100.0, 2.0]]}, "there is a vertical step at x = 60 m"),
+    ],
+)
+def test_what_cannot_be_mapped_says_why_and_where(bottom: dict[str, Any], reason: str) -> None:
+    section = Section.parse({**slope(), "strata": [layer("upper", bottom=bottom), layer("lower")]})
+    with pytest.raises(InputError, match="not possible") as caught:
+        generate(section, MeshSettings(method="mapped"))
+    assert reason in caught.value.problems[0]
+    assert generate(section).method == "free"
+
+
+@pytest.mark.parametrize(
+    ("total", "weights", "expected"),
+    [(13, [1.0, 1.0], [7, 6]), (10, [8.0, 1.0, 1.0], [8, 1, 1]), (3, [100.0, 1.0, 1.0], [1, 1, 1]), (4, [5.0], [4])],
+)
+def test_rows_are_shared_out_by_thickness(total: int, weights: list[float], expected: list[int]) -> None:
+    assert sorted(share_out(total, weights), reverse=True) == expected
+    with pytest.raises(ValueError, match="cannot be shared"):
+        share_out(len(weights) - 1, weights)
+
+
+# --- Files, and who reads them ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda path: path.stem)
+def test_meshio_finds_the_same_groups(file: Path, tmp_path: Path) -> None:
+    section = Section.read(file)
+    mesh = generate(section, path=tmp_path / "section.msh")
+    raw = meshio.read(tmp_path / "section.msh")
+    assert set(raw.field_data) == {*mesh.strata, *BOUNDARIES}
+    again = read(tmp_path / "section.msh")
+    assert again.strata == mesh.strata
+    assert set(again.boundaries) == set(mesh.boundaries) == set(BOUNDARIES)
+    np.testing.assert_allclose(again.stratum_areas(), mesh.stratum_areas(), rtol=1e-12)
+    for name, edges in mesh.boundaries.items():
+        ends = [sorted(mesh.points[edge].tolist()) for edge in edges]
+        again_ends = [sorted(again.points[edge].tolist()) for edge in again.boundaries[name]]
+        np.testing.assert_allclose(sorted(again_ends), sorted(ends), rtol=1e-12, atol=1e-12)
+
+
+def test_gmsh_opens_its_file_again(tmp_path: Path) -> None:
+    mesh = generate(s13(), grid(), tmp_path / "section.msh")
+    with quadrilaterals.model("again"):
+        gmsh.merge(str(tmp_path / "section.msh"))
+        names = {gmsh.model.getPhysicalName(dimension, tag) for dimension, tag in gmsh.model.getPhysicalGroups()}
+        assert names == {*mesh.strata, *BOUNDARIES}
+        assert len(gmsh.model.mesh.getElementsByType(3)[0]) == 611
+
+
+def test_dolfinx_reads_the_file(tmp_path: Path) -> None:
+    pytest.importorskip("dolfinx", exc_type=ImportError)
+    from mpi4py import MPI
+
+    try:
+        from dolfinx.io import gmsh as reader
+    except ImportError:
+        from dolfinx.io import gmshio as reader
+    generate(s13(), grid(), tmp_path / "section.msh")
+    with quadrilaterals.model("again"):
+        gmsh.merge(str(tmp_path / "section.msh"))
+        found = reader.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0, gdim=2)
+    # Three things as a tuple until dolfinx 0.9, more and by name later.
+    domain, cell_tags, facet_tags = found[:3] if isinstance(found, tuple) else (
+        found.mesh, found.cell_tags, found.facet_tags
+    )  # fmt: skip
+    assert domain.topology.index_map(2).size_local == 611
+    assert sorted(set(cell_tags.values.tolist())) == list(range(1, 11))
+    assert sorted(set(facet_tags.values.tolist())) == [11, 12, 13, 14]
+
+
+def test_the_file_says_that_it_is_a_reconstruction(tmp_path: Path) -> None:
+    data = {**slope(), "reconstruction": True, "reconstruction_note": "Drawn from memory.\n$EndComments\nTwice."}
+    generate(Section.parse(data), path=tmp_path / "section.msh")
+    text = (tmp_path / "section.msh").read_text()
+    assert "$Comments\nReconstruction. Drawn from memory. EndComments Twice.\n$EndComments\n" in text
+    assert read(tmp_path / "section.msh").strata == ("upper", "lower")
+
+
+def test_names_in_any_script(tmp_path: Path) -> None:
+    data = slope()
+    data["strata"][0]["name"], data["strata"][1]["name"] = "4 シルト", "$x_{ 'é' # [red]"
+    mesh = generate(Section.parse(data), path=tmp_path / "section.msh")
+    assert read(tmp_path / "section.msh").strata == mesh.strata == ("4 シルト", "$x_{ 'é' # [red]")
+
+
+def test_a_folded_cell_is_refused_by_its_place() -> None:
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]])
+    cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    check(QuadMesh(points, cells, np.array([0, 1]), ("clay", "sand"), {}))
+    points[5] = [1.4, 0.4]  # on the diagonal of the right-hand cell's other corners, or below it
+    with pytest.raises(BadMeshError) as caught:
+        check(QuadMesh(points, cells, np.array([0, 1]), ("clay", "sand"), {}))
+    assert str(caught.value).startswith("1 of 2 cells are folded, the worst near x = 1.35 m, z = 0.35 m")
+    assert 'in stratum "sand"' in str(caught.value)
+
+
+def test_a_triangle_is_refused_by_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    def leave_triangles(section: Section, *_: object) -> None:
+        corners = [gmsh.model.geo.addPoint(x, z, 0.0) for x, z in ((7.0, 3.0), (8.0, 3.0), (7.0, 4.0))]
+        lines = [gmsh.model.geo.addLine(corners[a], corners[(a + 1) % 3]) for a in range(3)]
+        gmsh.model.geo.addPlaneSurface([gmsh.model.geo.addCurveLoop(lines)])
+        gmsh.model.geo.synchronize()
+        gmsh.model.mesh.generate(2)
+
+    monkeypatch.setattr(quadrilaterals, "build_free", leave_triangles)
+    with pytest.raises(BadMeshError, match=r"gmsh left a Triangle 3 near x = [78]\.\d+ m, z = [34]\.\d+ m"):
+        generate(Section.parse(slope()), MeshSettings(method="free"))
+
+
+def test_what_gmsh_itself_refuses_is_no_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise Exception("Could not recover boundary")  # gmsh raises nothing more precise
+
+    monkeypatch.setattr(quadrilaterals, "build_free", fail)
+    with pytest.raises(BadMeshError, match="gmsh gave up: Could not recover boundary; try another size"):
+        generate(Section.parse(slope()), MeshSettings(method="free"))
+
+
+def test_another_algorithm_takes_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+    build = quadrilaterals.build_free
+
+    def fail_once(*arguments: Any) -> None:
+        tried.append(arguments[-1])
+        if len(tried) == 1:
+            raise BadMeshError("folded")
+        build(*arguments)
+
+    monkeypatch.setattr(quadrilaterals, "build_free", fail_once)
+    section = Section.parse(slope())
+    assert_conforming(generate(section, free(section)), section)
+    assert tried == list(quadrilaterals.ALGORITHMS[:2])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "there is no such file"),
+        ("not a mesh", "is not a gmsh file that can be read"),
+        ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n", "is not a gmsh file that can be read"),
+    ],
+)
+def test_reading_what_is_no_mesh(tmp_path: Path, content: str | None, said: str) -> None:
+    path = tmp_path / "section.msh"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(InputError, match="1 problem") as caught:
+        read(path)
+    assert said in caught.value.problems[0]
+
+
+def test_reading_a_mesh_without_groups_says_which_are_missing(tmp_path: Path) -> None:
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    triangle = meshio.Mesh(points, [("triangle", np.array([[0, 1, 2]]))])
+    meshio.write(tmp_path / "section.msh", triangle, file_format="gmsh")
+    with pytest.raises(InputError) as caught:
+        read(tmp_path / "section.msh")
+    assert [text.partition(";")[0] for text in caught.value.problems] == [
+        *(f'there is no boundary group "{name}"' for name in BOUNDARIES),
+        "there is no surface group",
+        "there are cells of type triangle",
+    ]

@@ -1,0 +1,107 @@
+import math
+import pickle
+
+import pytest
+
+from meshes.section.quantity import ANGLE, COORDINATE, DENSITY, LENGTH, POISSON, STIFFNESS, STRENGTH, Kind, Quantity
+
+
+@pytest.mark.parametrize(
+    ("kind", "written", "expected"),
+    [
+        (STIFFNESS, "1560 tf/m^2", 1560 * 9806.65),
+        (STIFFNESS, "15.3 MPa", 15.3e6),
+        (STIFFNESS, "15.3MPa", 15.3e6),
+        (STIFFNESS, "1.5e+7 Pa", 1.5e7),
+        (STIFFNESS, "150 kgf/cm^2", 150 * 98066.5),
+        (STIFFNESS, "1 kN/m²", 1e3),
+        (STIFFNESS, 15300000, 1.53e7),
+        (STRENGTH, "10 tf/m**2", 98066.5),
+        (STRENGTH, 0, 0.0),
+        (DENSITY, "1.8 t/m^3", 1800.0),
+        (DENSITY, "1.8 g/cm^3", 1800.0),
+        (ANGLE, "35 deg", math.radians(35)),
+        (ANGLE, "35°", math.radians(35)),
+        (ANGLE, "0.5 rad", 0.5),
+        (ANGLE, 0.5, 0.5),
+        (POISSON, 0.33, 0.33),
+        (POISSON, "0.33", 0.33),
+        (POISSON, 0, 0.0),
+        (COORDINATE, "41 ft", 41 * 0.3048),
+        (COORDINATE, -12.5, -12.5),
+        (LENGTH, "150 cm", 1.5),
+    ],
+)
+def test_converts_to_si(kind: Kind, written: str | float, expected: float) -> None:
+    number = kind.read(written)
+    assert number == pytest.approx(expected, rel=1e-14)
+    assert number.written == written
+
+
+@pytest.mark.parametrize(
+    ("kind", "written", "reason"),
+    [
+        (STIFFNESS, "1560 t/m^2", "has the wrong dimension (metric_ton / meter ** 2)"),
+        (STIFFNESS, "30 kg", "has the wrong dimension (kilogram)"),
+        (DENSITY, "1.8 tf/m^3", "has the wrong dimension"),
+        (ANGLE, "25 degC", "has the wrong dimension"),
+        (POISSON, "0.3 deg", "has the wrong dimension (degree)"),
+        (LENGTH, "1 deg", "has the wrong dimension (degree)"),
+        (STIFFNESS, "30", "has no unit"),
+        (ANGLE, "35", "has no unit"),
+        (STIFFNESS, "MPa", "not understood"),
+        (STIFFNESS, "", "not understood"),
+        (STIFFNESS, "much", "not understood"),
+        (STIFFNESS, "30 Mpsk", "not understood"),
+        (STIFFNESS, "1,560 tf/m^2", "not understood"),  # 1560 to some and 1.56 to others
+        (STIFFNESS, "15 + 2 MPa", "not understood"),
+        (STIFFNESS, "9**9**9 Pa", "not understood"),  # would not end
+        (STIFFNESS, "9 Pa**9**9**9", "not understood"),
+        (STIFFNESS, "9 m^99999", "not understood"),
+        (STIFFNESS, math.nan, "not a finite number"),
+        (STIFFNESS, math.inf, "not a finite number"),
+        (STIFFNESS, "nan MPa", "not a finite number"),
+        (STIFFNESS, "-inf MPa", "not a finite number"),
+        (STIFFNESS, "1e400 Pa", "not a finite number"),
+        (STIFFNESS, 10**400, "not a finite number"),
+        (STIFFNESS, 0, "out of range"),
+        (STIFFNESS, "-30 MPa", "out of range"),
+        (STRENGTH, -1e-9, "out of range"),
+        (DENSITY, "-1 t/m^3", "out of range"),
+        (POISSON, 0.5, "out of range"),
+        (POISSON, 0.7, "out of range"),
+        (POISSON, -0.1, "out of range"),
+        (ANGLE, "90 deg", "out of range"),
+        (ANGLE, "-1 deg", "out of range"),
+        (ANGLE, 35, 'out of range (a plain number is in radians; did you mean "35 deg"?)'),
+        (LENGTH, 0.0, "out of range"),
+        (COORDINATE, 1e8, "out of range"),
+    ],
+)
+def test_refuses_with_the_reason_and_what_was_expected(kind: Kind, written: str | float, reason: str) -> None:
+    with pytest.raises(ValueError, match="expected") as caught:
+        kind.read(written)
+    assert str(caught.value).startswith(reason)
+    assert kind.expected in str(caught.value)
+
+
+@pytest.mark.parametrize("written", [True, False, None, [30.0], {"value": 30.0}])
+@pytest.mark.parametrize("kind", [STIFFNESS, POISSON, ANGLE, COORDINATE])
+def test_refuses_what_is_no_number(kind: Kind, written: object) -> None:
+    with pytest.raises(ValueError, match=r"^expected") as caught:
+        kind.read(written)
+    assert str(caught.value) == kind.expected
+
+
+def test_limits_are_said_in_words() -> None:
+    assert STIFFNESS.expected == 'expected a stiffness above 0, such as "15.3 MPa"'
+    assert POISSON.expected == "expected a Poisson's ratio from 0 to below 0.5, such as 0.33"
+
+
+def test_reading_again_keeps_how_it_was_written() -> None:
+    number = STIFFNESS.read("1560 tf/m^2")
+    again = STIFFNESS.read(number)
+    assert (float(again), again.written) == (float(number), "1560 tf/m^2")
+    copy = pickle.loads(pickle.dumps(number))
+    assert isinstance(copy, Quantity)
+    assert (float(copy), copy.written) == (float(number), "1560 tf/m^2")

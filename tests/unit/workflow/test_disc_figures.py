@@ -1,0 +1,50 @@
+"""Pictures of the discs: written, in true proportions, and showing what there is to show."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from dem.engine.engine import Engine
+from dem.model import DiscModel
+from tests.support.dem_cases import box
+from workflow.figures import discs as dem_figures
+
+
+@pytest.fixture(scope="module")
+def model() -> DiscModel:
+    model = box(12, 6, tilt=0.3)
+    model.set_pore_springs()
+    model.set_velocity(np.where(model.fixed, 0.0, 0.3), 0.0)
+    Engine(balance=1.0).run(model, 0.3)
+    return model
+
+
+def share_of(image: np.ndarray, colour: str) -> float:
+    """Share of the pixels that are nearly of this colour."""
+    wanted = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255.0
+    return float(np.mean(np.abs(image[..., :3] - wanted).max(axis=-1) < 0.06))
+
+
+@pytest.mark.parametrize(
+    ("draw", "colours"),
+    [
+        (dem_figures.layers, (dem_figures.BOUNDARY, *map(dem_figures.soil_colour, (0, 1)))),
+        (dem_figures.pore_springs, (dem_figures.WHOLE, dem_figures.CRACKED, dem_figures.PALE)),
+        (dem_figures.velocities, ("#ffffff", "#440154")),
+        (dem_figures.force_chains, (dem_figures.INK, dem_figures.PALE)),
+    ],
+)
+def test_picture(
+    draw: Callable[[DiscModel, Path], None], colours: tuple[str, ...], model: DiscModel, tmp_path: Path
+) -> None:
+    assert np.any(model.pore_length < 0.0)
+    draw(model, tmp_path / "picture.png")
+    image = imread(tmp_path / "picture.png")
+    window = dem_figures.window_of(model)
+    assert image.shape[1] == pytest.approx(1600, abs=2)
+    assert image.shape[0] > 1400 * window.proportion
+    for colour in colours:
+        assert share_of(image, colour) > 1e-3, colour

@@ -1,0 +1,36 @@
+"""A Ctrl-C that somebody swallowed is raised again at the next sign of progress."""
+
+import os
+import signal
+
+import pytest
+
+from workflow.run.interrupts import remembered
+
+
+def swallow() -> None:
+    """What a library does that is interrupted while it is loaded."""
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        return
+    raise AssertionError("Ctrl-C did nothing")
+
+
+def test_a_swallowed_interrupt_comes_again() -> None:
+    with remembered() as check:
+        check()
+        swallow()
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_where_it_is_ignored_it_stays_ignored() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with remembered() as check:
+            os.kill(os.getpid(), signal.SIGINT)
+            check()
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)

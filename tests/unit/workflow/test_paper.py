@@ -1,0 +1,156 @@
+"""The paper's numbers against ours: which rows agree, and that no other section is compared with it."""
+
+from typing import Any
+
+import pytest
+
+from tests.support import SECTIONS, dem_fixture
+from tests.support.sections import slope
+from workflow.report.paper import Row, is_s13, rows
+from workflow.report.uncertainty import doubts
+from workflow.results.results import Results
+from workflow.run.record import Entry
+from workflow.run.store import Store
+from workflow.settings import Input
+
+S13 = SECTIONS / "s13.toml"
+
+
+def state(run: Input, kh: float, past: bool, failed: float) -> dict[str, Any]:
+    depth = [[x, 9.08 - 0.0454 * x - 6.0] for x in range(5, 200, 10)]  # 6 m deep: in layers 4 and 5
+    return {
+        "label": f"Kh = {kh}", "kh": kh, "past_equilibrium": past, "largest_displacement_m": 0.1,
+        "failed_share_by_stratum": {stratum.name: failed for stratum in run.strata}, "slip_surface": depth,
+    }  # fmt: skip
+
+
+def fem(run: Input, kc: float = 0.24) -> dict[str, Any]:
+    return {
+        "kc": kc, "kc_lower": kc, "kc_upper": kc + 0.004, "verdict": "plateau", "reason": "it is flat",
+        "element": "quadratic", "mesh": {"quadrilaterals": 611, "nodes": 672, "method": "mapped"},
+        "settings": run.fem.model_dump(mode="json"),
+        "states": [state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)],
+    }  # fmt: skip
+
+
+def results(run: Input, **answers: Any) -> Results:
+    """Results as if the stages had left these answers."""
+    none = dict.fromkeys(("fem", "variants", "bounds", "dem", "calibration", "cases"))
+    return Results(run, Store("nowhere"), {}, {}, **{**none, **answers})
+
+
+def table(found: Results) -> dict[str, Row]:
+    return {row.quantity: row for row in rows(found)}
+
+
+@pytest.fixture(scope="module")
+def s13() -> Input:
+    return Input.load(S13)
+
+
+def test_only_the_papers_section_is_compared(s13: Input) -> None:
+    other = Input.parse({**slope(), "name": "s13"})
+    assert is_s13(s13)
+    assert not is_s13(other)
+    assert rows(results(other, fem=fem(other))) == []
+
+
+def test_before_anything_is_computed_only_the_smooth_block_agrees(s13: Input) -> None:
+    found = table(results(s13))
+    assert {row.agrees for name, row in found.items() if "smooth" not in name} == {None}
+    assert found["block on a smooth plane of 2.6°"].agrees is True
+
+
+def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Input) -> None:
+    for kc, agrees in ((0.24, True), (0.2749, True), (0.2751, False), (0.2, False)):
+        row = table(results(s13, fem=fem(s13, kc)))["FEM: critical Kh"]
+        assert row.agrees is agrees
+        assert bool(row.why) is not agrees
+
+
+def test_the_continuum(s13: Input) -> None:
+    found = table(results(s13, fem=fem(s13)))
+    assert found["FEM: stands at Kh = 0.2, Asd layers below water at failure"].agrees is True
+    assert found["FEM: failure surface in the Asd layers"].ours == "100 % of its length"
+    assert found["FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"].agrees is True
+    strong = table(results(s13, fem=fem(s13, 0.35)))
+    row = strong["FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface"]
+    assert row.agrees is False
+    assert row.ours.startswith("stands")
+
+
+def test_an_undecided_path_is_no_critical_kh(s13: Input) -> None:
+    answer = {**fem(s13), "verdict": "undecided"}
+    found = results(s13, fem=answer)
+    assert found.kc is None
+    assert table(found)["FEM: critical Kh"].agrees is None
+
+
+def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
+    """The hand-made cases: settlements 0.1, 0.5, 1.0 m; slides 0.6, 3.0, 4.8 m, over 10, 51, 81 % of the surface."""
+    cases = {"sets": {"calibrated": dem_fixture.CASES}, "random": None}
+    found = table(results(s13, fem=fem(s13), cases=cases))
+    springs = ", calibrated springs"
+    for number in "123":
+        assert found[f"settlement uphill, case {number}{springs}"].agrees is True
+    assert found[f"largest slide, case 2{springs}"].agrees is True  # 3.0 for 3.3
+    assert found[f"largest slide, case 3{springs}"].agrees is True  # 4.8 for 4.9
+    assert found[f"slide, case 1{springs}"].agrees is True
+    assert found[f"slide, case 3{springs}"].agrees is True
+    assert found["slide measured in the field"].ours == "3.0 to 4.8 m in cases 2 and 3"
+    wrong = {**dem_fixture.CASES, "2": dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
+    found = table(results(s13, fem=fem(s13), cases={"sets": {"calibrated": wrong}, "random": None}))
+    assert found[f"largest slide, case 2{springs}"].agrees is False
+    assert "dem/README.md" in found[f"largest slide, case 2{springs}"].why
+
+
+def test_states_of_the_discs(s13: Input) -> None:
+    critical = dem_fixture.critical(s13, 0.24)
+    found = table(results(s13, fem=fem(s13), dem=critical))
+    for springs in (", before calibration", ", calibrated"):
+        assert found[f"DEM: stands at Kh = 0.2{springs}"].agrees is True
+        assert found[f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}"].agrees is True
+    for each in critical["states"]:
+        each["cracked_share_by_stratum"]["8 As1"] = 0.9
+    found = table(results(s13, fem=fem(s13), dem=critical))
+    row = found["DEM: pore springs broken along the Asd layers at Kh = 0.3, calibrated"]
+    assert row.agrees is False
+    assert "90 % of 8 As1" in row.why
+
+
+@pytest.mark.parametrize(
+    ("bounds", "flow", "words"),
+    [
+        ((0.22, 0.26), "associated", "lies inside"),
+        ((0.25, 0.26), "associated", "below the lower bound"),
+        ((0.22, 0.23), "associated", "above the upper bound"),
+        ((0.22, 0.26), "section", "is not judged by it"),
+    ],
+)
+def test_bounds_judge_only_their_like(bounds: tuple[float, float], flow: str, words: str) -> None:
+    run = Input.parse({**slope(), "fem": {"flow": flow}})
+    answer = {"lower": bounds[0], "upper": bounds[1], "words": "so much", "sides": "roller", "flow": "", "davis": False}
+    told = dict(doubts(results(run, fem=fem(run), bounds=answer)))
+    assert words in told["Strict bounds"]
+
+
+def test_variants_stand_beside_what_they_show(s13: Input) -> None:
+    variant = {
+        "name": "sides",
+        "change": "sides fixed instead of roller",
+        "kc": 0.3,
+        "verdict": "plateau",
+        "reason": "",
+    }
+    told = dict(doubts(results(s13, fem=fem(s13), variants={"variants": [variant]})))
+    assert "sides fixed instead of roller: critical Kh = 0.3000 (+25.0 %)" in told["Side condition"]
+    silent = dict(
+        doubts(results(s13, fem=fem(s13), variants={"variants": [{**variant, "kc": None, "reason": "slow"}]}))
+    )
+    assert "plateau, slow" in silent["Side condition"]
+
+
+def test_no_answer_is_told_as_such(s13: Input) -> None:
+    ended = Entry({}, "no answer", reason="it fails under its own weight")
+    found = Results(s13, Store("nowhere"), {"fem": ended}, {}, *[None] * 6)
+    assert table(found)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"

@@ -1,0 +1,51 @@
+"""Hamada's regression, and what it is fed with."""
+
+import pytest
+
+from meshes.section.section import Section
+from tests.support import SECTIONS
+from tests.support.sections import layer, slope
+from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
+
+S13 = SECTIONS / "s13.toml"
+
+
+def test_both_forms() -> None:
+    """H = 4 m, θ = 8 %: 0.75 x 2 x 2 = 3 m; with the cube root of H 0.75 x 1.5874 x 2 = 2.381 m."""
+    assert hamada(4.0, 8.0) == pytest.approx(3.0)
+    assert hamada_as_printed(4.0, 8.0) == pytest.approx(2.3811, abs=1e-4)
+    assert hamada(1.0, 8.0) == hamada_as_printed(1.0, 8.0)
+
+
+def test_thickness_and_gradient_of_a_layer() -> None:
+    """Ground from 20 to 10 m over 100 m: 10 %; the layer is 4 m thick, or 6 to 2 m with a base that falls by 6 %."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    ground = liquefied(Section.parse(data), 1)
+    assert ground is not None
+    assert ground.thickness == pytest.approx(4.0)
+    assert ground.gradient == pytest.approx(10.0)
+    data["strata"][0]["bottom"] = {"depth": [[0.0, 2.0], [100.0, 6.0]]}
+    steeper = liquefied(Section.parse(data), 1)
+    assert steeper is not None
+    assert steeper.thickness == pytest.approx(4.0)
+    assert steeper.gradient == pytest.approx(14.0)
+    assert liquefied(Section.parse(data), 2) is None
+
+
+def test_a_lens_counts_where_it_is() -> None:
+    data = slope()
+    lens = layer("lens", bottom={"depth": [[20.0, 4.0], [40.0, 7.0], [60.0, 4.0]]}, liquefies_in=[1])
+    data["strata"].insert(1, lens)
+    ground = liquefied(Section.parse(data), 1, 4000)
+    assert ground is not None
+    assert ground.thickness == pytest.approx(1.5, abs=0.01)
+    assert ground.thickest == pytest.approx(3.0, abs=0.01)
+
+
+def test_s13_thicknesses_of_its_two_layers() -> None:
+    """Layers 4 and 6: 2.7 + 2.0 m on the left, 1.0 + 0.9 m on the right; the ground is the steeper one."""
+    ground = liquefied(Section.read(S13), 3)
+    assert ground is not None
+    assert ground.thickness == pytest.approx((4.7 + 1.9) / 2, abs=0.01)
+    assert ground.gradient == pytest.approx(4.54, abs=0.01)

@@ -1,0 +1,97 @@
+"""Settings by their dotted names."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import tomli_w
+
+from meshes.errors import InputError
+from tests.support.sections import slope
+from workflow.example import example
+from workflow.settings import Input, dotted, merged
+
+
+@pytest.mark.parametrize(
+    ("text", "tables"),
+    [
+        ("fem.sides=fixed", {"fem": {"sides": "fixed"}}),
+        ('fem.sides="fixed"', {"fem": {"sides": "fixed"}}),
+        ("fem.kh=[0.1, 0.2]", {"fem": {"kh": [0.1, 0.2]}}),
+        ("mesh.refine=2", {"mesh": {"refine": 2}}),
+        ("mesh.size=1.5 m", {"mesh": {"size": "1.5 m"}}),
+        ("figures.report_animations=false", {"figures": {"report_animations": False}}),
+        ('mesh.sizes."Loose sand"=0.8', {"mesh": {"sizes": {"Loose sand": 0.8}}}),
+        ("fem.first_step=.05", {"fem": {"first_step": ".05"}}),
+        ("sliding_block.accelerogram=a=b.csv", {"sliding_block": {"accelerogram": "a=b.csv"}}),
+    ],
+)
+def test_values_are_toml_or_text(text: str, tables: dict[str, object]) -> None:
+    assert dotted([text]) == tables
+
+
+def test_several_settings_of_one_table() -> None:
+    assert dotted(["fem.sides=fixed", "mesh.sizes.a=1", "mesh.sizes.b=2", "fem.vertical=0.1"]) == {
+        "fem": {"sides": "fixed", "vertical": 0.1},
+        "mesh": {"sizes": {"a": 1, "b": 2}},
+    }
+
+
+@pytest.mark.parametrize(
+    "text", ["fem.sides", "sides=fixed", "name=other", "=x", "fem=fixed", "fem.=2", "a\nb.c=1", ""]
+)
+def test_what_is_no_setting(text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        dotted([text])
+    assert caught.value.source == "--set"
+    assert "expected" in caught.value.problems[0]
+
+
+def test_the_command_line_stands_above_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps({**slope(), "fem": {"sides": "fixed", "vertical": 0.1}, "mesh": {"columns": 30}}))
+    run = Input.load(path, dotted(["fem.sides=tied", "mesh.size=2 m"]))
+    assert (run.fem.sides, run.fem.vertical) == ("tied", 0.1)
+    assert run.mesh.columns is None  # a size takes its place
+    with pytest.raises(InputError, match='fem, sidez: unknown key; did you mean "sides"'):
+        Input.load(path, dotted(["fem.sidez=tied"]))
+    with pytest.raises(InputError, match="figures, report_width = 10"):
+        Input.load(path, dotted(["figures.report_width=10"]))
+
+
+def test_merging_leaves_its_parts_alone() -> None:
+    lower, upper = {"a": {"x": 1, "y": 2}, "b": 1}, {"a": {"y": 3}}
+    assert merged(lower, upper) == {"a": {"x": 1, "y": 3}, "b": 1}
+    assert lower == {"a": {"x": 1, "y": 2}, "b": 1}
+
+
+def test_the_fingerprint_of_the_section_knows_no_settings() -> None:
+    plain, other = Input.parse(slope()), Input.parse({**slope(), "fem": {"sides": "fixed"}})
+    assert plain.sha256() == other.sha256()
+    assert plain.sha256() != Input.parse({**slope(), "title": "another"}).sha256()
+
+
+def test_a_record_is_looked_for_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a/slope.toml"
+    path.parent.mkdir()
+    path.write_text(tomli_w.dumps({**slope(), "sliding_block": {"accelerogram": "quake.csv"}}))
+    assert Input.load(path).sliding_block.accelerogram == str(tmp_path / "a/quake.csv")
+    monkeypatch.chdir(tmp_path)
+    run = Input.load(path, dotted(["sliding_block.accelerogram=quake.csv"]))
+    assert run.sliding_block.accelerogram == str(tmp_path / "quake.csv")
+
+
+def test_the_commented_settings_of_the_example_exist() -> None:
+    """Without their comment marks they are a valid input, and but for the examples among them the defaults."""
+    text = example()
+    section, settings = text[: text.index("[mesh]")], text[text.index("[mesh]") :]
+    settings = re.sub(r"(?m)^# (\w+ = |\[\[)", r"\1", settings)
+    run = Input.parse(tomllib.loads(section + settings))
+    plain = Input.parse(tomllib.loads(text))
+    assert run.mesh.size == 1.5
+    assert run.fem.safety_factor_at == (0.0,)
+    assert run.fem.model_copy(update={"safety_factor_at": ()}) == plain.fem
+    assert run.dem == plain.dem
+    assert run.variants == plain.variants
+    assert run.figures == plain.figures

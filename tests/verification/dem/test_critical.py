@@ -1,0 +1,163 @@
+"""Verdicts and critical Kh of discs, against a block that slides at Kh = mu and other known answers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.packing import Packing, lattice_box
+from dem.search.calibration import Calibrator, calibrate, changed, choose, sensitivities
+from dem.search.critical import Search, critical_kh
+from dem.search.equilibrium import displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
+from dem.settings import DemSettings
+from dem.side_by_side import StoppedError
+from dem.springs import LayerSprings
+from tests.support.dem_cases import FLOOR, RADIUS, SOIL
+
+MU = 0.313  # no multiple of a step of Kh
+SETTINGS = DemSettings(resolution=0.005)
+
+
+def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tuple[Ground, DiscModel]:
+    """Discs that cannot turn, apart from each other on a rough rigid plane that dips by `tilt`: blocks, at rest."""
+    x = 4.0 * RADIUS * np.arange(count)
+    layer = np.arange(count) % len(layers)
+    packing = Packing(x, np.full(count, RADIUS), np.full(count, RADIUS), layer.astype(np.int32), FLOOR)
+    ground = Ground(packing, "box", RADIUS, 1, tilt, (0.0, 0.0), 1)
+    gravity = (9.80665 * np.sin(tilt), -9.80665 * np.cos(tilt))
+    model = packing.discs(layers, gravity=gravity, turns=False)
+    for _ in range(40):
+        step_on(model, 0.05)
+        stop(model)
+    assert unbalanced_ratio(model) < 1e-3
+    return ground, model
+
+
+@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 0.0), (MU, 5.0), (0.031, 0.0), (0.022, 0.0), (0.087, 0.0)])
+def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
+    """A block on a plane that dips by beta slides at Kh = tan(phi - beta), from tan(beta + atan Kh) = mu."""
+    soil = replace(SOIL, friction=mu, kpn=0.0, kps=0.0)
+    ground, model = blocks([soil], np.radians(tilt_deg))
+    found = critical_kh(model, ground, SETTINGS)
+    kc = np.tan(np.arctan(mu) - np.radians(tilt_deg))
+    assert found.verdict == "bracketed"
+    assert found.lower <= kc <= found.upper
+    assert found.upper - found.lower <= 0.005 * (1.0 + 1e-9)
+    assert {t.verdict for t in found.trials} == {"stands", "fails"}
+
+
+def test_elastic_displacement_is_that_of_the_spring() -> None:
+    """Under Kh a block gives way by Kh m g / ks, the answer that `flexibility` is."""
+    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    ground, model = blocks([soil])
+    found = critical_kh(model, ground, SETTINGS)
+    assert found.flexibility == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
+
+
+def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
+    soil = replace(SOIL, friction=MU)
+    packing = lattice_box(12, 4, RADIUS)
+    ground = Ground(packing, "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
+    model = settle(ground, [soil], SETTINGS)
+    before = model.x.copy()
+    one, two = (critical_kh(model, ground, DemSettings(kh_limit=0.6), threads=n) for n in (1, 2))
+    assert one == two
+    assert np.array_equal(model.x, before)
+    assert Search.from_json(one.as_json()) == one
+
+
+def test_what_stands_and_what_fails_says_why() -> None:
+    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    ground, model = blocks([soil])
+    stands = try_kh(model.copy(), model, ground, SETTINGS, 0.0, 0.8 * MU, 1e-3)
+    assert (stands.verdict, stands.unbalanced_ratio < SETTINGS.unbalanced) == ("stands", True)
+    moved = model.copy()
+    flexible = model.mass[0] * 9.80665 / soil.ks
+    fails = try_kh(moved, model, ground, SETTINGS, 0.0, 1.2 * MU, flexible)
+    assert fails.verdict == "fails"
+    assert "times the elastic one and grows" in fails.reason
+    assert displacement(moved, model, ground) > 3.0 * 1.2 * MU * flexible
+    patient = SETTINGS.model_copy(update={"growth": 1e9, "patience": 2.0})
+    assert try_kh(model.copy(), model, ground, patient, 0.0, 1.2 * MU, flexible).verdict == "undecided"
+
+
+def test_ground_without_friction_fails_under_its_own_weight_or_stands_to_the_limit() -> None:
+    slippery = replace(SOIL, friction=0.0, ks=1.0, kpn=0.0, kps=0.0)
+    ground, model = blocks([replace(slippery, friction=0.01)])
+    assert critical_kh(model, ground, SETTINGS).verdict == "fails under its own weight"
+    ground, model = blocks([replace(SOIL, friction=5.0)])
+    limited = critical_kh(model, ground, SETTINGS.model_copy(update={"kh_limit": 0.25}))
+    assert (limited.verdict, limited.kc) == ("stands everywhere", None)
+
+
+def test_period_of_a_uniform_ground() -> None:
+    """4 H / V_s with V_s = r sqrt(1.5 (kn + ks) / m) (verification: waves in the triangular lattice)."""
+    packing = lattice_box(20, 6, RADIUS)
+    ground = Ground(packing, "box", RADIUS, 6, 0.0, (0.0, 0.0), 1)
+    model = packing.discs([SOIL])
+    mass = np.pi * RADIUS**2 * SOIL.density
+    height = 5 * RADIUS * np.sqrt(3.0) + 2.0 * RADIUS
+    speed = RADIUS * np.sqrt(1.5 * (SOIL.kn + SOIL.ks) / mass)
+    assert period(model, ground) == pytest.approx(4.0 * height / speed, rel=1e-6)
+
+
+def test_calibration_finds_the_friction_that_the_block_needs() -> None:
+    """Sliding blocks fail at Kh = mu: a target of half of it wants a factor of one half on friction."""
+    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    ground, model = blocks([soil])
+
+    class OnBlocks(Calibrator):
+        def settled_with(self, parameter: str, factor: float) -> DiscModel:
+            return model if factor == 1.0 else blocks(changed(self.layers, parameter, factor))[1]
+
+    heard: list[tuple[str, float]] = []
+    settings = SETTINGS.model_copy(update={"parameter": "friction"})
+    calibrator = OnBlocks(ground, [soil], model, settings, on_search=lambda p, f, _: heard.append((p, f)))
+    found = calibrate(calibrator, 0.4 * MU, "friction", [("", 1.0, calibrator.search("", 1.0))])
+    assert found.verdict == "calibrated"
+    assert found.value == pytest.approx(0.4, abs=0.03)
+    assert found.search.kc == pytest.approx(0.4 * MU, abs=settings.tolerance)
+    assert len(heard) == len(set(heard)) <= 8
+
+    again = OnBlocks(ground, [soil], model, settings, known=calibrator.searches)
+    assert calibrate(again, 0.4 * MU, "friction", [("", 1.0, again.search("", 1.0))]).value == found.value
+
+    table = sensitivities(calibrator)
+    moved = {p: s.kc for p, f, s in table if f == 2.0}
+    assert moved["friction"] == pytest.approx(2.0 * MU, abs=0.005)
+    assert moved["stiffness"] == pytest.approx(MU, abs=0.005)
+    assert moved["pore_strength"] == pytest.approx(MU, abs=0.005)
+
+    known = len(calibrator.searches)
+    assert choose(calibrator, table, 0.8 * MU) == "friction"
+    assert len(calibrator.searches) == known  # halved, friction reaches it: no need to try the ends of the range
+    assert choose(calibrator, table, 0.3 * MU) == "friction"
+    assert {("friction", 0.1), ("stiffness", 0.1)} <= set(calibrator.searches)
+
+    far = OnBlocks(ground, [soil], model, settings.model_copy(update={"range": (0.5, 2.0)}))
+    lost = calibrate(far, 0.1 * MU, "friction", [("", 1.0, far.search("", 1.0))])
+    assert lost.verdict == "out of reach"
+    assert lost.value == 0.5
+    assert "reaches critical Kh from 0.1" in lost.reason
+
+
+def test_an_interrupted_search_stops() -> None:
+    ground, model = blocks([SOIL])
+    with pytest.raises(StoppedError):
+        critical_kh(model, ground, SETTINGS, stopped=lambda: True)
+    calibrator = Calibrator(ground, [SOIL], model, SETTINGS)
+    calibrator.stop.set()
+    with pytest.raises(StoppedError):
+        calibrator.search_all([("", 1.0), ("friction", 0.5)])
+
+
+def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:
+    """Discs so soft that they are pushed through each other fail under their own weight, and calibration goes on."""
+    packing = lattice_box(10, 8, RADIUS)
+    ground = Ground(packing, "box", RADIUS, 8, 0.0, (0.0, 0.0), 1)
+    soil = replace(SOIL, kn=2.0e6, ks=5.0e5, cn=8e4, ct=4e4, kpn=0.0, kps=0.0)
+    model = settle(ground, [soil], SETTINGS)
+    calibrator = Calibrator(ground, [soil], model, SETTINGS)
+    assert calibrator.search("stiffness", 0.02).verdict == "fails under its own weight"

@@ -1,0 +1,115 @@
+"""What a practitioner would compare the slide of the discs with: blocks, and a regression over observed cases."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from workflow.estimates import accelerogram
+from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
+from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
+from workflow.settings import Input
+
+DEFAULT_KH = 0.1
+
+NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
+NEWMARK_VALIDITY = (
+    "rigid ground above one slip surface whose strength stays; no liquefaction, no change of shape; "
+    "an index of hazard rather than a forecast"
+)
+HAMADA = "M. Hamada, S. Yasuda, R. Isoyama, K. Emoto (1986)"
+HAMADA_VALIDITY = (
+    "60 sections in Niigata and Noshiro: gentle slopes of liquefied sand; knows neither the shaking nor the strength"
+)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimate: ``displacement_m`` or None where there is none, with what it rests on."""
+
+    method: str
+    displacement_m: float | None
+    words: str
+    source: str
+    validity: str
+
+
+def mean_slope(run: Input) -> float:
+    """The slope of the ground from one end to the other (rad), without sign."""
+    (x0, z0), (x1, z1) = run.surface[0], run.surface[-1]
+    return math.atan(abs(z1 - z0) / (x1 - x0))
+
+
+def constant_kh(run: Input) -> float:
+    """The constant Kh as set, or that of the slides, or 0.1 as in the paper."""
+    if run.sliding_block.kh is not None:
+        return run.sliding_block.kh
+    return float(getattr(getattr(run, "slide", None), "kh", DEFAULT_KH))
+
+
+def estimates(run: Input, kc: float | None) -> list[Estimate]:
+    """All estimates that this input allows; those of a block that resists need the critical Kh found."""
+    found: list[Estimate] = []
+    if kc is not None and kc > 0.0:
+        found.append(_constant(run, kc))
+        if run.sliding_block.accelerogram:
+            found += _newmark(run, kc)
+    found.append(_smooth(run))
+    return found + list(_regressions(run))
+
+
+def _constant(run: Input, kc: float) -> Estimate:
+    kh, seconds = constant_kh(run), run.sliding_block.seconds
+    slide = rectangular_pulse(kc, kh, seconds)
+    words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f}: "
+    words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
+    return Estimate(f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
+
+
+def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
+    record = accelerogram.of_input(run)
+    both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
+    named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
+    peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f}"
+    for way, slide in named:
+        yield Estimate(f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
+
+
+def _smooth(run: Input) -> Estimate:
+    slope = mean_slope(run)
+    plane = SmoothPlane(slope)
+    if plane.acceleration <= 0.0:
+        words = "the ground is level from end to end: no acceleration"
+    else:
+        words = (
+            f"{math.degrees(slope):.1f}° gives {plane.acceleration:.2f} m/s²; 3 m take {plane.time_for(3.0):.1f} s, "
+            f"and after 9 s it has gone {plane.distance(9.0):.0f} m at {plane.speed(9.0):.1f} m/s; it does not stop"
+        )
+    return Estimate(
+        "block without friction on the mean slope", None, words, "the paper, Sec. 5",
+        "no strength at all is left on the slip surface; a limit, not an estimate",
+    )  # fmt: skip
+
+
+def _regressions(run: Input) -> Iterator[Estimate]:
+    numbers = sorted({case for stratum in run.strata for case in stratum.liquefies_in})
+    by_ground: dict[Any, list[int]] = {}
+    for case in numbers:
+        ground = liquefied(run, case)
+        if ground is not None:
+            by_ground.setdefault(ground, []).append(case)
+    for ground, cases in by_ground.items():
+        which = ", ".join(map(str, cases))
+        words = (
+            f"cases {which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
+        )
+        yield Estimate(
+            "Hamada et al., D = 0.75 √H ∛θ", hamada(ground.thickness, ground.gradient), words, HAMADA, HAMADA_VALIDITY
+        )
+        yield Estimate(
+            "Hamada et al. as the paper prints it, D = 0.75 ∛H ∛θ",
+            hamada_as_printed(ground.thickness, ground.gradient),
+            words,
+            "the paper, eq. (18), which has a cube root of H where all other sources have a square root",
+            HAMADA_VALIDITY,
+        )

@@ -1,0 +1,166 @@
+"""Pictures of the strict bounds: the mechanism of the upper one, the stress of the lower one, the triangles."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from fem.limit.adaptive_bounds import Bracket, Mechanism, Stress
+from fem.limit.bound_checks import corner_rates, yield_slack
+from meshes.triangles import TriMesh
+from workflow.figures.canvas import INK, Sheet, Window, legend_columns, render, soil_colour, spread
+from workflow.figures.ground import foot
+from workflow.run.store import Store
+from workflow.settings import Input
+
+# Dissipation per area over the largest: each class three times the one before.
+DISSIPATION = (0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
+DISSIPATION_COLOURS = ("#f7f5ee", "#e9e4cf", "#e6d5a0", "#eab464", "#e3863c", "#c94a2c", "#7d1128")
+YIELD = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
+YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
+ARROWS = "#1f6fb2"
+
+
+def draw_all(run: Input, found: Bracket, store: Store) -> None:
+    """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
+    window = Window.around(run.outline())
+    if found.mechanism:
+        with store.writing("figures/bounds_mechanism.png") as path:
+            _mechanism_sheet(run, found.mechanism, window).save(path)
+    if found.stress:
+        with store.writing("figures/bounds_stress.png") as path:
+            _stress_sheet(run, found.stress, window).save(path)
+    with store.writing("figures/bounds_mesh.png") as path:
+        _mesh_sheet(run, found.mesh, window).save(path)
+
+
+def conditions(run: Input) -> str:
+    """What a bound depends on and must be said beside it."""
+    flow = "Davis's reduction: a proxy, no bound of the section" if run.bounds.davis else "ψ = φ"
+    kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
+    return f"sides {run.fem.sides}, {flow}, pushed {run.fem.direction}{kv}"
+
+
+def _of_what(run: Input) -> str:
+    return " of Davis's substitute (a proxy)" if run.bounds.davis else ""
+
+
+def yield_use(stress: Stress) -> np.ndarray:
+    """How much of the strength the stress takes in every cell (m,), its worst corner: 1 on the yield surface."""
+    slack = yield_slack(stress.problem, stress.stress)
+    radius = np.hypot(0.5 * (stress.stress[..., 0] - stress.stress[..., 1]), stress.stress[..., 2])
+    strength = radius + slack
+    return np.max(np.divide(radius, strength, out=np.zeros_like(radius), where=strength > 0.0), axis=1)
+
+
+def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
+    problem = mechanism.problem
+    density = mechanism.dissipation / problem.mesh.areas
+    density = density / max(float(density.max()), 1e-300)
+    rates = corner_rates(problem, mechanism.velocity).mean(axis=1)
+    shear = np.hypot(rates[:, 0] - rates[:, 1], rates[:, 2])
+    mesh = problem.mesh_in_metres
+    velocity = np.zeros_like(mesh.points)
+    velocity[mesh.cells] = mechanism.velocity[:, :3]
+    fastest = float(np.hypot(*velocity.T).max())
+    stretch = 0.05 * (window.right - window.left) / fastest
+
+    def arrows(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        plotter.add_mesh(grid, color="#efece4", lighting=False)
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+        every = spread(mesh.points, window)
+        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
+        points["v"] = np.column_stack([velocity[every] * stretch, np.zeros(len(every))])
+        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
+        plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
+
+    title = f"{run.title or run.name}: upper bound{_of_what(run)}, Kh = {mechanism.multiplier:.4f}"
+    sheet = Sheet(title, [window.proportion] * 3, foot(run), legend_rows=3)
+    sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
+    views = (
+        (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
+        (
+            density,
+            "dissipation per area; with ψ = φ, ground without cohesion shears and dilates but dissipates nothing",
+        ),
+    )
+    for view, (values, what) in enumerate(views, start=1):
+        sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
+    _bar(
+        sheet,
+        DISSIPATION,
+        DISSIPATION_COLOURS,
+        "shear rate, dissipation per area: over the largest (-)",
+        conditions(run),
+    )
+    return sheet
+
+
+def _stress_sheet(run: Input, stress: Stress, window: Window) -> Sheet:
+    mesh = stress.problem.mesh_in_metres
+    title = f"{run.title or run.name}: lower bound{_of_what(run)}, Kh = {stress.multiplier:.4f}"
+    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
+    image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
+    sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
+    _bar(sheet, YIELD, YIELD_COLOURS, "radius of Mohr's circle over the largest possible (-)", conditions(run))
+    return sheet
+
+
+def _mesh_sheet(run: Input, mesh: TriMesh, window: Window) -> Sheet:
+    colours = [soil_colour(k) for k in range(len(run.strata))]
+    handles = [
+        Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
+        for colour, stratum in zip(colours, run.strata, strict=True)
+    ]
+    columns = max(legend_columns(handles), 2)
+
+    def draw(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        grid.cell_data["stratum"] = mesh.stratum
+        plotter.add_mesh(
+            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False, show_edges=True,
+            edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
+        )  # fmt: skip
+
+    title = f"{run.title or run.name}: {len(mesh.cells)} triangles of the bounds"
+    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=-(-len(handles) // columns))
+    sheet.legend(handles, columns)
+    sheet.show(0, render(window, draw), window, "divided where the gap between the bounds is")
+    return sheet
+
+
+def _grid(mesh: TriMesh) -> pv.UnstructuredGrid:
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    return pv.UnstructuredGrid({pv.CellType.TRIANGLE: mesh.cells.astype(np.int64)}, points)
+
+
+def _classes(
+    mesh: TriMesh, values: np.ndarray, limits: Sequence[float], colours: Sequence[str]
+) -> Callable[[pv.Plotter], None]:
+    def draw(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        grid.cell_data["class"] = np.digitize(values, limits[1:-1])
+        plotter.add_mesh(
+            grid, scalars="class", cmap=list(colours), clim=(-0.5, len(colours) - 0.5), lighting=False,
+            show_scalar_bar=False,
+        )  # fmt: skip
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=1)
+
+    return draw
+
+
+def _bar(sheet: Sheet, limits: Sequence[float], colours: Sequence[str], label: str, note: str) -> None:
+    """A bar of colours under the views, and a note beside it."""
+    scale = ScalarMappable(BoundaryNorm(limits, len(colours)), ListedColormap(list(colours)))
+    left, top = sheet.legend_at
+    height = sheet.figure.get_figheight()
+    bar = sheet.figure.add_axes((left, top - 0.18 / height, 0.42, 0.12 / height))
+    sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=limits)
+    bar.set_xticklabels([f"{limit:g}" for limit in limits])
+    bar.tick_params(labelsize=7, colors=INK, length=2)
+    bar.set_xlabel(label, fontsize=7, color=INK, labelpad=1)
+    sheet.figure.text(0.52, top, note, fontsize=7.5, color=INK, va="top", parse_math=False)

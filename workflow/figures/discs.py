@@ -1,0 +1,254 @@
+"""Pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
+
+Each function takes a model, and writes one picture to a path. `in_section` gives a model as it lies in the section.
+"""
+
+import copy
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from dem.engine.forces import contact_forces
+from dem.ground import Ground
+from dem.model import DiscModel
+from workflow.figures.canvas import INK, Sheet, Window, render, soil_colour
+
+BOUNDARY = "#4a4f55"
+PALE = "#e3e6e8"
+WHOLE = "#2c7a3f"
+CRACKED = "#d0342c"
+SPEEDS = "viridis"
+FAR = "YlOrRd"
+
+
+class Circles(Protocol):
+    """What can be drawn as discs: centres and radii (m)."""
+
+    @property
+    def x(self) -> np.ndarray: ...
+    @property
+    def z(self) -> np.ndarray: ...
+    @property
+    def radius(self) -> np.ndarray: ...
+
+
+def window_of(model: Circles) -> Window:
+    """All discs with their rims, and a margin."""
+    x, z, r = model.x, model.z, model.radius
+    return Window.around(np.array([[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]), 0.015)
+
+
+def in_section(model: DiscModel, ground: Ground) -> DiscModel:
+    """The discs where they are in the section, for drawing alone: forces and velocities stay in their own frame."""
+    view = copy.copy(model)
+    view.x, view.z = ground.to_section(model.x, model.z)
+    view.roll = model.roll - ground.tilt * model.radius
+    return view
+
+
+def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData:
+    """Some of the discs as filled circles."""
+    if not which.any():
+        return pv.PolyData()
+    cloud = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model.x), height)])[which])
+    cloud["radius"] = model.radius[which]
+    cloud["disc"] = np.flatnonzero(which)
+    return cloud.glyph(orient=False, scale="radius", geom=pv.Disc(inner=0.0, outer=1.0, c_res=30))
+
+
+def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float = 0.1) -> pv.PolyData:
+    """Some of the pairs as bars between the centres; width in m."""
+    i, j = model.pair_i[which], model.pair_j[which]
+    if not len(i):
+        return pv.PolyData()
+    a, b = np.array([model.x[i], model.z[i]]).T, np.array([model.x[j], model.z[j]]).T
+    along = (b - a) / np.hypot(*(b - a).T)[:, None]
+    side = 0.5 * width[which][:, None] * np.column_stack([-along[:, 1], along[:, 0]])
+    corners = np.stack([a - side, a + side, b + side, b - side], axis=1).reshape(-1, 2)
+    points = np.column_stack([corners, np.full(len(corners), height)])
+    faces = np.column_stack([np.full(len(i), 4), np.arange(4 * len(i)).reshape(-1, 4)])
+    return pv.PolyData(points, faces=faces.ravel())
+
+
+def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
+    """Every disc in the colour of its layer; boundary discs dark. A spoke shows how far a disc has turned."""
+    window = window_of(model)
+
+    def draw(plotter: pv.Plotter) -> None:
+        for k in range(-1, len(model.springs.layers)):
+            mesh = discs(model, model.layer == k)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
+        tip = model.radius * np.array([np.cos(model.angle), np.sin(model.angle)])
+        free = ~model.fixed
+        spokes = np.stack([model.x, model.z, model.x + tip[0], model.z + tip[1]], axis=1)[free].reshape(-1, 2)
+        lines = np.column_stack([spokes, np.full(len(spokes), 0.1)])
+        plotter.add_mesh(pv.line_segments_from_points(lines), color=INK, line_width=1, opacity=0.35, lighting=False)
+
+    counts = np.bincount(model.layer + 1, minlength=len(model.springs.layers) + 1)
+    handles = [
+        Patch(color=soil_colour(k), label=f"{layer.name} ({counts[k + 1]})")
+        for k, layer in enumerate(model.springs.layers)
+        if counts[k + 1]
+    ]
+    if counts[0]:
+        handles.append(Patch(color=BOUNDARY, label=f"boundary ({counts[0]})"))
+    _write(path, title, window, draw, model, handles)
+
+
+def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs") -> None:
+    """Whole pore springs green, cracked ones red."""
+    window = window_of(model)
+    whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
+    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
+
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
+        near = model.distance() < 1.5 * np.abs(model.pore_length)  # others would cross the picture
+        for which, colour in ((whole, WHOLE), (cracked & near, CRACKED)):
+            mesh = bars(model, which, width)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=colour, lighting=False)
+
+    handles = [
+        Line2D([], [], color=WHOLE, lw=3, label=f"whole ({whole.sum()})"),
+        Line2D([], [], color=CRACKED, lw=3, label=f"cracked ({cracked.sum()})"),
+    ]
+    _write(path, title, window, draw, model, handles)
+
+
+def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
+    """Two views, as the paper's Figs 12 and 13: how far every disc has come since `before`, and its pore springs."""
+    window = window_of(model)
+    far = np.hypot(model.x - before.x, model.z - before.z)
+    norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
+    whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
+    near = model.distance() < 1.5 * np.abs(model.pore_length)
+    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
+
+    def moved(plotter: pv.Plotter) -> None:
+        draw_values(plotter, model, far, norm, model.fixed)
+
+    def springs(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
+        for which, colour in ((whole, WHOLE), (cracked & near, CRACKED)):
+            mesh = bars(model, which, width)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=colour, lighting=False)
+
+    foot = f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed; {int(cracked.sum())} of "
+    foot += f"{int(cracked.sum() + whole.sum())} pore springs cracked"
+    sheet = Sheet(title, [window.proportion] * 2, foot, 2)
+    sheet.show(0, render(window, moved), window, "displacement")
+    sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
+    colour_bar(sheet, "displacement (m)", norm)
+    sheet.save(path)
+
+
+def nice(value: float) -> float:
+    """The next round number above a positive one: 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * (1 - 1e-9)))
+
+
+def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
+    """Discs in the colour of a value, and some of them dark."""
+    mesh = discs(model, ~dark)
+    mesh["value"] = values[mesh["disc"]]
+    plotter.add_mesh(
+        mesh, scalars="value", cmap=FAR, clim=(norm.vmin, norm.vmax), lighting=False, show_scalar_bar=False
+    )
+    fixed = discs(model, dark)
+    if fixed.n_points:
+        plotter.add_mesh(fixed, color=BOUNDARY, lighting=False)
+
+
+def colour_bar(sheet: Sheet, label: str, norm: Normalize) -> None:
+    """A scale under the views."""
+    left, top = sheet.legend_at
+    box = sheet.figure.add_axes((left, top - 0.012, 0.35, 0.018))
+    bar = sheet.figure.colorbar(ScalarMappable(norm, FAR), cax=box, orientation="horizontal", extend="max")
+    bar.set_label(label, fontsize=7.5, color=INK, labelpad=1)
+    bar.ax.tick_params(labelsize=7, colors=INK, length=2)
+
+
+def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> None:
+    """Every disc in the colour of its speed, with arrows on some of them."""
+    window = window_of(model)
+    speed = np.hypot(model.vx, model.vz)
+    fastest = float(speed.max()) or 1.0
+    free = np.flatnonzero(~model.fixed)
+    # an arrow for each place of a coarse grid, so that they do not hide each other
+    coarse = 6.0 * model.radius.mean()
+    cell = np.column_stack([model.x[free] // coarse, model.z[free] // coarse])
+    shown = free[np.unique(cell, axis=0, return_index=True)[1]]
+
+    def draw(plotter: pv.Plotter) -> None:
+        mesh = discs(model, np.ones(len(model), bool))
+        mesh["speed"] = speed[mesh["disc"]]
+        plotter.add_mesh(mesh, scalars="speed", cmap=SPEEDS, clim=(0.0, fastest), lighting=False, show_scalar_bar=False)
+        arrows = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model), 0.1)])[shown])
+        arrows["v"] = np.column_stack([model.vx, model.vz, np.zeros(len(model))])[shown] * (1.2 * coarse / fastest)
+        glyphs = arrows.glyph(orient="v", scale="v", geom=pv.Arrow(tip_radius=0.12, shaft_radius=0.04))
+        plotter.add_mesh(glyphs, color="white", lighting=False)
+
+    _write(path, title, window, draw, model, [], ("speed (m/s)", Normalize(0.0, fastest)))
+
+
+def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains") -> None:
+    """Bars between touching discs, as wide as they push; pulling pore springs in red."""
+    window = window_of(model)
+    normal = contact_forces(model).normal
+    size = np.abs(normal)
+    # the strongest few would leave the rest as hairs
+    scale = float(np.percentile(size[size > 0.0], 99)) if np.any(size > 0.0) else 1.0
+    width = 1.6 * model.radius.mean() * np.minimum(size / scale, 1.0)
+
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
+        for which, colour in ((normal > 0.0, INK), (normal < 0.0, CRACKED)):
+            mesh = bars(model, which & (size > 0.01 * scale), width)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=colour, lighting=False)
+
+    full = f"{scale / 1e3:,.0f} kN/m"
+    handles = [Line2D([], [], color=INK, lw=6, label=f"push; widest bars {full} and more")]
+    if np.any(normal < -0.01 * scale):
+        handles.append(Line2D([], [], color=CRACKED, lw=6, label="pull"))
+    _write(path, title, window, draw, model, handles)
+
+
+def _write(
+    path: Path | str,
+    title: str,
+    window: Window,
+    draw: object,
+    model: DiscModel,
+    handles: list,
+    scale: tuple[str, Normalize] | None = None,
+) -> None:
+    columns = min(6, max(1, len(handles)))
+    rows = -(-len(handles) // columns) if handles else (2 if scale else 0)
+    foot = f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed; t = {model.time:.4g} s"
+    sheet = Sheet(title, [window.proportion], foot, rows)
+    axes = sheet.show(0, render(window, draw), window)  # type: ignore[arg-type]
+    axes.set_ylabel("z (m)", fontsize=8, labelpad=2, color=INK)
+    axes.set_xlabel("x (m)", fontsize=8, labelpad=1, color=INK)
+    if handles:
+        sheet.legend(handles, columns)
+    if scale:
+        label, norm = scale
+        left, top = sheet.legend_at
+        box = sheet.figure.add_axes((left, top - 0.01, 0.35, 0.025))
+        bar = sheet.figure.colorbar(ScalarMappable(norm, SPEEDS), cax=box, orientation="horizontal")
+        bar.set_label(label, fontsize=7.5, color=INK, labelpad=1)
+        bar.ax.tick_params(labelsize=7, colors=INK, length=2)
+    sheet.save(path)

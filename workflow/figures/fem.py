@@ -1,0 +1,169 @@
+"""Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
+
+import textwrap
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
+
+from fem.fields import State, slip_surface
+from meshes.quadrilaterals import QuadMesh
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
+from workflow.figures.ground import foot, unstructured
+from workflow.results.fem_states import FemResults
+from workflow.run.store import Store
+from workflow.settings import Input
+
+# Mobilised over available shear strength: pale where there is much in hand, red at failure.
+SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
+SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
+SLIP = "#111111"
+NOTE_CHARACTERS = 88
+
+
+def draw_all(run: Input, results: FemResults, store: Store) -> None:
+    """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png; removes older ones."""
+    drawn: dict[int, Views] = {}
+    names = ["figures/fem_curve.png"]
+    for state in results.states:
+        same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+        if same not in drawn:
+            drawn[same] = _views(results.mesh, state)
+        names.append(picture_of(run, state))
+        with store.writing(names[-1]) as path:
+            _state_sheet(run, results.answer["element"], state, drawn[same]).save(path)
+    with store.writing(names[0]) as path:
+        _curve_sheet(run, results.answer).save(path)
+    store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
+
+
+def draw_state(run: Input, results: FemResults, state: State, store: Store) -> str:
+    """Draw one state again; returns the name of its picture."""
+    name = picture_of(run, state)
+    with store.writing(name) as path:
+        _state_sheet(run, results.answer["element"], state, _views(results.mesh, state)).save(path)
+    return name
+
+
+def picture_of(run: Input, state: State) -> str:
+    """The name of the picture of a state."""
+    is_end = not state.past_equilibrium and state.kh not in run.fem.kh
+    return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
+
+
+def conditions(run: Input, element: str) -> str:
+    """What a critical Kh depends on and must be said beside it."""
+    flow = "ψ = φ" if run.fem.flow == "associated" else "ψ as given (" + _dilations(run) + ")"
+    kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
+    return f"sides {run.fem.sides}, {flow}, {element} element, pushed {run.fem.direction}{kv}"
+
+
+def _dilations(run: Input) -> str:
+    angles = sorted({round(float(np.degrees(s.dilation_angle)), 1) for s in run.strata})
+    return "°, ".join(f"{angle:g}" for angle in angles) + "°"
+
+
+class Views(NamedTuple):
+    """The rendered views of a state, its slip surface, and how much longer than true the arrows are."""
+
+    arrows: np.ndarray
+    safety: np.ndarray
+    slip: np.ndarray
+    stretch: float
+    largest: float
+    window: Window
+
+
+def _views(mesh: QuadMesh, state: State) -> Views:
+    window = Window.around(mesh.points)
+    grid = unstructured(mesh)
+    largest = float(np.hypot(*state.displacement.T).max())
+    stretch = nice_number(0.04 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
+
+    def arrows(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(grid, color="#efece4", lighting=False)
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+        every = spread(mesh.points, window)
+        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
+        points["u"] = np.column_stack([state.displacement[every] * stretch, np.zeros(len(every))])
+        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
+        plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=CONTINUUM, lighting=False)
+
+    def safety(plotter: pv.Plotter) -> None:
+        grid.cell_data["safety"] = np.digitize(state.safety_factor, SAFETY_BOUNDS[1:-1])
+        plotter.add_mesh(
+            grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
+            lighting=False, show_scalar_bar=False,
+            show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
+        )  # fmt: skip
+
+    return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest, window)
+
+
+def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
+    window = views.window
+    title = f"{run.title or run.name}: FEM, {state.label}"
+    sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
+    shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
+    sheet.show(0, views.arrows, window, shown)
+    axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
+    if len(views.slip):
+        axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
+    scale = ScalarMappable(BoundaryNorm(SAFETY_BOUNDS, len(SAFETY_COLOURS)), ListedColormap(list(SAFETY_COLOURS)))
+    left, top = sheet.legend_at
+    height = sheet.figure.get_figheight()
+    bar = sheet.figure.add_axes((left, top - 0.22 / height, 0.42, 0.12 / height))
+    sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=SAFETY_BOUNDS)
+    bar.tick_params(labelsize=7, colors=INK, length=2)
+    bar.set_xlabel("mobilised / available shear strength (-); 1: failure", fontsize=7, color=INK, labelpad=1)
+    notes = [f"{conditions(run, element)}. Dotted: largest shear strain along x."]
+    if state.past_equilibrium:
+        notes.append(
+            f"There is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
+        )
+    lines = [line for text in notes for line in textwrap.wrap(text, NOTE_CHARACTERS)]
+    sheet.figure.text(0.52, top, "\n".join(lines), fontsize=7.5, color=INK, va="top")
+    return sheet
+
+
+def nice_number(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
+
+
+def _curve_sheet(run: Input, answer: dict[str, Any]) -> Sheet:
+    sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
+    axes = sheet.plot(
+        0,
+        "mean horizontal displacement, weighted by seismic mass (cm)",
+        "seismic coefficient Kh (-)",
+        f"critical Kh = {answer['kc']:.3f}, at most {answer['kc_upper']:.3f}: {answer['verdict']}; "
+        f"{conditions(run, answer['element'])}",
+    )
+    moving = [step for step in answer["curve"] if not step["at_rest"]]
+    resting = [step for step in answer["curve"] if step["balanced"]]
+    axes.plot(
+        [0.0, *(100 * s["displacement"] for s in moving)], [0.0, *(s["factor"] for s in moving)],
+        color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2,
+    )  # fmt: skip
+    axes.plot(
+        [100 * s["displacement"] for s in resting], [s["factor"] for s in resting], "s", color=INK, markersize=3.5
+    )
+    axes.axhspan(answer["kc_lower"], answer["kc_upper"], color=CRITICAL, alpha=0.15, linewidth=0)
+    axes.axhline(answer["kc"], color=CRITICAL, linewidth=1.0)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
+    handles = [
+        Line2D([], [], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
+        Line2D([], [], color=CRITICAL, linewidth=1.0, label="largest Kh in equilibrium, and its bracket"),
+    ]
+    if resting:
+        handles.append(
+            Line2D([], [], color=INK, marker="s", linestyle="", markersize=3.5, label="at rest, without overstress")
+        )
+    sheet.legend(handles, 3)
+    return sheet

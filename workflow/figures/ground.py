@@ -1,0 +1,178 @@
+"""Pictures of the ground and of its mesh."""
+
+import textwrap
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pyvista as pv
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path as Outline
+from vtkmodules.vtkCommonCore import vtkStringArray
+
+from meshes.quadrilaterals import QuadMesh
+from meshes.section.section import Section
+from workflow.figures.canvas import (
+    INK,
+    LEGEND_CHARACTERS,
+    WATER,
+    WIDTH,
+    Sheet,
+    Window,
+    legend_columns,
+    render,
+    soil_colour,
+)
+
+HATCH = "...."
+FOOT_CHARACTERS = 190
+
+
+def foot(section: Section) -> str:
+    """The note at the foot of every picture of a section: that it is a reconstruction, if it is one."""
+    text = f"Reconstruction. {section.reconstruction_note}" if section.reconstruction else ""
+    return textwrap.fill(text, FOOT_CHARACTERS)
+
+
+def surfaces(section: Section) -> list[tuple[int, pv.PolyData]]:
+    """The strata as flat triangulated surfaces, with their index; a stratum may come in several pieces."""
+    pieces = []
+    for k in range(len(section.strata)):
+        for polygon in section.layering.polygons(k):
+            flat = pv.PolyData(
+                np.column_stack([polygon, np.zeros(len(polygon))]),
+                faces=[len(polygon), *range(len(polygon))],
+            )
+            pieces.append((k, flat.triangulate()))
+    return pieces
+
+
+class Overlay(NamedTuple):
+    """A line drawn over a section: its points (n, 2) in m, colour, pattern of dashes, and what it is."""
+
+    points: np.ndarray
+    colour: str
+    dashes: tuple[int, tuple[int, ...]]
+    label: str
+
+
+def draw_section(section: Section, path: Path, title: str = "layers", lines: Sequence[Overlay] = ()) -> None:
+    """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it."""
+    window = Window.around(section.outline())
+
+    def draw(plotter: pv.Plotter) -> None:
+        for k, surface in surfaces(section):
+            plotter.add_mesh(surface, color=soil_colour(k), lighting=False)
+
+    handles = _legend_of(section)
+    handles += [
+        Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
+    ]
+    sheet = _sheet(section, f"{section.title or section.name}: {title}", window, handles)
+    for axes in _show(sheet, window, draw):
+        for k, stratum in enumerate(section.strata):
+            hatch = HATCH if stratum.liquefiable else None
+            for polygon in section.layering.polygons(k):
+                closed = Outline(np.vstack([polygon, polygon[:1]]))
+                axes.add_patch(PathPatch(closed, facecolor="none", edgecolor=INK, linewidth=0.6, hatch=hatch))
+        water = section.water_points()
+        if water is not None:
+            axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
+        for line in lines:
+            axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
+    sheet.save(path)
+
+
+def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
+    """The quadrilaterals, coloured by stratum, with their quality."""
+    window = Window.around(mesh.points)
+    grid = unstructured(mesh)
+    colours = [soil_colour(k) for k in range(len(mesh.strata))]
+    quality = mesh.quality()
+    title = (
+        f"{section.title or section.name}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes "
+        f"({mesh.method})"
+    )
+    subtitle = (
+        f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
+        f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"
+    )
+    line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
+    # Where cells are but a few pixels, full lines would hide the colours.
+    pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
+    opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
+
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(
+            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
+            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
+        )  # fmt: skip
+
+    sheet = _sheet(section, title, window, _legend_of(section, water=False))
+    _show(sheet, window, draw, subtitle)
+    sheet.save(path)
+
+
+def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) -> Sheet:
+    """A sheet with a view for every exaggeration of the window, its legend and the note on a reconstruction."""
+    columns = legend_columns(handles)
+    heights = [much * window.proportion for much in window.exaggerations()]
+    sheet = Sheet(title, heights, foot(section), -(-len(handles) // columns))
+    sheet.legend(handles, columns)
+    return sheet
+
+
+def _show(sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], title: str = "") -> list[Axes]:
+    """Render into every view of a sheet; the title goes to the first, and each says what its heights are."""
+    views = []
+    for view, much in enumerate(window.exaggerations()):
+        heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
+        text = f"{heights}; {title}" if title and view == 0 else heights
+        views.append(sheet.show(view, render(window, draw, exaggeration=much), window, text, much))
+    return views
+
+
+def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
+    """The mesh for VTK, with the index of the stratum in every cell and the names as field data."""
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
+    grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
+    add_texts(grid, "strata", mesh.strata)
+    return grid
+
+
+def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
+    """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
+    grid = unstructured(mesh)
+    add_texts(grid, "section", [section.title or section.name])
+    if section.reconstruction:
+        add_texts(grid, "reconstruction", [section.reconstruction_note])
+    return grid
+
+
+def add_texts(grid: pv.UnstructuredGrid, name: str, texts: Sequence[str]) -> None:
+    """Texts as a named field array; pyvista's own way takes ASCII only."""
+    array = vtkStringArray()
+    array.SetName(name)
+    for text in texts:
+        array.InsertNextValue(text)
+    grid.GetFieldData().AddArray(array)
+
+
+def _legend_of(section: Section, water: bool = True) -> list[Artist]:
+    handles: list[Artist] = []
+    for k, stratum in enumerate(section.strata):
+        label = stratum.name + (f": {stratum.description}" if stratum.description else "")
+        if stratum.liquefiable:
+            label += " (liquefiable)"
+        label = textwrap.shorten(label, LEGEND_CHARACTERS - 10, placeholder=" ...")
+        label = " " + label if label.startswith("_") else label  # matplotlib hides labels that begin with _
+        hatch = HATCH if stratum.liquefiable and water else None
+        handles.append(Patch(facecolor=soil_colour(k), edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
+    if water and section.water_table is not None:
+        handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
+    return handles

@@ -1,0 +1,147 @@
+"""Single pictures of a run: one field at one Kh, as a file or in a window."""
+
+import ctypes
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from fem.fields import State
+from meshes.errors import InputError
+from meshes.quadrilaterals import QuadMesh
+from workflow.figures import fem as fem_figures
+from workflow.figures.canvas import INK, Sheet, Window, render
+from workflow.figures.fields import FIELDS, Field
+from workflow.figures.ground import foot, unstructured
+from workflow.results.fem_states import FemResults
+from workflow.results.results import Results
+from workflow.stages import Job
+
+
+def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
+    """Draw one field, or the usual picture without one, of the states at one Kh, or of all without it.
+
+    Returns the files. Raises InputError if there is no such field or no state at that Kh.
+    """
+    results = _results(job)
+    chosen = _field(field) if field else None
+    paths = []
+    for state in _states(results, at):
+        if field is None or chosen is None:
+            name = fem_figures.draw_state(job.run, results, state, job.store)
+        elif state.past_equilibrium and at is None:
+            continue  # it would show the last state once more
+        else:
+            name = f"figures/field_{field}_kh_{state.kh:.3f}.png"
+            with job.store.writing(name) as path:
+                _sheet(job, results.mesh, state, chosen).save(path)
+        paths.append(job.store.folder / name)
+    return paths
+
+
+def window(job: Job, field: str, at: float | None) -> None:
+    """Open a window with a field on the mesh; raises InputError where there is no screen."""
+    results, chosen = _results(job), _field(field)
+    states = _states(results, at)
+    missing = no_screen()
+    if missing:
+        raise InputError(
+            "screen",
+            [
+                f"there is none ({missing}); look at the pictures in "
+                f"{job.store.folder / 'figures'}, draw one with noshiro plot {job.store.folder} --field {field}, or "
+                f"open {job.store.folder / 'fem/fields.pvd'} in ParaView"
+            ],
+        )
+    state = [state for state in states if not state.past_equilibrium or at is not None][-1]
+    title = f"{job.run.title or job.run.name}: {chosen.label}, {state.label}"
+    plotter = pv.Plotter(title=title)
+    plotter.set_background("white")
+    grid = _grid(results.mesh, state, chosen)
+    bar = {"title": chosen.label, "color": INK}
+    plotter.add_mesh(grid, scalars="shown", cmap=chosen.colours, lighting=False, scalar_bar_args=bar)
+    plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK)
+    plotter.view_xy()
+    plotter.show()
+
+
+def no_screen() -> str:
+    """Why no window can be opened, empty if one can. VTK draws by X, and only warns where that does not answer."""
+    if sys.platform != "linux":
+        return ""
+    display = os.environ.get("DISPLAY")
+    if not display:
+        return "DISPLAY is not set"
+    try:
+        x11 = ctypes.CDLL("libX11.so.6")
+    except OSError:
+        return "libX11 is not installed"
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    opened = x11.XOpenDisplay(None)
+    if opened is None:
+        return f"nothing answers at DISPLAY={display}"
+    x11.XCloseDisplay(ctypes.c_void_p(opened))
+    return ""
+
+
+def _results(job: Job) -> FemResults:
+    """The FEM results of the folder; raises InputError if there are none of this input."""
+    results = Results.of(job)
+    if results.fem is None:
+        why = results.missing.get("fem", "the stage fem ended without an answer")
+        raise InputError(str(job.store.folder), [f"holds no FEM results: {why}"])
+    return FemResults.load(job.run, job.store)
+
+
+def _field(name: str) -> Field:
+    if name not in FIELDS:
+        raise InputError("--field", [f"{name!r}: expected one of {', '.join(FIELDS)}"])
+    return FIELDS[name]
+
+
+def _states(results: FemResults, at: float | None) -> list[State]:
+    if at is None:
+        return results.states
+    found = [state for state in results.states if abs(state.kh - at) < 5e-4]
+    if not found:
+        there = ", ".join(f"{state.kh:.3f}" for state in results.states)
+        raise InputError("--at", [f"{at:g}: there is no state at this Kh; expected one of {there}, or set fem.kh"])
+    return found
+
+
+def _grid(mesh: QuadMesh, state: State, field: Field) -> pv.UnstructuredGrid:
+    grid = unstructured(mesh)
+    data = grid.point_data if field.by_point else grid.cell_data
+    data["shown"] = np.asarray(field.values(state), dtype=float)
+    return grid
+
+
+def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
+    """The section in the colours of a field, in true proportions, with its scale."""
+    view = Window.around(mesh.points)
+    grid = _grid(mesh, state, field)
+    low, high = float(grid["shown"].min()), float(grid["shown"].max())
+    high = high if high > low else low + 1.0
+
+    def paint(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(
+            grid, scalars="shown", cmap=field.colours, clim=(low, high), lighting=False, show_scalar_bar=False
+        )
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+
+    title = f"{job.run.title or job.run.name}: {field.label}"
+    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.run), legend_rows=2)
+    for number, much in enumerate(view.exaggerations()):
+        heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
+        sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)
+    left, top = sheet.legend_at
+    height = sheet.figure.get_figheight()
+    bar = sheet.figure.add_axes((left, top - 0.22 / height, 0.42, 0.12 / height))
+    sheet.figure.colorbar(ScalarMappable(Normalize(low, high), field.colours), cax=bar, orientation="horizontal")
+    bar.tick_params(labelsize=7, colors=INK, length=2)
+    bar.set_xlabel(field.label, fontsize=7, color=INK, labelpad=1)
+    return sheet

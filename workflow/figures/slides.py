@@ -1,0 +1,153 @@
+"""Pictures of the slides: where the discs came to lie, an animation, settlement and slide in time."""
+
+import csv
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+from PIL import Image, ImageDraw, ImageFont
+
+from meshes.section.section import Section
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
+from workflow.figures.discs import BOUNDARY, colour_bar, discs, draw_values, nice, window_of
+
+SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
+FRAME_WIDTH = 1000  # px
+FRAME_MS = 120
+HOLD_MS = 2000  # the last frame
+COLOURS = {1: CONTINUUM, 2: DISCS, 3: CRITICAL}
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One state of a slide, as its .vtp holds it."""
+
+    x: np.ndarray
+    z: np.ndarray
+    radius: np.ndarray
+    stratum: np.ndarray
+    moved: np.ndarray
+    seconds: float
+
+    @classmethod
+    def read(cls, path: Path) -> "Frame":
+        """The state in a .vtp."""
+        grid = pv.read(path)
+        moved = np.hypot(*np.asarray(grid.point_data["displacement_m"])[:, :2].T)
+        x, z, _ = np.asarray(grid.points, float).T
+        radius, stratum = np.asarray(grid.point_data["radius_m"]), np.asarray(grid.point_data["stratum"])
+        return cls(x, z, radius, stratum, moved, float(grid.field_data["seconds"][0]))
+
+    @property
+    def free(self) -> np.ndarray:
+        """Mask of the discs that can move."""
+        return self.stratum >= 0
+
+    def scale(self) -> Normalize:
+        """A colour scale that a few discs rolling away do not stretch."""
+        return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
+
+
+def name_of(run: Section, springs: str, case: int) -> str:
+    """The title of a case."""
+    return f"{run.title or run.name}: case {case}, {SPRINGS.get(springs, springs)}"
+
+
+def end(run: Section, path: Path, case: dict[str, Any], springs: str, number: int, out: Path) -> None:
+    """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
+    frame = Frame.read(path)
+    window, norm = window_of(frame), frame.scale()
+    before, after = np.array(case["surface_before"]), np.array(case["surface_after"])
+
+    def strata(plotter: pv.Plotter) -> None:
+        for k in range(-1, len(run.strata)):
+            mesh = discs(frame, frame.stratum == k)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
+
+    title = (
+        f"{name_of(run, springs, number)}: slides at most {case['slide_max_m']:.2f} m, settles "
+        f"{case['settlement_uphill_m']:.2f} m uphill"
+    )
+    foot = (
+        f"after {frame.seconds:.1f} s: {case['reason']}. Stiffness of the liquefied layers times {case['stiffness']:g}."
+    )
+    sheet = Sheet(title, [window.proportion] * 2, foot, 2)
+    axes = sheet.show(
+        0,
+        render(window, partial(draw_frame, frame=frame, norm=norm)),
+        window,
+        "displacement, and the surface before and after",
+    )
+    axes.plot(*before.T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
+    axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
+    sheet.show(1, render(window, strata), window, "layers")
+    colour_bar(sheet, "displacement (m)", norm)
+    lines = [
+        Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
+        Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),
+    ]
+    sheet.figure.legend(
+        handles=lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
+        frameon=False, borderaxespad=0.0, labelcolor=INK,
+    )  # fmt: skip
+    sheet.save(out)
+
+
+def animate(run: Section, paths: list[Path], springs: str, number: int, out: Path) -> None:
+    """A GIF of all states of a case, displacement in colour."""
+    last = Frame.read(paths[-1])
+    norm, window = last.scale(), window_of(Frame.read(paths[0]))
+    window = Window(window.left, window.right, window.bottom, window.top)
+    font = ImageFont.load_default(size=17)
+    images = []
+    for path in paths:
+        frame = Frame.read(path)
+        picture = render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH)
+        image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
+        image.paste(Image.fromarray(picture), (0, 34))
+        text = f"{name_of(run, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
+        ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
+        images.append(image.quantize(64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
+    durations = [FRAME_MS] * (len(images) - 1) + [HOLD_MS]
+    images[0].save(
+        out, format="GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=True
+    )
+
+
+def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
+    """The discs of a frame in the colour of their displacement."""
+    draw_values(plotter, frame, frame.moved, norm, ~frame.free)
+
+
+def history(run: Section, table: Path, out: Path) -> None:
+    """Settlement uphill and largest slide against time, a line for each case."""
+    with table.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    sheet = Sheet(f"{run.title or run.name}: slides in time", [0.26, 0.26], "", 2)
+    handles = []
+    curves = (
+        ("slide_max_m", "largest slide of the surface (m)"),
+        ("settlement_uphill_m", "settlement, uphill third (m)"),
+    )
+    for view, (key, label) in enumerate(curves):
+        axes = sheet.plot(view, "time since the onset (s)", label)
+        for springs, case in sorted({(row["set"], int(row["case"])) for row in rows}):
+            mine = [row for row in rows if row["set"] == springs and int(row["case"]) == case]
+            style: dict[str, Any] = {
+                "color": COLOURS.get(case, INK),
+                "linestyle": "-" if springs == "calibrated" else (0, (4, 2)),
+                "linewidth": 1.2,
+            }
+            axes.plot([float(r["time_s"]) for r in mine], [float(r[key]) for r in mine], **style)
+            if view == 0:
+                what = f"case {case}" if case else "Kh alone"
+                handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(springs, springs)}", **style))
+        axes.set_xlim(left=0.0)
+    sheet.legend(handles, 4)
+    sheet.save(out)

@@ -1,0 +1,1 @@
+"""Answers in words: the page, the terminal, the summary, the table of the paper."""

@@ -1,0 +1,89 @@
+"""What the stages found, in sentences: told after each command and at the top of the report."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from workflow.run.store import Store
+from workflow.settings import Input
+
+
+def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
+    """How many cells, and how good."""
+    from workflow.stages.mesh import stored_mesh
+
+    mesh = stored_mesh(run, store)
+    quality = mesh.quality()
+    yield (
+        f"{quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method}). "
+        f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
+        f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
+    )
+
+
+def fem_sentences(answer: dict[str, Any]) -> Iterator[str]:
+    """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
+    yield (
+        f"Critical Kh = {answer['kc']:.4f}, at most {answer['kc_upper']:.4f}: {answer['verdict']}, {answer['reason']}."
+    )
+    if answer["remedy"]:
+        yield f"To improve on this: {answer['remedy']}."
+    for factor in answer["safety_factors"]:
+        yield (
+            f"Factor of safety at Kh = {factor['kh']:g}: {factor['factor']:.3f}, at most {factor['upper']:.3f}: "
+            f"{factor['verdict']}, {factor['reason']}."
+        )
+
+
+def bounds_sentences(answer: dict[str, Any]) -> Iterator[str]:
+    """The bracket of fem/bounds.json."""
+    yield f"Strict bounds: {answer['words']}"
+
+
+def calibrate_sentences(answer: dict[str, Any]) -> Iterator[str]:
+    """How the discs were calibrated, from dem/calibration.json."""
+    if answer["kc"] is None:
+        yield f"Discs: no critical Kh: {answer['verdict']}, {answer['reason']}."
+    elif answer["range"] is None:
+        yield (
+            f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}), not "
+            f"calibrated: {answer['reason']}."
+        )
+    elif answer["verdict"] == "calibrated":
+        yield (
+            f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}) for "
+            f"{answer['target_kc']:.4f} asked, with {answer['parameter']} = {answer['value']:.4g}."
+        )
+    else:
+        low, high = answer["range"]
+        yield (
+            f"Discs: {answer['parameter']} from {low:g} to {high:g} does not reach critical Kh = "
+            f"{answer['target_kc']:.4f}; nearest {answer['kc']:.4f} at {answer['value']:.4g}: {answer['reason']}."
+        )
+
+
+def slide_sentences(answer: dict[str, Any]) -> Iterator[str]:
+    """How far each case slides, from dem/cases.json."""
+    for name, cases in answer["sets"].items():
+        for number, case in sorted(cases.items()):
+            settled = "" if case["settled"] else f"; it has not come to rest: {case['reason']}"
+            yield (
+                f"Case {number} ({name}): slides at most {case['slide_max_m']:.2f} m at x = "
+                f"{case['slide_max_at_x_m']:.0f} m, settles {case['settlement_uphill_m']:.2f} m uphill{settled}."
+            )
+
+
+def sentences(name: str, run: Input, store: Store) -> Iterator[str]:
+    """What a stage found that has an answer."""
+    if name == "mesh":
+        yield from mesh_sentences(run, store)
+    elif name in FROM_JSON:
+        file, tell = FROM_JSON[name]
+        yield from tell(store.read_json(file))
+
+
+FROM_JSON = {
+    "fem": ("fem/critical.json", fem_sentences),
+    "bounds": ("fem/bounds.json", bounds_sentences),
+    "calibrate": ("dem/calibration.json", calibrate_sentences),
+    "slide": ("dem/cases.json", slide_sentences),
+}

@@ -1,0 +1,62 @@
+"""Discs and their pore springs as VTK files, in the section's frame."""
+
+from pathlib import PurePath
+
+import numpy as np
+import pyvista as pv
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from workflow.run.store import Store
+
+
+def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
+    """Discs as points with radius_m, stratum (-1: boundary), displacement_m and velocity_m_s since `before`; pore
+    springs as lines, with cracked = 1 for those that are; cracked = -1 stands on the cells of points."""
+    x, z = ground.to_section(model.x, model.z)
+    n = len(model)
+    near = model.distance() < 1.5 * np.abs(model.pore_length)  # discs that parted long ago are not joined in a picture
+    i, j = model.pair_i[near], model.pair_j[near]
+    grid = pv.PolyData()
+    grid.points = np.column_stack([x, z, np.zeros(n)])
+    grid.verts = np.column_stack([np.ones(n, int), np.arange(n)]).ravel()
+    if len(i):
+        grid.lines = np.column_stack([np.full(len(i), 2), i, j]).ravel()
+    grid.point_data["radius_m"] = model.radius
+    grid.point_data["stratum"] = model.layer
+    for name, u, v in (
+        ("displacement_m", model.x - before.x, model.z - before.z),
+        ("velocity_m_s", model.vx, model.vz),
+    ):
+        dx, dz = ground.turned(u, v)
+        grid.point_data[name] = np.column_stack([dx, dz, np.zeros(n)])
+    grid.cell_data["cracked"] = np.concatenate([np.full(n, -1), (model.pore_length[near] < 0.0).astype(int)])
+    return grid
+
+
+def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
+    """One state of a slide, with the seconds since its onset."""
+    grid = grid_of(model, before, ground)
+    grid.field_data["seconds"] = np.array([seconds])
+    store.write_grid(name, grid)
+
+
+def write_collection(store: Store, name: str) -> None:
+    """dem/<name>.pvd over the frames of a case, with their times."""
+    states = [
+        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix("dem/"))
+        for file in frames(store, name).values()
+    ]
+    if states:
+        store.write_collection(f"dem/{name}.pvd", states)
+
+
+def frame_file(name: str, number: int) -> str:
+    """The file of a state of a case."""
+    return f"dem/{name}/frame_{number:03d}.vtp"
+
+
+def frames(store: Store, name: str) -> dict[int, str]:
+    """The files of a case by their numbers, in time."""
+    files = store.matching([f"dem/{name}/frame_*.vtp"])
+    return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))

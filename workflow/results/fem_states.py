@@ -1,0 +1,56 @@
+"""What the stage `fem` left, read back for pictures and report: nothing is computed again."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pyvista as pv
+
+from fem.fields import State
+from meshes.quadrilaterals import QuadMesh
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages.mesh import stored_mesh
+
+ANSWER, COLLECTION = "fem/critical.json", "fem/fields.pvd"
+
+
+def fields_file(number: int) -> str:
+    """The name within fem/ of the fields of an equilibrium, by its place among those."""
+    return f"fields_{number}.vtu"
+
+
+@dataclass(frozen=True)
+class FemResults:
+    """The mesh, the ``answer`` as fem/critical.json holds it, and a state for each of the answer's states."""
+
+    mesh: QuadMesh
+    answer: dict[str, Any]
+    states: list[State]
+
+    @classmethod
+    def load(cls, run: Input, store: Store) -> "FemResults":
+        """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
+        answer = store.read_json(ANSWER)
+        states: list[State] = []
+        for told in answer["states"]:
+            if told["past_equilibrium"]:  # the answer shows the last state of the path in its place
+                last = next(state for state in reversed(states) if not state.past_equilibrium)
+                states.append(replace(last, label=told["label"], kh=told["kh"], past_equilibrium=True))
+            else:
+                grid = pv.read(store.folder / "fem" / fields_file(len(states)))
+                states.append(_state(grid, told["label"], told["kh"]))
+        return cls(stored_mesh(run, store), answer, states)
+
+
+def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:
+    cells = grid.cell_data
+    return State(
+        label,
+        kh,
+        np.array(grid.point_data["displacement_m"])[:, :2],
+        np.array(cells["stress_xx_yy_zz_xy_Pa"]),
+        np.array(cells["shear_strain"]),
+        np.array(cells["plastic_shear_strain"]),
+        np.array(cells["safety_factor"]),
+    )

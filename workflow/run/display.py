@@ -1,0 +1,132 @@
+"""How a run is shown: stages, progress, the quantity that matters and the time left; plain lines without a terminal."""
+
+import time
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+
+from rich.console import Console
+from rich.live import Live
+from rich.markup import escape
+from rich.table import Table
+from rich.text import Text
+
+from workflow.run.plan import Step
+from workflow.run.progress import Progress, duration, time_left
+from workflow.run.record import Entry
+from workflow.stages import Stage
+
+QUIET, NORMAL, VERBOSE = 0, 1, 2
+BAR = 14
+MARKS = {"wait": " ", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-"}
+STYLES = {"run": "bold", "done": "green", "part": "green", "no answer": "red", "off": "dim", "wait": "dim"}
+
+
+class Row:
+    """The state of one stage on the screen."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self.state, self.line, self.share = "wait", stage.what, None  # type: tuple[str, str, float | None]
+        self.start, self.seconds = 0.0, 0.0
+
+    def cells(self) -> list[Text]:
+        """Mark, name, line, and times or a bar."""
+        style = STYLES[self.state]
+        clock = ""
+        if self.state == "run":
+            elapsed = time.monotonic() - self.start
+            left = time_left(elapsed, self.share)
+            clock = duration(elapsed) + (f", {duration(left)} left" if left is not None else "")
+        elif self.seconds:
+            clock = duration(self.seconds)
+        bar = ""
+        if self.state == "run" and self.share is not None:
+            full = round(BAR * min(max(self.share, 0.0), 1.0))
+            bar = "█" * full + "░" * (BAR - full)
+        line = Text(self.line, style="dim" if self.state in ("wait", "off") else "", overflow="ellipsis", no_wrap=True)
+        return [Text(MARKS[self.state], style), Text(self.stage.name, style), line, Text(bar, "cyan"), Text(clock)]
+
+
+class Display:
+    """Listens to a run; to be used as a context.
+
+    On a terminal all stages stand below each other and change in place, on ``err``. Elsewhere lines go to ``out``: one
+    when a stage begins, one when it ends, and between them one every ``every`` seconds, or all of them when verbose.
+    """
+
+    def __init__(
+        self, out: Console, err: Console, stages: Sequence[Stage], verbosity: int = NORMAL, every: float = 10.0
+    ) -> None:
+        self.out, self.verbosity, self.every = out, verbosity, every
+        self.rows = {stage.name: Row(stage) for stage in stages}
+        self.live: Live | None = None
+        if err.is_terminal and verbosity == NORMAL:
+            self.live = Live(console=err, get_renderable=self._table, refresh_per_second=4)
+
+    def __enter__(self) -> "Display":
+        self.context: AbstractContextManager[object] = self.live or nullcontext()
+        self.context.__enter__()
+        return self
+
+    def __exit__(self, *what: object) -> None:
+        self.context.__exit__(None, None, None)
+
+    def begin(self, step: Step) -> Progress:
+        """A stage begins; returns what shows how far it is."""
+        row = self.rows[step.stage.name]
+        row.state, row.start = "run", time.monotonic()
+        self._say(f"{step.stage.name}: {step.stage.what} ({step.why})")
+        last = row.start
+
+        def progress(line: str, share: float | None) -> None:
+            nonlocal last
+            row.line, row.share = line, share
+            now = time.monotonic()
+            if self.verbosity == VERBOSE or now - last > self.every:
+                last = now
+                left = time_left(now - row.start, share)
+                self._say(f"{step.stage.name}: {line}" + (f", {duration(left)} left" if left is not None else ""))
+
+        return progress
+
+    def end(self, step: Step, entry: Entry) -> None:
+        """A stage has ended, or is reused."""
+        row = self.rows.get(step.stage.name)
+        if row is None:
+            return
+        row.state, row.share = entry.outcome, None
+        row.seconds = entry.seconds
+        if step.action == "reuse":
+            row.line = f"nothing has changed: reused, made {entry.ended}"
+            self._say(f"{step.stage.name}: {row.line}")
+        elif entry.outcome == "no answer":
+            row.line = f"no answer: {entry.reason}"
+            self._say(f"{step.stage.name}: {row.line}")
+        elif step.action == "redraw":
+            row.line = "pictures drawn again"
+            self._say(f"{step.stage.name}: {row.line}")
+        else:
+            row.line = step.stage.what
+            self._say(f"{step.stage.name}: done in {duration(entry.seconds)}")
+
+    def skip(self, step: Step, why: str) -> None:
+        """A stage does not run."""
+        row = self.rows.get(step.stage.name)
+        if row is None:
+            return
+        row.state, row.line = "off", f"not run: {why}"
+        if self.verbosity == VERBOSE or "no answer" in why:
+            self._say(f"{step.stage.name}: {row.line}")
+
+    def _say(self, text: str) -> None:
+        if self.live is None and self.verbosity >= NORMAL:
+            self.out.print(escape(text), soft_wrap=True)
+
+    def _table(self) -> Table:
+        table = Table.grid(padding=(0, 1))
+        for column in range(5):
+            table.add_column(no_wrap=True, ratio=1 if column == 2 else None)
+        table.expand = True
+        for row in self.rows.values():
+            table.add_row(*row.cells())
+        return table

@@ -1,0 +1,78 @@
+"""What is known of the stages of a run: what each was made from, how it ended, and what it left."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Literal
+
+from workflow.run.store import Store
+
+NAME = ".noshiro/stages.json"
+VERSION = 1
+
+Outcome = Literal["begun", "done", "part", "no answer"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One stage: ``inputs`` are the fingerprints of all that it was made from, ``files`` the sizes (bytes) of results.
+
+    ``outcome`` is "begun" while it runs and after it was killed, "part" where only some cases were asked for.
+    """
+
+    inputs: dict[str, str]
+    outcome: Outcome
+    reason: str = ""
+    remedy: str = ""
+    seconds: float = 0.0
+    ended: str = ""
+    files: dict[str, int] = field(default_factory=dict)
+    pictures: list[str] = field(default_factory=list)
+
+
+class Record:
+    """The entries of all stages, kept in one small file that is replaced as a whole."""
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+        self.entries: dict[str, Entry] = {}
+        try:
+            data = json.loads((store.folder / NAME).read_text(encoding="utf-8"))
+            known = {f.name for f in fields(Entry)}
+            if data["version"] == VERSION:
+                self.entries = {
+                    name: Entry(**{key: value for key, value in entry.items() if key in known})
+                    for name, entry in data["stages"].items()
+                }
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            self.entries = {}  # not there, or of another making: every stage runs
+
+    def __getitem__(self, name: str) -> Entry | None:
+        return self.entries.get(name)
+
+    def put(self, name: str, entry: Entry) -> None:
+        """Keep an entry; on disk before this returns."""
+        self.entries[name] = entry
+        stages: Mapping[str, object] = {key: asdict(value) for key, value in self.entries.items()}
+        self.store.write_json(NAME, {"version": VERSION, "stages": stages})
+
+    def left(self, name: str) -> bool:
+        """Whether all results that a stage left are there, at their full size."""
+        entry = self.entries[name]
+        return all(_size(self.store, file) == size for file, size in entry.files.items())
+
+    def pictures_left(self, name: str) -> bool:
+        """Whether all pictures that a stage left are there."""
+        return all(self.store.has(file) for file in self.entries[name].pictures)
+
+
+def sizes(store: Store, names: list[str]) -> dict[str, int]:
+    """The size (bytes) of every file."""
+    return {name: _size(store, name) for name in names}
+
+
+def _size(store: Store, name: str) -> int:
+    try:
+        return (store.folder / name).stat().st_size
+    except OSError:
+        return -1

@@ -1,0 +1,87 @@
+"""The stage `bounds`: strict bounds of the critical seismic coefficient, their file and their pictures."""
+
+import math
+import time
+from dataclasses import asdict
+from typing import Any
+
+from fem.limit.adaptive_bounds import Bracket
+from fem.limit.bounds import kh_bounds
+from workflow.figures import bounds as bounds_figures
+from workflow.run.errors import NoAnswerError
+from workflow.run.progress import Progress, silent
+from workflow.run.store import Store
+from workflow.settings import Input
+
+PROXY = (
+    "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds "
+    "are strict for the reduced ground, and none of the section's."
+)
+
+
+def bounds_stage(run: Input, store: Store, progress: Progress = silent) -> dict[str, Any]:
+    """Bracket the critical Kh with ψ = φ; leaves fem/bounds.json and figures/bounds_*.png, and returns what the former
+    holds. Its verdict is "bracketed", "wide" (no more cells allowed), or "no bracket" (a bound is missing).
+
+    Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all
+    is written, NoAnswerError if a bound is missing.
+    """
+    started = time.perf_counter()
+    progress("first mesh", None)
+    found = kh_bounds(run, run.fem, run.bounds, lambda so_far: progress(in_words(so_far), None))
+    answer = as_json(run, found, time.perf_counter() - started)
+    store.write_json("fem/bounds.json", answer)
+    bounds_figures.draw_all(run, found, store)
+    if answer["verdict"] == "no bracket":
+        raise NoAnswerError(answer["reason"], "allow more triangles: max_cells in the table [bounds]")
+    return answer
+
+
+def as_json(run: Input, found: Bracket, seconds: float) -> dict[str, Any]:
+    """What fem/bounds.json holds: the bracket first, then how far each bound was checked, then every mesh."""
+    verdict, reason = _verdict(run, found)
+    return {
+        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
+        "lower": found.stress.multiplier if found.stress else None,
+        "upper": found.mechanism.multiplier if found.mechanism else None,
+        "gap": found.gap if math.isfinite(found.gap) else None,
+        "verdict": verdict,
+        "reason": reason,
+        "words": in_words(found),
+        "flow": PROXY if run.bounds.davis else "associated, ψ = φ.",
+        "davis": run.bounds.davis,
+        "sides": run.fem.sides,
+        "direction": run.fem.direction,
+        "vertical": run.fem.vertical,
+        "cells": found.rounds[-1].cells,
+        "seconds": round(seconds, 2),
+        "residuals": {
+            "lower": asdict(found.stress.check) if found.stress else None,
+            "upper": asdict(found.mechanism.check) if found.mechanism else None,
+        },
+        "history": [asdict(one) for one in found.rounds],
+        "settings": run.bounds.model_dump(mode="json"),
+    }
+
+
+def _verdict(run: Input, found: Bracket) -> tuple[str, str]:
+    last = "; ".join(found.rounds[-1].notes)
+    if not math.isfinite(found.gap):
+        missing = " and ".join(
+            name for name, bound in (("lower", found.stress), ("upper", found.mechanism)) if bound is None
+        )
+        return "no bracket", f"there is no {missing} bound on {found.rounds[-1].cells} cells: {last}."
+    if found.gap <= run.bounds.gap:
+        return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * run.bounds.gap:g} % asked for."
+    wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * run.bounds.gap:g} % asked for"
+    return "wide", f"{wish}: {found.rounds[-1].cells} cells, {run.bounds.max_cells} allowed." + (
+        f" {last}." * bool(last)
+    )
+
+
+def in_words(found: Bracket) -> str:
+    """The bracket as a person reads it."""
+    low = f"{found.lower:.4f}" if found.stress else "no lower bound"
+    high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
+    gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
+    return f"{low} <= Kh <= {high}{gap}, {found.rounds[-1].cells} triangles"

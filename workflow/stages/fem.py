@@ -1,0 +1,116 @@
+"""The stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from fem.critical import CriticalResult, critical_coefficient
+from fem.fields import State, slip_surface
+from fem.path import Walk
+from fem.strength_reduction import SafetyFactor, safety_factor
+from meshes.quadrilaterals import QuadMesh
+from workflow.figures import fem as fem_figures
+from workflow.figures import ground as figures
+from workflow.results.fem_states import ANSWER, COLLECTION, FemResults, fields_file
+from workflow.run.errors import NoAnswerError
+from workflow.run.progress import Progress
+from workflow.run.store import Store
+from workflow.settings import Input
+
+
+def fem_stage(run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progress: Progress) -> None:
+    """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png.
+
+    Every rank computes; only the one with a store writes. Raises InputError, UnstableError, and, when all is written,
+    NoAnswerError if the path ended undecided.
+    """
+
+    def tell(what: str, walk: Walk) -> None:
+        step = walk.steps[-1]
+        progress(
+            f"step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
+            f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic",
+            None,
+        )
+
+    progress("gravity", None)
+    result = critical_coefficient(run, mesh, run.fem, comm, lambda walk: tell("Kh", walk))
+    factors = [
+        safety_factor(run, mesh, run.fem, kh, comm, lambda walk: tell("factor of safety", walk))
+        for kh in run.fem.safety_factor_at
+    ]
+    if store is not None:
+        store.write_json(ANSWER, as_json(run, mesh, result, factors))
+        write_fields(run, mesh, result.states, store)
+        progress(f"Kh = {result.kc:.4f}; pictures", None)
+        fem_figures.draw_all(run, FemResults.load(run, store), store)
+    if result.verdict == "undecided":
+        raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
+
+
+def as_json(run: Input, mesh: QuadMesh, result: CriticalResult, factors: list[SafetyFactor]) -> dict[str, Any]:
+    """What fem/critical.json holds: the answer with its bracket first, then how it was found."""
+    return {
+        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
+        "kc": result.kc,
+        "kc_lower": result.lower,
+        "kc_upper": result.upper,
+        "verdict": result.verdict,
+        "reason": result.reason,
+        "remedy": result.remedy,
+        "element": result.element,
+        "settings": run.fem.model_dump(mode="json"),
+        "dilation_deg": {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
+        if run.fem.flow == "section"
+        else "equal to the friction angle",
+        "mesh": {"quadrilaterals": len(mesh.cells), "nodes": len(mesh.points), "method": mesh.method},
+        "gravity": {"iterations": result.gravity_iterations, "plastic_share": result.gravity_plastic_share},
+        "linear_solves": result.solves,
+        "curve": [asdict(step) for step in result.steps],
+        "states": [
+            {
+                "label": state.label,
+                "kh": state.kh,
+                "past_equilibrium": state.past_equilibrium,
+                "largest_displacement_m": float(np.hypot(*state.displacement.T).max()),
+                "failed_share_by_stratum": failed_shares(mesh, state),
+                "slip_surface": slip_surface(mesh, state).tolist(),
+            }
+            for state in result.states
+        ],
+        "safety_factors": [
+            {
+                "kh": f.kh,
+                "factor": f.factor,
+                "upper": f.upper,
+                "verdict": f.verdict,
+                "reason": f.reason,
+                "curve": [asdict(step) for step in f.steps],
+            }
+            for f in factors
+        ],
+    }
+
+
+def failed_shares(mesh: QuadMesh, state: State) -> dict[str, float]:
+    """Share of the cells of each stratum that are at failure."""
+    return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
+
+
+def write_fields(run: Input, mesh: QuadMesh, states: list[State], store: Store) -> None:
+    """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
+    entries = []
+    for number, state in enumerate(state for state in states if not state.past_equilibrium):
+        grid = figures.grid_of(run, mesh)
+        grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
+        grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
+        grid.cell_data["safety_factor"] = state.safety_factor
+        grid.cell_data["shear_strain"] = state.shear_strain
+        grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
+        figures.add_texts(grid, "state", [state.label])
+        store.write_grid(f"fem/{fields_file(number)}", grid)
+        entries.append((state.kh, fields_file(number)))
+    store.write_collection(COLLECTION, entries)
+    kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
+    store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))

@@ -1,0 +1,83 @@
+"""The stage `variants`: the critical Kh once more with one thing changed at a time, to see on what it hangs."""
+
+import time
+from typing import Any
+
+from mpi4py import MPI
+
+from fem.critical import critical_coefficient
+from fem.errors import UnstableError
+from fem.path import Walk
+from meshes.quadrilaterals import QuadMesh, generate
+from workflow.run.progress import Progress
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages.mesh import stored_mesh
+
+ANSWER = "fem/variants.json"
+LARGEST_STEP = 0.1
+
+
+def variants_stage(run: Input, store: Store, progress: Progress) -> None:
+    """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
+    element = store.read_json("fem/critical.json")["element"]
+    mesh = stored_mesh(run, store)
+    asked = [change for name in run.variants.which if (change := changed(run, name, element))]
+    found = []
+    for number, (name, words, other) in enumerate(asked):
+        progress(words, number / len(asked))
+        found.append({"name": name, "change": words, **_answer(run, other, mesh, progress, words, number / len(asked))})
+    store.write_json(ANSWER, {"variants": found})
+
+
+def changed(run: Input, name: str, element: str) -> tuple[str, str, Input] | None:
+    """A variant by its name, in words, and its input; None where it would change nothing.
+
+    ``element`` is the one that the answer was found with.
+    """
+    fem = run.fem
+    if name == "mesh":
+        return name, "cells of half the size", _with(run, "mesh", refine=2 * run.mesh.refine)
+    if name == "element":
+        other = "bilinear" if element != "bilinear" else "quadratic"
+        return name, f"{other} element instead of {element}", _with(run, "fem", element=other)
+    if name == "step" and fem.first_step < LARGEST_STEP:
+        step = min(2.0 * fem.first_step, LARGEST_STEP)
+        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(run, "fem", first_step=step)
+    if name == "sides" and fem.sides != "tied":
+        sides = "fixed" if fem.sides == "roller" else "roller"
+        return name, f"sides {sides} instead of {fem.sides}", _with(run, "fem", sides=sides)
+    dilates = all(stratum.dilation_angle == stratum.friction_angle for stratum in run.strata)
+    if name == "dilation" and fem.flow == "section" and not dilates:
+        return name, "ψ = φ instead of ψ as given", _with(run, "fem", flow="associated")
+    if name == "dilation" and fem.flow == "associated" and not dilates:
+        return name, "ψ as given instead of ψ = φ", _with(run, "fem", flow="section")
+    return None
+
+
+def _with(run: Input, table: str, **values: Any) -> Input:
+    settings = getattr(run, table).model_copy(update=values)
+    return run.model_copy(update={table: settings})
+
+
+def _answer(run: Input, other: Input, mesh: QuadMesh, progress: Progress, words: str, share: float) -> dict[str, Any]:
+    """The critical Kh of a variant; none where the path has none."""
+
+    def tell(walk: Walk) -> None:
+        progress(f"{words}: step {len(walk.steps)}, Kh = {walk.factor:.4f}", share)
+
+    start = time.perf_counter()
+    try:
+        its_mesh = mesh if other.mesh == run.mesh else generate(other, other.mesh)
+        result = critical_coefficient(other, its_mesh, other.fem, MPI.COMM_SELF, tell)
+    except UnstableError as error:
+        return {"kc": None, "kc_upper": None, "verdict": "no answer", "reason": str(error), "seconds": 0.0}
+    seconds = round(time.perf_counter() - start, 2)
+    stands = result.verdict in ("plateau", "peak")
+    return {
+        "kc": result.kc if stands else None,
+        "kc_upper": result.upper if stands else None,
+        "verdict": result.verdict,
+        "reason": result.reason,
+        "seconds": seconds,
+    }
