@@ -20,7 +20,7 @@ from fem.plane_strain import PlaneStrain
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import Element, FemSettings
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
 # Elastic displacements under all of a load after which bringing it on is given up.

@@ -8,7 +8,7 @@ from petsc4py import PETSc
 
 from fem import dolfinx_api as api
 from fem.settings import Element
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 
 DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2, "reduced": 2}
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.kernels import mohr_coulomb
 from fem.plane_strain import PlaneStrain
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 
 # A cell counts as failed when its mobilised strength is within this of the whole.
 AT_FAILURE = 0.99

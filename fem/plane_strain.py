@@ -13,7 +13,7 @@ from fem.kernels import assembly, mohr_coulomb, viscoplastic
 from fem.linear_solver import Exchange, LinearSolver
 from fem.settings import Element
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
 # Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.

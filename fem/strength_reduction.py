@@ -16,7 +16,7 @@ from fem.errors import UnstableError
 from fem.path import Step, Walk
 from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
 from fem.settings import FemSettings
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
 # Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.

@@ -8,12 +8,10 @@ import numpy as np
 
 from meshes.mapped import name_groups
 from meshes.section.section import Section
+from meshes.settings import GROWTH_REACH
 
 # gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
 ALGORITHMS = (8, 6, 5)
-
-# How far the refinement towards an interface reaches, in sizes there, before the ordinary size is back.
-GROWTH_REACH = 10.0
 
 
 def build_free(

@@ -7,10 +7,15 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Quality:
-    """The worst cells of a mesh, and their number.
+    """How many cells a mesh has, and the worst of them.
 
-    ``worst_angle`` (deg) is the corner angle farthest from 90; ``largest_aspect_ratio`` is the longest edge times the
-    perimeter over four times the area, 1 for a square.
+    Attributes
+    ----------
+    quadrilaterals : number of cells
+    nodes : number of corners
+    smallest_scaled_jacobian : 1 for a rectangle, 0 or less for a flat or folded cell
+    worst_angle : the corner angle farthest from 90 (deg)
+    largest_aspect_ratio : longest edge times perimeter over four times the area, 1 for a square
     """
 
     quadrilaterals: int
@@ -20,6 +25,7 @@ class Quality:
     largest_aspect_ratio: float
 
     def as_dict(self) -> dict[str, float]:
+        """The attributes by name."""
         return asdict(self)
 
 

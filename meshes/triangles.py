@@ -7,7 +7,8 @@ import gmsh
 import numpy as np
 
 from meshes.free import build_triangles
-from meshes.quadrilaterals import BadMeshError, group_nodes, model
+from meshes.gmsh_model import group_nodes, session
+from meshes.quad_mesh import BadMeshError
 from meshes.section.section import BOUNDARIES, Section
 
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
@@ -87,7 +88,7 @@ def triangulate(section: Section, size: float, sizes: dict[str, float] | None = 
 
     Raises BadMeshError if gmsh gives up or leaves a flat cell.
     """
-    with model(section.name):
+    with session(section.name):
         try:
             build_triangles(section, size, sizes or {})
         except Exception as error:  # gmsh raises plain Exception with its last error message

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from meshes.errors import InputError
-from meshes.quadrilaterals import BadMeshError
+from meshes.quad_mesh import BadMeshError
 from meshes.section.section import Section
 from workflow.report import tables
 from workflow.report.console import sentences

@@ -13,8 +13,8 @@ from pydantic import Field, StrictBool, model_validator
 from dem.settings import DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
-from meshes.quadrilaterals import MeshSettings
 from meshes.section.section import Model, Section, read_toml
+from meshes.settings import MeshSettings
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}

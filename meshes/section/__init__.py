@@ -1,1 +1,7 @@
 """The ground as a person describes it: strata between lines, quantities with units, water."""
+
+from meshes.section.layering import Layering
+from meshes.section.polyline import Line
+from meshes.section.section import BOUNDARIES, Model, Section, Stratum, read_toml
+
+__all__ = ["BOUNDARIES", "Layering", "Line", "Model", "Section", "Stratum", "read_toml"]

@@ -18,7 +18,14 @@ SNAP = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Layering:
-    """Interfaces over the intervals between breakpoints: ``left`` and ``right`` are (intervals, interfaces)."""
+    """The interfaces of a section over the intervals between its breakpoints.
+
+    Attributes
+    ----------
+    x : (intervals + 1,) the breakpoints (m)
+    left, right : (intervals, interfaces) elevation (m) of every interface at the two ends of each interval
+    strata : number of strata
+    """
 
     x: np.ndarray
     left: np.ndarray
@@ -27,6 +34,7 @@ class Layering:
 
     @property
     def tolerance(self) -> float:
+        """Points closer than this (m) are one."""
         return SNAP * float(self.x[-1] - self.x[0])
 
     @property

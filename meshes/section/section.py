@@ -1,9 +1,8 @@
 """The ground as a person describes it: a validated section of layered soil, read from and written to TOML."""
 
-import difflib
 import hashlib
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
@@ -11,12 +10,12 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
-from pydantic_core import ErrorDetails
 
 from meshes.errors import InputError
 from meshes.section.layering import Layering, above_ground, layering
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Angle, Density, PoissonsRatio, Stiffness, Strength
+from meshes.section.sentences import sentences
 
 BOUNDARIES = ("surface", "base", "left", "right")
 
@@ -26,18 +25,6 @@ SETTINGS_TABLES = ("mesh", "fem", "variants", "bounds", "dem", "slide", "sliding
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
 NARROWEST, LONGEST = 1e-3, 1000.0
-
-# What pydantic calls by Python's names.
-PLAIN_WORDS = {
-    "model_type": "expected a table of keys and values",
-    "dict_type": "expected a table of keys and values",
-    "tuple_type": "expected a list",
-    "too_short": "expected at least one",
-    "string_type": "expected text",
-    "string_pattern_mismatch": "expected another spelling",
-    "bool_type": "expected true or false",
-    "int_type": "expected a whole number",
-}
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
 NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
@@ -169,7 +156,7 @@ class Section(Model):
         try:
             return cls.model_validate(known)
         except ValidationError as error:
-            problems = [text for entry in error.errors() for text in _sentences(entry, known, cls)]
+            problems = [text for entry in error.errors() for text in sentences(entry, known, cls)]
             problems = list(dict.fromkeys(problems))
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
             if not any(entry["loc"] == () for entry in error.errors()):
@@ -265,75 +252,3 @@ def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
     except (KeyError, ValidationError):
         return problems
     return problems + _geometry_problems(surface, base, water_table, bottoms)
-
-
-def _sentences(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
-    """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
-    key = _key(error["loc"], data)
-    if error["type"] == "missing":
-        expected = _description(error["loc"], model)
-        return [f"{key}: missing" + (f"; expected {expected}" if expected else "")]
-    if error["type"] == "extra_forbidden":
-        known = _known_keys(error["loc"], model)
-        close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
-        hint = f'; did you mean "{close[0]}"?' if close else f"; expected one of {', '.join(known)}"
-        return [f"{key}: unknown key{hint}"]
-    value = error["input"]
-    shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
-    if error["type"] == "too_short" and len(error["input"]) > 0:
-        return []  # none of the entries is sound, and each has its own sentence
-    if error["type"] == "value_error":
-        return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
-    expected = _description(error["loc"], model)
-    plain = PLAIN_WORDS.get(error["type"])
-    if plain:
-        return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
-    message = error["msg"][0].lower() + error["msg"][1:]
-    return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
-
-
-def _key(location: tuple[int | str, ...], data: Any) -> str:
-    """A location as a person finds it: tables by number from 1, and by name where they have one."""
-    parts: list[str] = []
-    for step in location:
-        inside = isinstance(data, Mapping | list | tuple)
-        try:
-            data = data[step] if inside else None
-        except (KeyError, IndexError, TypeError):
-            data = None
-        if isinstance(step, int):
-            name = data.get("name") if isinstance(data, Mapping) else None
-            parts[-1] += f" {step + 1}" + (f' "{name}"' if isinstance(name, str) else "")
-        else:
-            parts.append(step)
-    return ", ".join(parts)
-
-
-def _model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
-    """The model whose field a location names."""
-    here: type[BaseModel] | None = model
-    for step in location[:-1]:
-        if isinstance(step, int):
-            continue
-        if here is None or step not in here.model_fields:
-            return None
-        here = next(_models_in(here.model_fields[step].annotation), None)
-    return here
-
-
-def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for part in getattr(annotation, "__args__", ()):
-        yield from _models_in(part)
-
-
-def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
-    here = _model_at(location, model)
-    return list(here.model_fields) if here else []
-
-
-def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
-    here = _model_at(location, model)
-    field = here.model_fields.get(str(location[-1])) if here else None
-    return (field.description or "") if field else ""

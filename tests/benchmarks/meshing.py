@@ -25,7 +25,8 @@ FREE_SIZE = 0.256  # m, which makes about 100,000 quadrilaterals of S-13's 200 m
 # generate() alone, timed inside its process: the settings, the file to write.
 GENERATE = """
 import sys, time
-from meshes.quadrilaterals import MeshSettings, generate
+from meshes.gmsh_model import generate
+from meshes.settings import MeshSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
 section = Section.read(sys.argv[1])

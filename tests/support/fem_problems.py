@@ -9,7 +9,7 @@ from fem.continuation import Forces, NewtonSettings
 from fem.path import PathSettings, Walk
 from fem.plane_strain import PlaneStrain
 from fem.plateau import Plateau, walk_to_plateau
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
 ELEMENTS = ("bilinear", "quadratic", "reduced")

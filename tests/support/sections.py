@@ -11,7 +11,7 @@ import tomli_w
 from hypothesis import strategies as st
 
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
 SOIL: dict[str, Any] = {

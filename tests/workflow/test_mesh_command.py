@@ -15,8 +15,9 @@ import pyvista as pv
 import tomli_w
 from matplotlib.image import imread
 
-from meshes.quadrilaterals import BadMeshError, MeshSettings, QuadMesh, read
+from meshes.quad_mesh import BadMeshError, QuadMesh, read
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.command_line import process, run
 from tests.support.sections import layer, slope

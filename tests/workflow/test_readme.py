@@ -4,7 +4,7 @@ import re
 import tomllib
 from textwrap import dedent
 
-from meshes.quadrilaterals import generate
+from meshes.gmsh_model import generate
 from meshes.section.polyline import Line
 from tests.support import TOP
 from tests.support.sections import assert_conforming

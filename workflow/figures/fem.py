@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 
 from fem.fields import State, slip_surface
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
 from workflow.figures.ground import foot, unstructured
 from workflow.results.fem_states import FemResults

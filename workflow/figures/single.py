@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 
 from fem.fields import State
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Sheet, Window, render
 from workflow.figures.fields import FIELDS, Field

@@ -7,7 +7,7 @@ import numpy as np
 import pyvista as pv
 
 from fem.fields import State
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.mesh import stored_mesh

@@ -11,7 +11,7 @@ from typing import Protocol
 from dem.errors import DemError
 from fem.errors import UnstableError
 from meshes.errors import InputError
-from meshes.quadrilaterals import BadMeshError
+from meshes.quad_mesh import BadMeshError
 from workflow.run.errors import NoAnswerError
 from workflow.run.interrupts import remembered
 from workflow.run.lock import locked

@@ -9,7 +9,7 @@ from fem.critical import CriticalResult, critical_coefficient
 from fem.fields import State, slip_surface
 from fem.path import Walk
 from fem.strength_reduction import SafetyFactor, safety_factor
-from meshes.quadrilaterals import QuadMesh
+from meshes.quad_mesh import QuadMesh
 from workflow.figures import fem as fem_figures
 from workflow.figures import ground as figures
 from workflow.results.fem_states import ANSWER, COLLECTION, FemResults, fields_file

@@ -8,7 +8,8 @@ import numpy as np
 import pyvista as pv
 
 from meshes.errors import InputError
-from meshes.quadrilaterals import QuadMesh, check, generate, read
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import QuadMesh, check, read
 from workflow.figures import ground as figures
 from workflow.run.progress import Progress, silent
 from workflow.run.store import Store

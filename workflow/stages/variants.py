@@ -8,7 +8,8 @@ from mpi4py import MPI
 from fem.critical import critical_coefficient
 from fem.errors import UnstableError
 from fem.path import Walk
-from meshes.quadrilaterals import QuadMesh, generate
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import QuadMesh
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input

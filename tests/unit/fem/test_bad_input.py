@@ -12,7 +12,9 @@ from fem.critical import critical_coefficient
 from fem.errors import UnstableError
 from fem.settings import FemSettings
 from meshes.errors import InputError
-from meshes.quadrilaterals import MeshSettings, generate, read
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import read
+from meshes.settings import MeshSettings
 from tests.support.fem_problems import section, soil
 
 SLOPE = [[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]]

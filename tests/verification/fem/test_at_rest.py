@@ -9,7 +9,8 @@ from mpi4py import MPI
 from fem.critical import GRAVITY, at_rest_under_gravity
 from fem.plane_strain import PlaneStrain
 from fem.settings import FemSettings
-from meshes.quadrilaterals import MeshSettings, generate
+from meshes.gmsh_model import generate
+from meshes.settings import MeshSettings
 from tests.support.fem_problems import ELEMENTS, grid, points_of, section, soil, walk
 
 every_element = pytest.mark.parametrize("element", ELEMENTS)

@@ -172,7 +172,8 @@ def test_finite_elements_with_associated_flow_converge_into_the_bracket(sides):
     from mpi4py import MPI
 
     from fem.critical import critical_coefficient
-    from meshes.quadrilaterals import MeshSettings, generate
+    from meshes.gmsh_model import generate
+    from meshes.settings import MeshSettings
 
     bounds = kh_bounds(S13, FemSettings(sides=sides), BoundsSettings(gap=0.02))
     kc = []

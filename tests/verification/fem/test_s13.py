@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from fem.critical import CriticalResult, critical_coefficient
 from fem.settings import FemSettings
-from meshes.quadrilaterals import generate
+from meshes.gmsh_model import generate
 from tests.support import SECTIONS, TOP
 from workflow.settings import Input
 
@@ -130,7 +130,7 @@ import sys
 from mpi4py import MPI
 from fem.critical import critical_coefficient
 from fem.settings import FemSettings
-from meshes.quadrilaterals import generate
+from meshes.gmsh_model import generate
 from workflow.settings import Input
 from tests.support import SECTIONS, TOP
 run = Input.load(sys.argv[1])

@@ -9,8 +9,9 @@ from mpi4py import MPI
 
 from fem.critical import GRAVITY, critical_coefficient
 from fem.settings import FemSettings
-from meshes.quadrilaterals import MeshSettings, generate
+from meshes.gmsh_model import generate
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
 from tests.support.fem_problems import ELEMENTS, grid, section, soil, weight_limit
 
 every_element = pytest.mark.parametrize("element", ELEMENTS)

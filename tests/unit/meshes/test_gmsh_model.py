@@ -1,5 +1,7 @@
 """Meshes: conforming, named, of the sizes asked for, the same every time, and readable by others."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,15 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 
-from meshes import quadrilaterals
+import meshes
+from meshes import gmsh_model
+from meshes.blocks import blocks_of, share_out
 from meshes.errors import InputError
-from meshes.mapped import mapping, share_out
-from meshes.quadrilaterals import BadMeshError, MeshSettings, QuadMesh, check, generate, read
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import BadMeshError, QuadMesh, check, read
 from meshes.section.section import BOUNDARIES, Section
-from tests.support import SECTIONS
+from meshes.settings import MeshSettings
+from tests.support import SECTIONS, TOP
 from tests.support.sections import assert_conforming, layer, sections, slope
 
 FOLDER = SECTIONS
@@ -37,6 +42,14 @@ def free(section: Section, cells: float = 300.0, **values: Any) -> MeshSettings:
 def edge_lengths(mesh: QuadMesh, cells: np.ndarray) -> np.ndarray:
     corners = mesh.points[mesh.cells[cells]]
     return np.hypot(*np.moveaxis(np.roll(corners, -1, axis=1) - corners, -1, 0))
+
+
+def test_a_script_reads_a_section_without_gmsh() -> None:
+    """gmsh loads libraries of a screen, which a machine that only reads sections need not have."""
+    program = "import sys, meshes; meshes.Section, meshes.MeshSettings; print('gmsh' in sys.modules); meshes.generate"
+    done = subprocess.run([sys.executable, "-c", program], cwd=TOP, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False"]
+    assert sorted(meshes.LATER) == sorted(set(meshes.__all__) - {"InputError", "MeshSettings", "Section", "Stratum"})
 
 
 # --- S-13 ---------------------------------------------------------------------------------------------------------
@@ -118,7 +131,7 @@ def test_random_sections_mesh_freely(section: Section) -> None:
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(section=sections())
 def test_random_sections_are_mapped_wherever_possible(section: Section) -> None:
-    assume(not isinstance(mapping(section), str))
+    assume(not isinstance(blocks_of(section), str))
     once, twice = generate(section, grid(60, 12)), generate(section, grid(60, 12, refine=2))
     assert len(once.cells) == 60 * 12
     assert len(twice.cells) == 4 * len(once.cells)
@@ -304,7 +317,7 @@ def test_meshio_finds_the_same_groups(file: Path, tmp_path: Path) -> None:
 
 def test_gmsh_opens_its_file_again(tmp_path: Path) -> None:
     mesh = generate(s13(), grid(), tmp_path / "section.msh")
-    with quadrilaterals.model("again"):
+    with gmsh_model.session("again"):
         gmsh.merge(str(tmp_path / "section.msh"))
         names = {gmsh.model.getPhysicalName(dimension, tag) for dimension, tag in gmsh.model.getPhysicalGroups()}
         assert names == {*mesh.strata, *BOUNDARIES}
@@ -320,7 +333,7 @@ def test_dolfinx_reads_the_file(tmp_path: Path) -> None:
     except ImportError:
         from dolfinx.io import gmshio as reader
     generate(s13(), grid(), tmp_path / "section.msh")
-    with quadrilaterals.model("again"):
+    with gmsh_model.session("again"):
         gmsh.merge(str(tmp_path / "section.msh"))
         found = reader.model_to_mesh(gmsh.model, MPI.COMM_SELF, 0, gdim=2)
     # Three things as a tuple until dolfinx 0.9, more and by name later.
@@ -366,7 +379,7 @@ def test_a_triangle_is_refused_by_its_place(monkeypatch: pytest.MonkeyPatch) -> 
         gmsh.model.geo.synchronize()
         gmsh.model.mesh.generate(2)
 
-    monkeypatch.setattr(quadrilaterals, "build_free", leave_triangles)
+    monkeypatch.setattr(gmsh_model, "build_free", leave_triangles)
     with pytest.raises(BadMeshError, match=r"gmsh left a Triangle 3 near x = [78]\.\d+ m, z = [34]\.\d+ m"):
         generate(Section.parse(slope()), MeshSettings(method="free"))
 
@@ -375,14 +388,14 @@ def test_what_gmsh_itself_refuses_is_no_traceback(monkeypatch: pytest.MonkeyPatc
     def fail(*_: object) -> None:
         raise Exception("Could not recover boundary")  # gmsh raises nothing more precise
 
-    monkeypatch.setattr(quadrilaterals, "build_free", fail)
+    monkeypatch.setattr(gmsh_model, "build_free", fail)
     with pytest.raises(BadMeshError, match="gmsh gave up: Could not recover boundary; try another size"):
         generate(Section.parse(slope()), MeshSettings(method="free"))
 
 
 def test_another_algorithm_takes_over(monkeypatch: pytest.MonkeyPatch) -> None:
     tried: list[int] = []
-    build = quadrilaterals.build_free
+    build = gmsh_model.build_free
 
     def fail_once(*arguments: Any) -> None:
         tried.append(arguments[-1])
@@ -390,10 +403,10 @@ def test_another_algorithm_takes_over(monkeypatch: pytest.MonkeyPatch) -> None:
             raise BadMeshError("folded")
         build(*arguments)
 
-    monkeypatch.setattr(quadrilaterals, "build_free", fail_once)
+    monkeypatch.setattr(gmsh_model, "build_free", fail_once)
     section = Section.parse(slope())
     assert_conforming(generate(section, free(section)), section)
-    assert tried == list(quadrilaterals.ALGORITHMS[:2])
+    assert tried == list(gmsh_model.ALGORITHMS[:2])
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,88 @@
+"""Blocks of columns by bands of rows: how a section is cut up for a mapped mesh, if it can be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Blocks of columns by bands of rows.
+
+    Attributes
+    ----------
+    x : (blocks + 1,) the borders between blocks (m)
+    left, right : (blocks, bands + 1) elevation (m) of the borders between bands at both ends of every block
+    stratum : (blocks, bands) index of the stratum
+    """
+
+    x: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    stratum: np.ndarray
+
+
+def blocks_of(section: Section) -> Blocks | str:
+    """The blocks and bands of a section, or the reason why it has none.
+
+    A section can be mapped if the same number of layers lies under every point, all of them thicker than
+    zero, with borders that meet from block to block; lateral neighbours share their band.
+    """
+    layers = section.layering
+    at_left, at_right = layers.thickness()
+    present = layers.present()
+    thin = present & ((at_left <= 0.0) | (at_right <= 0.0))
+    if thin.any():
+        i, k = np.argwhere(thin)[0]
+        x = layers.x[i] if at_left[i, k] <= 0.0 else layers.x[i + 1]
+        return f'stratum "{section.strata[k].name}" thins out to nothing at x = {x:g} m'
+    counts = present.sum(axis=1)
+    if len(set(counts)) > 1:
+        i = int(np.flatnonzero(np.diff(counts))[0])
+        return f"the number of layers changes from {counts[i]} to {counts[i + 1]} at x = {layers.x[i + 1]:g} m"
+    stratum = np.array([np.flatnonzero(row) for row in present])
+    first = layers.left[:, :1]
+    left = np.hstack([first, np.take_along_axis(layers.left[:, 1:], stratum, axis=1)])
+    right = np.hstack([layers.right[:, :1], np.take_along_axis(layers.right[:, 1:], stratum, axis=1)])
+    steps = np.abs(right[:-1] - left[1:]) > 0.0
+    if steps.any():
+        i, _ = np.argwhere(steps)[0]
+        return f"there is a vertical step at x = {layers.x[i + 1]:g} m"
+    return Blocks(x=layers.x, left=left, right=right, stratum=stratum)
+
+
+def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
+    """``total`` whole things shared out by weight (largest remainder), at least one for each.
+
+    Raises ValueError if there are more weights than things.
+    """
+    weights = np.asarray(weights, dtype=float)
+    if total < len(weights):
+        raise ValueError(f"{total} cannot be shared by {len(weights)}")
+    share = weights / weights.sum() * total
+    count = np.maximum(np.floor(share).astype(int), 1)
+    while count.sum() < total:
+        count[np.argmax(share - count)] += 1
+    while count.sum() > total:
+        count[np.argmin(np.where(count > 1, share - count, np.inf))] -= 1
+    return count
+
+
+def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None) -> tuple[int, int]:
+    """Columns and rows as asked for; else from ``size`` (m); else 12 rows or one for each layer, and columns that
+    make the cells half as wide again as high."""
+    widths, thickness = np.diff(blocks.x), band_thickness(blocks)
+    if size is not None:
+        rows = rows or max(round(thickness.sum() / size), len(thickness))
+        columns = columns or max(round(widths.sum() / size), len(widths))
+    rows = rows or max(12, len(thickness))
+    return columns or max(round(widths.sum() / (1.5 * thickness.sum() / rows)), len(widths)), rows
+
+
+def band_thickness(blocks: Blocks) -> np.ndarray:
+    """Mean thickness (m) of every band."""
+    borders = 0.5 * (blocks.left + blocks.right)
+    return np.average(borders[:, :-1] - borders[:, 1:], axis=0, weights=np.diff(blocks.x))

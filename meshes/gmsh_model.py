@@ -1,0 +1,132 @@
+"""gmsh: mapped or free meshes of a section, all quadrilaterals, with named strata and boundaries."""
+
+import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import gmsh
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.free import ALGORITHMS, build_free
+from meshes.mapped import build_mapped
+from meshes.quad_mesh import BadMeshError, QuadMesh, check
+from meshes.section.section import BOUNDARIES, Section
+from meshes.settings import MeshSettings
+
+GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
+
+
+def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
+    """Mesh a section and, if ``path`` is given, write it there as a gmsh file.
+
+    Raises InputError if the settings do not fit the section, BadMeshError if gmsh leaves a bad cell.
+    """
+    settings = settings or MeshSettings()
+    problems = settings.problems(section)
+    if problems:
+        raise InputError(section.name, problems)
+    method = settings.method_for(section)
+    failure: BadMeshError | None = None
+    for algorithm in ALGORITHMS if method == "free" else (0,):
+        try:
+            return _build(section, settings, method, algorithm, path)
+        except BadMeshError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure
+
+
+def _build(section: Section, settings: MeshSettings, method: str, algorithm: int, path: Path | str | None) -> QuadMesh:
+    """Mesh in a gmsh session of its own, check the mesh, and write it if a path is given."""
+    with session(section.name):
+        try:
+            if method == "mapped":
+                build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
+            else:
+                size = settings.cell_size(section)
+                build_free(section, size, settings.sizes, settings.towards, settings.refine, algorithm)
+        except InputError:
+            raise
+        except Exception as error:  # gmsh raises plain Exception with its last error message
+            raise BadMeshError(f"gmsh gave up: {error}; try another size") from error
+        mesh = _from_gmsh(section, method)
+        check(mesh)
+        if path is not None:
+            gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+            _write(Path(path), section)
+    return mesh
+
+
+@contextmanager
+def session(name: str) -> Iterator[Any]:
+    """A quiet gmsh session with one empty model, closed again whatever happens."""
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)  # the same mesh on every machine
+        gmsh.model.add(name)
+        yield gmsh
+    finally:
+        gmsh.finalize()
+
+
+def _from_gmsh(section: Section, method: str) -> QuadMesh:
+    """The meshed gmsh model as arrays, its nodes numbered from 0 without gaps."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    types, _, _ = gmsh.model.mesh.getElements(2)
+    others = set(types) - {GMSH_QUADRILATERAL}
+    if others:
+        kind = gmsh.model.mesh.getElementProperties(next(iter(others)))[0]
+        _, node_tags = gmsh.model.mesh.getElementsByType(next(iter(others)))
+        place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == node_tags[0])[0]]
+        raise BadMeshError(f"gmsh left a {kind} near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size")
+
+    cells, stratum, boundaries = [], [], {}
+    for k, layer in enumerate(section.strata):
+        nodes = group_nodes(2, layer.name, GMSH_QUADRILATERAL, 4)
+        cells.append(nodes)
+        stratum.append(np.full(len(nodes), k))
+    for name in BOUNDARIES:
+        boundaries[name] = group_nodes(1, name, GMSH_LINE, 2)
+    quads = np.concatenate(cells)
+    used = np.unique(quads)
+    points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
+    return QuadMesh(
+        points=points,
+        cells=np.searchsorted(used, quads),
+        stratum=np.concatenate(stratum),
+        strata=tuple(layer.name for layer in section.strata),
+        boundaries={name: np.searchsorted(used, edges) for name, edges in boundaries.items()},
+        method=method,
+    )
+
+
+def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:
+    """Node tags (n, corners) of a named group, in the order of its entities."""
+    for group_dimension, tag in gmsh.model.getPhysicalGroups(dimension):
+        if gmsh.model.getPhysicalName(group_dimension, tag) == name:
+            entities = gmsh.model.getEntitiesForPhysicalGroup(dimension, tag)
+            parts = [gmsh.model.mesh.getElementsByType(element_type, int(entity))[1] for entity in entities]
+            return np.concatenate(parts).reshape(-1, corners)
+    return np.empty((0, corners), dtype=np.uint64)
+
+
+def _write(path: Path, section: Section) -> None:
+    """Write the gmsh file, which says, too, if a section is a reconstruction.
+
+    Raises OSError if the disk did not take all of it: gmsh itself would not say so.
+    """
+    path.touch()  # gmsh does not say why a file cannot be written, this does
+    gmsh.write(str(path))
+    end = b"$EndElements\n"
+    with path.open("rb+") as file:
+        file.seek(-min(len(end), path.stat().st_size), os.SEEK_END)
+        if file.read() != end:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        if section.reconstruction:
+            note = " ".join(section.reconstruction_note.replace("$", "").split())
+            file.write(f"$Comments\nReconstruction. {note}\n$EndComments\n".encode())

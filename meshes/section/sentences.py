@@ -1,0 +1,92 @@
+"""What is wrong with an input, as sentences: the key as a person finds it, the value, what was expected."""
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+# What pydantic calls by Python's names.
+PLAIN_WORDS = {
+    "model_type": "expected a table of keys and values",
+    "dict_type": "expected a table of keys and values",
+    "tuple_type": "expected a list",
+    "too_short": "expected at least one",
+    "string_type": "expected text",
+    "string_pattern_mismatch": "expected another spelling",
+    "bool_type": "expected true or false",
+    "int_type": "expected a whole number",
+}
+
+
+def sentences(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
+    """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
+    key = _key(error["loc"], data)
+    if error["type"] == "missing":
+        expected = _description(error["loc"], model)
+        return [f"{key}: missing" + (f"; expected {expected}" if expected else "")]
+    if error["type"] == "extra_forbidden":
+        known = _known_keys(error["loc"], model)
+        close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
+        hint = f'; did you mean "{close[0]}"?' if close else f"; expected one of {', '.join(known)}"
+        return [f"{key}: unknown key{hint}"]
+    value = error["input"]
+    shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
+    if error["type"] == "too_short" and len(error["input"]) > 0:
+        return []  # none of the entries is sound, and each has its own sentence
+    if error["type"] == "value_error":
+        return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
+    expected = _description(error["loc"], model)
+    plain = PLAIN_WORDS.get(error["type"])
+    if plain:
+        return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
+    message = error["msg"][0].lower() + error["msg"][1:]
+    return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
+
+
+def _key(location: tuple[int | str, ...], data: Any) -> str:
+    """A location as a person finds it: tables by number from 1, and by name where they have one."""
+    parts: list[str] = []
+    for step in location:
+        inside = isinstance(data, Mapping | list | tuple)
+        try:
+            data = data[step] if inside else None
+        except (KeyError, IndexError, TypeError):
+            data = None
+        if isinstance(step, int):
+            name = data.get("name") if isinstance(data, Mapping) else None
+            parts[-1] += f" {step + 1}" + (f' "{name}"' if isinstance(name, str) else "")
+        else:
+            parts.append(step)
+    return ", ".join(parts)
+
+
+def _model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
+    """The model whose field a location names."""
+    here: type[BaseModel] | None = model
+    for step in location[:-1]:
+        if isinstance(step, int):
+            continue
+        if here is None or step not in here.model_fields:
+            return None
+        here = next(_models_in(here.model_fields[step].annotation), None)
+    return here
+
+
+def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in getattr(annotation, "__args__", ()):
+        yield from _models_in(part)
+
+
+def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
+    here = _model_at(location, model)
+    return list(here.model_fields) if here else []
+
+
+def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
+    here = _model_at(location, model)
+    field = here.model_fields.get(str(location[-1])) if here else None
+    return (field.description or "") if field else ""

@@ -1,0 +1,92 @@
+"""How to mesh a section: the table [mesh] of the input."""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from meshes.blocks import blocks_of, divisions
+from meshes.section.quantity import Length
+from meshes.section.section import Model, Section
+
+# More quadrilaterals than this need more memory than most machines have (gmsh alone takes about 1 kB for each).
+MOST_QUADRILATERALS = 5_000_000
+
+# How far the refinement towards an interface reaches, in sizes there, before the ordinary size is back.
+GROWTH_REACH = 10.0
+
+
+class MeshSettings(Model):
+    """How to mesh a section. Sizes are lengths of cell edges (m)."""
+
+    method: Literal["auto", "mapped", "free"] = Field(
+        default="auto", description="mapped columns and rows, free, or whichever the layers allow"
+    )
+    columns: int | None = Field(default=None, ge=1, description="columns of a mapped mesh")
+    rows: int | None = Field(default=None, ge=1, description="rows of a mapped mesh")
+    size: Length | None = Field(default=None, description="target cell size, a length such as 2.0")
+    sizes: dict[str, Length] = Field(default={}, description='target cell size in a stratum, "name" = size')
+    towards: dict[str, Length] = Field(
+        default={}, description='cell size at "surface", "base" or the bottom of the named stratum'
+    )
+    refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
+
+    def problems(self, section: Section) -> list[str]:
+        """What does not fit the section, one sentence each."""
+        names = [stratum.name for stratum in section.strata]
+        known = {"sizes": names, "towards": [*names, "surface", "base"]}
+        problems = [
+            f'mesh, {table}: there is no "{name}"; expected one of {", ".join(known[table])}'
+            for table in known
+            for name in getattr(self, table)
+            if name not in known[table]
+        ]
+        counted, graded = bool(self.columns or self.rows), bool(self.sizes or self.towards)
+        if self.method == "free" and counted:
+            problems.append('mesh, columns and rows: expected none with method = "free", which goes by size')
+        if graded and (self.method == "mapped" or counted):
+            problems.append('mesh, sizes and towards: expected none with columns and rows; they need method = "free"')
+        if self.size and self.columns and self.rows:
+            problems.append("mesh, size: expected either a size or both columns and rows")
+        largest = float(np.ptp(section.outline(), axis=0).max())
+        if self.size and self.size > largest:
+            problems.append(f"mesh, size = {self.size:g} m: expected at most the section's own size, {largest:g} m")
+        if not problems and (count := self.expected_quadrilaterals(section)) > MOST_QUADRILATERALS:
+            problems.append(
+                f"mesh: sizes and refine would make about {count:.1g} quadrilaterals; expected at most "
+                f"{MOST_QUADRILATERALS:,}"
+            )
+        return problems
+
+    def method_for(self, section: Section) -> Literal["mapped", "free"]:
+        """The method as set; for "auto", mapped if columns or rows are set or if the layers allow it."""
+        if self.method != "auto":
+            return self.method
+        if self.sizes or self.towards:
+            return "free"
+        return "mapped" if self.columns or self.rows or not isinstance(blocks_of(section), str) else "free"
+
+    def expected_quadrilaterals(self, section: Section) -> float:
+        """About how many quadrilaterals a mesh will have; 0 where mapping will be refused anyhow."""
+        if self.method_for(section) == "mapped":
+            blocks = blocks_of(section)
+            if isinstance(blocks, str):
+                return 0.0
+            columns, rows = divisions(blocks, self.columns, self.rows, self.size)
+            return float(columns) * rows * self.refine**2
+        size = self.cell_size(section)
+        wanted = [min(self.sizes.get(stratum.name, size), size) for stratum in section.strata]
+        count = float((section.layering.areas() / np.square(wanted)).sum())
+        left, right = section.extent
+        for name, near in self.towards.items():
+            # On one side of a line of length L the size grows from s to S over GROWTH_REACH S: GROWTH_REACH L / s
+            sides = 1.0 if name in ("surface", "base") else 2.0
+            count += sides * GROWTH_REACH * (right - left) / near if near < size else 0.0
+        return count * self.refine**2
+
+    def cell_size(self, section: Section) -> float:
+        """The target size (m) as set, or else a twelfth of the section's mean height."""
+        if self.size is not None:
+            return self.size
+        left, right = section.extent
+        return float(section.layering.areas().sum()) / (right - left) / 12.0
