@@ -1,0 +1,80 @@
+"""Where compiled kernels are kept: a folder for each state of their sources, so that no change is overlooked.
+
+Numba keeps what it has compiled and compiles anew when the file of a function changes. It does not look at the files
+of the functions that are called from there (Numba's issue 1833): after a change in `contact.py` alone, `stepping.py`
+would go on with the old law. So the folder's name holds a hash of all kernels there are.
+
+It lies in the user's cache, since an installation may be read-only, or in NUMBA_CACHE_DIR where that is set.
+"""
+
+import atexit
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+PACKAGES = ("dem", "fem")  # those with kernels, folders beside this package
+PREFIX = "noshiro-kernels-"
+VARIABLE = "NUMBA_CACHE_DIR"
+FORGOTTEN_AFTER = 28 * 86400.0  # s since a folder was last used
+
+
+def keep_compiled_kernels() -> None:
+    """Lets Numba keep the kernels of this process in the folder of their sources; call it before they are imported.
+
+    Child processes inherit it. Where no folder can be written, kernels are compiled for this process alone.
+    """
+    given = os.environ.get(VARIABLE)
+    base = Path(given) if given else _user_cache() / "noshiro"
+    if base.name.startswith(PREFIX):  # set by this very function, here or in a parent process
+        base = base.parent
+    name = PREFIX + hash_of_kernels(Path(__file__).parents[1])
+    if not _usable(base / name):
+        base = Path(tempfile.mkdtemp(prefix="noshiro-"))
+        atexit.register(shutil.rmtree, base, ignore_errors=True)
+    folder = base / name
+    forget(base, folder)
+    os.environ[VARIABLE] = str(folder)
+    if "numba" in sys.modules:
+        sys.modules["numba.core.config"].reload_config()
+
+
+def hash_of_kernels(top: Path) -> str:
+    """Hash of all sources in the kernels' rooms of the packages in the folder `top`."""
+    digest = hashlib.sha256()
+    for package in PACKAGES:
+        for path in sorted((top / package / "kernels").rglob("*.py")):
+            digest.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def forget(base: Path, current: Path) -> None:
+    """Removes the folders of other sources that nobody has used for four weeks."""
+    for folder in base.glob(PREFIX + "*"):
+        try:
+            old = time.time() - folder.stat().st_mtime > FORGOTTEN_AFTER
+        except OSError:  # another process was faster
+            continue
+        if folder != current and old:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _usable(folder: Path) -> bool:
+    """Whether files can be written into the folder, which is made if need be; it counts as used today."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+        os.utime(folder)
+    except OSError:
+        return False
+    return True
+
+
+def _user_cache() -> Path:
+    """The folder for files that a program can make again."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
