@@ -1,10 +1,10 @@
-"""Newton's method along a path of equilibria, on which the load factor is an unknown.
+"""Newton's method for equilibrium under a load whose multiplier may itself be an unknown (arc-length continuation).
 
-A path is followed by its length l, which grows whatever the load factor λ does:
+The path of equilibria is parametrised by its arc length l, which grows whatever the load multiplier λ does:
 
     a·u / reference + β λ = l,
 
-with the control a·u, the displacement that is work-conjugate to the load, and a reference displacement (m).
+with the control displacement a·u (m), work-conjugate to the load, and a reference displacement (m).
 """
 
 from dataclasses import dataclass
@@ -15,10 +15,23 @@ import numpy as np
 from fem.linear_solver import SingularMatrixError
 from fem.plane_strain import PlaneStrain
 
+# Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
+MOST_STALLED, PROGRESS = 8, 0.9
+
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """``tolerance`` is the norm of the unbalanced force over that of the weight."""
+    """When Newton's method has converged and when it is given up.
+
+    Attributes
+    ----------
+    tolerance : float
+        Norm of the unbalanced force over that of the weight (-) at which a state is in equilibrium.
+    iterations : int
+        Most iterations of a step.
+    line_search : int
+        How often a correction is halved that does not make the unbalanced force smaller.
+    """
 
     tolerance: float = 1e-6
     iterations: int = 20
@@ -26,123 +39,150 @@ class NewtonSettings:
 
 
 class Loading(Protocol):
-    """What the load factor scales."""
+    """What the load multiplier λ acts on: a load, or the strength of the ground."""
 
-    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         """External minus internal nodal forces (N/m)."""
         ...
 
-    def derivative(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
-        """Change of the unbalanced force with the load factor."""
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        """Derivative of the unbalanced force with respect to the multiplier (N/m)."""
         ...
 
 
 @dataclass(frozen=True)
-class Forces:
-    """Nodal forces ``fixed`` + λ ``load``."""
+class ProportionalLoad:
+    """Nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m."""
 
-    fixed: np.ndarray
-    load: np.ndarray
+    constant: np.ndarray
+    variable: np.ndarray
 
-    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
-        return self.fixed + factor * self.load - problem.internal_force(increment)
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        return self.constant + multiplier * self.variable - problem.internal_force(increment)
 
-    def derivative(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
-        return self.load
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        return self.variable
 
 
 @dataclass(frozen=True)
-class WeakerGround:
-    """Nodal forces that stay, on ground whose cohesion and tan φ are divided by λ."""
+class StrengthReduction:
+    """Constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided by λ.
 
-    fixed: np.ndarray
+    The derivative with respect to λ is taken by a finite ``difference`` of λ.
+    """
+
+    constant: np.ndarray
     difference: float = 1e-4
 
-    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
-        problem.use_strength(factor)
-        return self.fixed - problem.internal_force(increment)
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        problem.use_strength(multiplier)
+        return self.constant - problem.internal_force(increment)
 
-    def derivative(self, problem: PlaneStrain, increment: np.ndarray, factor: float) -> np.ndarray:
-        """By a difference in λ; leaves the tangent of the problem as it was."""
-        problem.use_strength(factor + self.difference)
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        """By a finite difference; leaves the tangent of the problem as it was."""
+        problem.use_strength(multiplier + self.difference)
         weaker = problem.internal_force(increment, tangent=False)
-        problem.use_strength(factor)
+        problem.use_strength(multiplier)
         return (problem.internal_force(increment, tangent=False) - weaker) / self.difference
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """``control``·u + ``share`` λ changes by ``target`` over the step; None for the whole: λ is given."""
+    """The condition under which the load multiplier is an unknown: control·Δu + beta Δλ = target.
+
+    Attributes
+    ----------
+    control : ndarray (dofs,)
+        The control over the reference displacement (1/m).
+    beta : float
+        Weight of the load multiplier in the arc length (-).
+    target : float
+        Arc length of the step (-).
+    """
 
     control: np.ndarray
-    share: float
+    beta: float
     target: float
 
 
 @dataclass(frozen=True)
-class Found:
-    """What Newton's method ended with."""
+class NewtonResult:
+    """How Newton's method ended.
+
+    Attributes
+    ----------
+    converged : bool
+        Whether the residual is below the tolerance.
+    iterations : int
+        Linear systems factorised.
+    residual : float
+        Norm of the unbalanced force over the scale (-).
+    multiplier : float
+        The load multiplier λ (-).
+    increment : ndarray (dofs,)
+        Displacement since the last accepted state (m).
+    """
 
     converged: bool
     iterations: int
     residual: float
-    factor: float
+    multiplier: float
     increment: np.ndarray
 
 
 def residual_of(
-    problem: PlaneStrain, loading: Loading, increment: np.ndarray, factor: float, scale: float
+    problem: PlaneStrain, loading: Loading, increment: np.ndarray, multiplier: float, scale: float
 ) -> tuple[np.ndarray, float]:
-    """The unbalanced force (N/m) where nothing is held, and its norm over ``scale`` (N/m)."""
-    unbalanced = loading.unbalanced(problem, increment, factor)
+    """The unbalanced force (N/m) of the components that are free, and its norm over ``scale`` (N/m)."""
+    unbalanced = loading.unbalanced(problem, increment, multiplier)
     unbalanced[~problem.free] = 0.0
     return unbalanced, problem.exchange.norm(unbalanced) / scale
 
 
-def follow(
+def find_equilibrium(
     problem: PlaneStrain,
     loading: Loading,
-    factor: float,
+    multiplier: float,
     first: np.ndarray,
     constraint: Constraint | None,
     scale: float,
     settings: NewtonSettings,
-) -> Found:
-    """Find the displacement increment and, under a ``constraint``, the load factor of equilibrium.
+) -> NewtonResult:
+    """Find the displacement increment of equilibrium and, under a ``constraint``, the load multiplier.
 
-    Starts from the increment ``first`` and from ``factor``, which fulfil the constraint. ``scale`` (N/m) makes the
-    residual dimensionless. With K the tangent, K a = r and K b = dr/dλ, the correction is a + dλ b (block
-    elimination, Batoz & Dhatt 1979, eq. 12).
+    Starts from the increment ``first`` (m) and ``multiplier``, which fulfil the constraint; without a constraint the
+    multiplier is given. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
+    K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12).
     """
     dot = problem.exchange.dot
     increment = first
-    residual, norm = residual_of(problem, loading, increment, factor, scale)
+    residual, norm = residual_of(problem, loading, increment, multiplier, scale)
     best, stalled, iteration = norm, 0, 0
-    while norm > settings.tolerance and iteration < settings.iterations and stalled < 8:
+    while norm > settings.tolerance and iteration < settings.iterations and stalled < MOST_STALLED:
         iteration += 1
         change = 0.0
         try:
             problem.factorise()
             step = problem.solve(residual)
             if constraint is not None:
-                along = problem.solve(loading.derivative(problem, increment, factor))
-                response = dot(constraint.control, along) + constraint.share
-                # Ground that does not feel the load factor at all (elastic, and only weakened) leaves it as it is.
+                along = problem.solve(loading.derivative(problem, increment, multiplier))
+                response = dot(constraint.control, along) + constraint.beta
+                # Strength reduction does not change ground that is elastic everywhere: then λ stays as it is.
                 change = -dot(constraint.control, step) / response if response != 0.0 else 0.0
                 step = step + change * along
         except SingularMatrixError:
             break
         part = 1.0
         for _ in range(settings.line_search + 1):
-            residual, new = residual_of(problem, loading, increment + part * step, factor + part * change, scale)
+            residual, new = residual_of(problem, loading, increment + part * step, multiplier + part * change, scale)
             if new < norm:
                 break
             part *= 0.5
         else:
             part *= 2.0
-        increment, factor, norm = increment + part * step, factor + part * change, new
+        increment, multiplier, norm = increment + part * step, multiplier + part * change, new
         if not np.isfinite(norm):
             break
-        stalled = 0 if norm < 0.9 * best else stalled + 1
+        stalled = 0 if norm < PROGRESS * best else stalled + 1
         best = min(best, norm)
-    return Found(bool(norm <= settings.tolerance), iteration, norm, factor, increment)
+    return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)

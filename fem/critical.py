@@ -1,7 +1,7 @@
-"""At which seismic coefficient a section fails: gravity, then the horizontal load with its coefficient unknown.
+"""The critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
 
-Kh acts on the seismic density, gravity on the ordinary one. The displacement that is prescribed step by step is the
-work-conjugate one of the horizontal load, the mean horizontal displacement weighted by the seismic mass (m).
+Gravity acts on the ordinary density, Kh g on the seismic one. The control displacement, prescribed step by step, is
+the one work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
 """
 
 from collections.abc import Sequence
@@ -11,31 +11,52 @@ from typing import Any
 import numpy as np
 
 from fem import dolfinx_api as api
-from fem.continuation import Forces, NewtonSettings
+from fem.continuation import NewtonSettings, ProportionalLoad
 from fem.errors import UnstableError
 from fem.fields import State, state_of
-from fem.loads import GRAVITY, push, soils
-from fem.path import PathSettings, Step, Walk
+from fem.loads import push, soils
+from fem.path import EquilibriumPath, PathSettings, PathStep
 from fem.plane_strain import PlaneStrain
-from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
+from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import Element, FemSettings
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
-# Elastic displacements under all of a load after which bringing it on is given up.
+# Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 
-# Kh in whose elastic displacement the path is measured.
+# The elastic displacement under this Kh is the unit of the arc length.
 REFERENCE_KH = 0.25
 
 
 @dataclass(frozen=True)
 class CriticalResult:
-    """The critical seismic coefficient, and how good it is.
+    """The critical seismic coefficient, how good it is, and how it was found.
 
-    ``kc`` is the largest Kh at which an equilibrium was found, ``upper`` what the path rises to or would with its last
-    growth if the displacement doubled once more.
+    Attributes
+    ----------
+    kc : float
+        Largest Kh at which an equilibrium was found (-).
+    upper : float
+        Kh that the path rose to, or would with its last growth if the displacement doubled once more (-).
+    verdict : Verdict
+        "plateau", "peak", "no failure" or "undecided".
+    element : Element
+        The element that was used.
+    reason, remedy : str
+        Why the path ended, and what to do if it has no answer.
+    steps : list of PathStep
+        The path: Kh over the mean horizontal displacement.
+    states : list of State
+        The fields at the Kh asked for, and at the end of the path.
+    solves : int
+        Linear systems factorised.
+    gravity_iterations : int
+        Linear systems factorised under gravity.
+    gravity_plastic_share : float
+        Share of the quadrature points that yield under gravity (-).
     """
 
     kc: float
@@ -44,7 +65,7 @@ class CriticalResult:
     element: Element
     reason: str
     remedy: str
-    steps: list[Step]
+    steps: list[PathStep]
     states: list[State]
     solves: int
     gravity_iterations: int
@@ -52,49 +73,50 @@ class CriticalResult:
 
     @property
     def lower(self) -> float:
+        """Lower end of the interval, ``kc`` itself (-)."""
         return self.kc
 
 
 def critical_coefficient(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, progress: Progress | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> CriticalResult:
     """The critical seismic coefficient of a meshed section.
 
     Raises InputError if the section lacks what the analysis needs, UnstableError if it fails under its own weight.
     """
-    problem, fixed, gravity_walk = at_rest_under_gravity(section, mesh, settings, comm)
-    walk = seismic_walk(problem, fixed, push(section, settings), settings)
+    problem, constant, gravity_path = gravity_equilibrium(section, mesh, settings, comm)
+    path = seismic_path(problem, constant, push(section, settings), settings)
     states: list[State] = []
 
     def keep(kh: float) -> None:
         states.append(state_of(problem, mesh, f"Kh = {kh:g}", kh))
 
-    def stretch(walk: Walk) -> float:
-        return walk.displacement / (max(walk.factor, 1e-9) / REFERENCE_KH * walk.reference)
+    def ductility(path: EquilibriumPath) -> float:
+        return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
 
-    outcome = walk_to_plateau(walk, stretch, settings.kh_limit, Plateau(), settings.kh, keep, progress)
-    at_rest = walk.rest()
-    held = max(outcome.held, walk.factor) if at_rest else outcome.held
-    end = outcome.verdict if outcome.verdict in ("plateau", "peak") else "end of the walk"
-    label = f"{end}, Kh = {walk.factor:.3f}" + ("" if at_rest else ", under overstress")
-    last = state_of(problem, mesh, label, walk.factor)
+    found = find_limit_load(path, ductility, settings.kh_limit, PlateauRule(), settings.kh, keep, listener)
+    relaxed = path.relax()
+    held = max(found.held, path.factor) if relaxed else found.held
+    end = found.verdict if found.verdict in ("plateau", "peak") else "end of the path"
+    label = f"{end}, Kh = {path.factor:.3f}" + ("" if relaxed else ", under overstress")
+    last = state_of(problem, mesh, label, path.factor)
     states.append(last)
     for kh in sorted(settings.kh):
-        if kh > held and outcome.verdict != "undecided":
+        if kh > held and found.verdict != "undecided":
             label = f"past equilibrium: Kh = {kh:g} is out of reach"
             states.append(replace(last, label=label, kh=kh, past_equilibrium=True))
     return CriticalResult(
         kc=held,
-        upper=max(held, outcome.upper),
-        verdict=outcome.verdict,
+        upper=max(held, found.upper),
+        verdict=found.verdict,
         element=problem.grid.element,
-        reason=outcome.reason,
-        remedy=outcome.remedy,
-        steps=walk.steps,
+        reason=found.reason,
+        remedy=found.remedy,
+        steps=path.steps,
         states=states,
-        solves=walk.solves,
-        gravity_iterations=gravity_walk.solves,
-        gravity_plastic_share=gravity_walk.steps[-1].plastic_share,
+        solves=path.solves,
+        gravity_iterations=gravity_path.solves,
+        gravity_plastic_share=gravity_path.steps[-1].plastic_share,
     )
 
 
@@ -111,14 +133,15 @@ def element_for(strata: Sequence[Stratum], settings: FemSettings) -> Element:
     return "reduced" if dilates and is_associated(strata) else "quadratic"
 
 
-def at_rest_under_gravity(
+def gravity_equilibrium(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, strength_factor: float = 1.0
-) -> tuple[PlaneStrain, np.ndarray, Walk]:
-    """The section in equilibrium under its weight, with its sides as the settings say, and the forces that act on it.
+) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
+    """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
 
-    Under gravity the sides are held horizontally (K0). When they are set free the reactions stay as forces. Tied sides
-    are tied from the start, and nothing is left on them: such a section is one of many in a row. Displacements
-    count from here. ``strength_factor`` divides cohesion and tan φ.
+    Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
+    forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
+    ones. Displacement and strain are counted from here. ``strength_factor`` divides cohesion and tan φ. Raises
+    InputError, UnstableError.
     """
     api.require()
     strata = soils(section, settings)
@@ -131,46 +154,53 @@ def at_rest_under_gravity(
     weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
-    walk = carry(problem, np.zeros_like(weight), weight, settings)
-    fixed = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    path = apply_load(problem, np.zeros_like(weight), weight, settings)
+    constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
     if settings.sides != "tied":
         held = "y" if settings.sides == "roller" else "xy"
         problem.hold({"base": "xy", "left": held, "right": held})
     if settings.vertical != 0.0:
         lift = problem.body_force([s.density_seismic for s in strata], (0.0, settings.vertical * GRAVITY))
-        carry(problem, fixed, lift, settings)
-        fixed = fixed + lift
+        apply_load(problem, constant, lift, settings)
+        constant = constant + lift
     problem.displacement[:] = 0.0
     problem.plastic_strain[:] = 0.0
     problem.strain[:] = 0.0
-    return problem, fixed, walk
+    return problem, constant, path
 
 
-def carry(problem: PlaneStrain, fixed: np.ndarray, load: np.ndarray, settings: FemSettings) -> Walk:
-    """Bring a load on whole, in one go if Newton's method can, along its path if not."""
+def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
+    """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
+
+    Raises UnstableError if the ground does not carry it.
+    """
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()
     problem.factorise()
     control = load / norm(load)
-    walk = Walk(
-        problem, Forces(fixed, load), control, dot(control, problem.solve(load)), norm(load) + norm(fixed),
+    path = EquilibriumPath(
+        problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
+        norm(load) + norm(constant),
         replace(path_settings(problem, settings), first=0.2, largest=0.2),
     )  # fmt: skip
     carried = 0.0
-    while not walk.reach(1.0):
-        if not walk.advance() or walk.factor >= 1.0 or walk.length > LONGEST_LOADING:
+    while not path.reach(1.0):
+        if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
             share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
             raise UnstableError(
                 f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
                 "factor of safety at Kh = 0"
             )
-        if walk.rest():
-            carried = walk.factor
-    return walk
+        if path.relax():
+            carried = path.factor
+    return path
 
 
-def seismic_walk(problem: PlaneStrain, fixed: np.ndarray, sign: int, settings: FemSettings) -> Walk:
-    """The path of rising Kh, ready to start; displacement is positive in the direction of the push."""
+def seismic_path(problem: PlaneStrain, constant: np.ndarray, sign: int, settings: FemSettings) -> EquilibriumPath:
+    """The path of rising Kh, ready to start; displacement is positive in the direction of the horizontal load.
+
+    Raises InputError if no stratum has a seismic density.
+    """
     load = seismic_load(problem, sign)
     mass = problem.exchange.dot(load, _horizontal(problem, sign))
     if mass == 0.0:
@@ -179,8 +209,9 @@ def seismic_walk(problem: PlaneStrain, fixed: np.ndarray, sign: int, settings: F
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
-    path = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
-    return Walk(problem, Forces(fixed, load), control, REFERENCE_KH * elastic, problem.exchange.norm(fixed), path)
+    follow = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
+    scale = problem.exchange.norm(constant)
+    return EquilibriumPath(problem, ProportionalLoad(constant, load), control, REFERENCE_KH * elastic, scale, follow)
 
 
 def seismic_load(problem: PlaneStrain, sign: int) -> np.ndarray:
@@ -195,6 +226,7 @@ def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
 
 
 def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
+    """How paths of this ground are followed: without overstress where its flow is associated."""
     associated = is_associated(problem.strata)
     return PathSettings(
         newton=NewtonSettings(tolerance=settings.tolerance), relaxation=0.0 if associated else settings.relaxation

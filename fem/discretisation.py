@@ -15,20 +15,46 @@ DEGREES: dict[Element, int] = {"bilinear": 1, "quadratic": 2, "reduced": 2}
 
 @dataclass(frozen=True)
 class Discretisation:
-    """What the kernels need of this rank's cells; nc cells, nq points a cell, nd displacement components a cell.
+    """The elements of this rank's cells, as flat arrays for the kernels.
 
-    ``matrix`` (nc, nq, 4, nd) gives the strain [xx, yy, zz, xy] (engineering shear), ``weights`` (nc, nq) the areas
-    (m²) of the quadrature points, ``shapes`` (nq, nodes) the shape functions, ``dofs`` (nc, nd) the numbers of the
-    displacement components among those this rank works with, ``global_dofs`` (needed,) their global numbers, ``cell``
-    (nc,) and ``corners`` (nc, 4) numbers in the mesh as given, ``node_points`` (all nodes, 2) coordinates (m), and
-    ``sides`` the global numbers of the nodes on every boundary. ``unseen`` (nc or 0, nd, nd) is the stiffness, for a
-    shear modulus of 1, of the strain that the quadrature points do not see.
+    There are nc cells with nq quadrature points and nd displacement components each.
+
+    Attributes
+    ----------
+    comm : MPI communicator
+        Among which the mesh is distributed.
+    element : Element
+        "bilinear", "quadratic" or "reduced".
+    matrix : ndarray (nc, nq, 4, nd)
+        B (1/m), which gives the strain [xx, yy, zz, xy] with engineering shear.
+    hourglass : ndarray (nc or 0, nd, nd)
+        Stiffness against hourglass strain, for a shear modulus of 1 (-).
+    weights : ndarray (nc, nq)
+        Areas (m²) of the quadrature points.
+    shapes : ndarray (nq, nodes)
+        Shape functions at the quadrature points (-).
+    dofs : ndarray (nc, nd)
+        Numbers of a cell's displacement components among those this rank works with.
+    global_dofs : ndarray (needed,)
+        Global numbers of the displacement components this rank works with.
+    cell : ndarray (nc,)
+        Numbers of the cells in the mesh as given.
+    corners : ndarray (nc, 4)
+        Numbers of their corners in the mesh as given.
+    stratum : ndarray (nc,)
+        Numbers of their strata.
+    node_points : ndarray (nodes of all ranks, 2)
+        Coordinates (m).
+    size, owned : int
+        Displacement components on all ranks and on this one.
+    sides : dict of str to ndarray
+        Global numbers of the nodes on every boundary.
     """
 
     comm: Any
     element: Element
     matrix: np.ndarray
-    unseen: np.ndarray
+    hourglass: np.ndarray
     weights: np.ndarray
     shapes: np.ndarray
     dofs: np.ndarray
@@ -52,23 +78,23 @@ class Discretisation:
 
 
 def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
-    """Distribute a mesh and set up its elements.
+    """Distribute a mesh among the ranks and set up its elements.
 
     "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
     Hughes 1980, the out-of-plane component included). "quadratic" is the 9-node one with 3 x 3 points whose volumetric
     strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no free modes and does not lock as
     long as the volume stays. Where the ground dilates, ψ > 0, the flow rule asks for more at its points than its nodes
-    can give. "reduced" is the 9-node one with 2 x 2 points, which follows dilating flow; what its points do not see is
-    left to ``unseen``. With ψ = 0 it finds mechanisms that are not there. See the table in fem/README.md.
+    can give. "reduced" is the 9-node one with 2 x 2 points, which follows dilating flow; its hourglass strain, which
+    is zero at the points, is resisted by ``hourglass``. fem/README.md has them side by side.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)
     points = mesh.points[part.corners]
     gauss, weight = _gauss(3 if element == "quadratic" else 2)
     matrix, weights = _strain_matrix(degree, gauss, weight, points)
-    unseen = np.zeros((0, matrix.shape[-1], matrix.shape[-1]))
+    hourglass = np.zeros((0, matrix.shape[-1], matrix.shape[-1]))
     if element == "reduced":
-        unseen = _unseen_stiffness(matrix, points)
+        hourglass = _hourglass_stiffness(matrix, points)
     else:
         _project_volumetric_strain(matrix, weights, _modes(element, gauss, points, weights))
 
@@ -79,7 +105,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
         comm=comm,
         element=element,
         matrix=matrix,
-        unseen=unseen,
+        hourglass=hourglass,
         weights=weights,
         shapes=api.tabulate(degree, gauss)[0],
         dofs=dofs.reshape(blocked.shape).astype(np.int32),
@@ -150,19 +176,19 @@ def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: n
     matrix[:, :, :3] += ((smooth - volumetric) / 3.0)[:, :, None]
 
 
-def _unseen_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Stiffness (nc, nd, nd) against the part of the strain that is zero at the 2 x 2 points.
+def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Stiffness (nc, nd, nd) against hourglass strain, the part of the strain that is zero at the 2 x 2 points.
 
-    That part is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points, so a
-    displacement with a strain linear over the cell feels nothing.
+    It is the strain at 3 x 3 points less the bilinear field through its values at the 2 x 2 points, so that a
+    displacement whose strain is linear over the cell is not resisted.
     """
     gauss, weight = _gauss(3)
     full, weights = _strain_matrix(2, gauss, weight, points)
     near, far = np.polynomial.legendre.leggauss(2)[0] / 2.0 + 0.5
     along = np.stack([(far - gauss) / (far - near), (gauss - near) / (far - near)])
     through = np.stack([along[i, :, 0] * along[j, :, 1] for j in (0, 1) for i in (0, 1)], axis=-1)
-    rest = full - np.einsum("qp,cpid->cqid", through, matrix)
-    return np.einsum("cq,i,cqia,cqib->cab", weights, np.array([2.0, 2.0, 2.0, 1.0]), rest, rest)
+    remainder = full - np.einsum("qp,cpid->cqid", through, matrix)
+    return np.einsum("cq,i,cqia,cqib->cab", weights, np.array([2.0, 2.0, 2.0, 1.0]), remainder, remainder)
 
 
 def _node_points(comm: Any, part: api.Distribution, corners: np.ndarray, degree: int) -> np.ndarray:

@@ -38,10 +38,18 @@ def require() -> None:
 
 @dataclass(frozen=True)
 class Distribution:
-    """This rank's share of a mesh and of a scalar space on it.
+    """This rank's share of a mesh and of a scalar Lagrange space on it; nc cells.
 
-    ``cell`` (nc,) are the cells' numbers in the mesh as given, ``corners`` (nc, 4) their nodes there in dolfinx's
-    order, ``nodes`` (nc, nodes of an element) the global numbers of the space's nodes, ``total`` their number.
+    Attributes
+    ----------
+    cell : ndarray (nc,)
+        Numbers of the cells in the mesh as given.
+    corners : ndarray (nc, 4)
+        Numbers of their corners in the mesh as given, in dolfinx's order.
+    nodes : ndarray (nc, nodes of an element)
+        Global numbers of the nodes of the space.
+    total, owned : int
+        Nodes of all ranks and of this one.
     """
 
     cell: np.ndarray

@@ -1,4 +1,4 @@
-"""What is kept of a state for pictures and files: fields by cell and by corner, and the slip surface in them."""
+"""Fields of a state of equilibrium for pictures and files, by cell and by corner, and the slip surface in them."""
 
 from dataclasses import dataclass
 
@@ -14,11 +14,24 @@ AT_FAILURE = 0.99
 
 @dataclass(frozen=True)
 class State:
-    """The section at one Kh, in the numbering of the mesh; n points, m cells.
+    """Fields of the section at one Kh, in the numbering of the mesh; n points, m cells.
 
-    ``displacement`` (n, 2) in m since gravity; means over the cells: ``stress`` (m, 4) in Pa [xx, yy, zz, xy], tension
-    positive; ``shear_strain`` and ``plastic_shear_strain`` (m,), the largest engineering shear strain in the plane;
-    ``safety_factor`` (m,), the paper's: mobilised over available shear strength on the worst plane, 1 at failure.
+    Attributes
+    ----------
+    label : str
+        What the state is.
+    kh : float
+        Its seismic coefficient (-).
+    displacement : ndarray (n, 2)
+        Since gravity (m).
+    stress : ndarray (m, 4)
+        Mean over the cell [xx, yy, zz, xy], tension positive (Pa).
+    shear_strain, plastic_shear_strain : ndarray (m,)
+        Largest engineering shear strain in the plane, mean over the cell (-).
+    safety_factor : ndarray (m,)
+        The paper's: mobilised over available shear strength on the worst plane, 1 at failure (-).
+    past_equilibrium : bool
+        Whether there is no equilibrium at ``kh`` and the last state of the path stands in its place.
     """
 
     label: str
@@ -32,12 +45,12 @@ class State:
 
     @property
     def failed(self) -> np.ndarray:
-        """Which cells are at failure, (m,)."""
+        """Which cells (m,) are at failure."""
         return self.safety_factor >= AT_FAILURE
 
 
 def state_of(problem: PlaneStrain, mesh: QuadMesh, label: str, kh: float) -> State:
-    """The accepted state of a problem, whole on every rank."""
+    """The fields of a problem's accepted state, gathered on every rank."""
     grid = problem.grid
     share = grid.weights / grid.weights.sum(axis=1, keepdims=True)
 

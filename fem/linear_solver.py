@@ -18,7 +18,15 @@ class SingularMatrixError(ArithmeticError):
 
 
 class Exchange:
-    """Between the components that this rank owns and those its cells need; on one rank the same in another order."""
+    """Copies and sums between the displacement components that a rank owns and those that its cells need.
+
+    Vectors of owned components are (owned,), of needed ones (needed,).
+
+    Attributes
+    ----------
+    first, last : int
+        Range of the global numbers of the owned components.
+    """
 
     def __init__(self, d: Discretisation) -> None:
         self._owned = PETSc.Vec().createMPI((d.owned, d.size), comm=d.comm)
@@ -29,13 +37,13 @@ class Exchange:
         self._comm = d.comm
 
     def to_local(self, owned: np.ndarray) -> np.ndarray:
-        """Values where the cells need them, from the values of the owned components."""
+        """Values (needed,) from the values (owned,)."""
         self._owned.array[:] = owned
         self._scatter.scatter(self._owned, self._local)
         return self._local.array.copy()
 
     def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
-        """Contributions of all ranks added up for the owned components."""
+        """Contributions (needed,) of all ranks, added up for the owned components."""
         self._local.array[:] = local
         self._owned.set(0.0)
         self._scatter.scatter(
@@ -48,21 +56,18 @@ class Exchange:
         return float(self._comm.allreduce(float(a @ b)))
 
     def norm(self, a: np.ndarray) -> float:
+        """Euclidean norm of a vector, over all ranks."""
         return float(np.sqrt(self.dot(a, a)))
 
     def owned_part(self, everything: np.ndarray) -> np.ndarray:
-        """This rank's part of a vector over all components."""
+        """The owned part of a vector (all components,)."""
         return everything[self.first : self.last]
-
-    def gather(self, owned: np.ndarray) -> np.ndarray:
-        """The whole vector, on every rank."""
-        return np.concatenate(self._comm.allgather(owned))
 
 
 class LinearSolver:
     """K x = b with rows and columns of the held components replaced by those of the unit matrix.
 
-    Components inside a cell are condensed before the matrix is set, where they stand as held, and found afterwards.
+    Components inside a cell are condensed statically, stand in the matrix as if held, and are found afterwards.
     """
 
     def __init__(self, d: Discretisation, exchange: Exchange) -> None:
@@ -82,14 +87,14 @@ class LinearSolver:
         self._ksp.setErrorIfNotConverged(False)
         self._x, self._b = self._matrix.createVecs()
 
-    def factorise(self, tangent: np.ndarray, more: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
-        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and ``more`` (nc or 0, nd, nd), and factorise it.
+    def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
 
-        ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
+        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
         Raises SingularMatrixError.
         """
         d = self._grid
-        self._elements[:] = more if len(more) else 0.0
+        self._elements[:] = hourglass if len(hourglass) else 0.0
         assembly.element_stiffness(d.matrix, d.weights, tangent, free, d.dofs, self._elements)
         if d.inside:
             condensation.condense(self._elements, self._inverse)

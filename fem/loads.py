@@ -1,14 +1,12 @@
-"""What pushes the ground, and which strength it has, alike in the finite elements and in limit analysis."""
+"""Direction of the seismic load, and strength and flow rule of the strata: for finite elements and limit analysis."""
 
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Section, Stratum
 
-GRAVITY = 9.80665  # m/s², with which Table 1's tonnes-force turn into newtons
-
 
 def push(section: Section, settings: FemSettings) -> int:
-    """+1 if the ground is pushed to the right, -1 if to the left."""
+    """Direction of the horizontal load: +1 to the right, -1 to the left."""
     return downhill(section) * (1 if settings.direction == "downhill" else -1)
 
 

@@ -1,22 +1,44 @@
-"""A path of equilibria, step by step, with growth and cut-back of the step, and rests to let the overstress go."""
+"""A path of equilibria, followed step by step with steps that adapt, and with relaxation of the overstress.
+
+Where the flow is not associated, every step is given a small overstress (``fem/kernels/viscoplastic.py``) so that it
+has one answer; relaxation then lets the overstress decay, after which the forces have to balance on the yield surface.
+"""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from fem.continuation import Constraint, Found, Loading, NewtonSettings, follow, residual_of
+from fem.continuation import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
 from fem.plane_strain import PlaneStrain
 
 
 @dataclass(frozen=True)
 class PathSettings:
-    """How to walk. Lengths are in units of the path length; see ``Walk``.
+    """How a path is followed. Lengths are arc lengths, see ``EquilibriumPath``.
 
-    ``relaxation`` is the path length over which the overstress decays; 0 for none. A rest lasts ``rest`` times that
-    and is repeated, ``most_rests`` times at most, until the forces balance without overstress to ``rest_tolerance`` of
-    the weight; ``give_way`` are the shares by which the factor is lowered in a rest that sets it. Steps grow by
-    ``growth`` while Newton needs no more than ``few`` iterations, and by ``shrink`` if it needs more than ``many``.
+    Attributes
+    ----------
+    newton : NewtonSettings
+        Newton's method within a step.
+    first, largest, smallest : float
+        First, largest and smallest step (-).
+    growth, shrink : float
+        What a step is multiplied by after one that needed at most ``few``, or more than ``many`` iterations (-).
+    few, many : int
+        Iterations of Newton's method.
+    relaxation : float
+        Arc length over which the overstress decays (-); 0 for no overstress.
+    relaxation_span : float
+        Length of a relaxation over ``relaxation`` (-).
+    most_relaxations : int
+        How often relaxation is repeated until the forces balance without overstress.
+    relaxed_tolerance : float
+        Norm of the force then unbalanced, over that of the weight (-).
+    reductions : tuple of float
+        Shares by which the multiplier is lowered, one after the other, until a state relaxes (-).
+    most_steps : int
+        Steps after which the path ends.
     """
 
     newton: NewtonSettings = field(default_factory=NewtonSettings)
@@ -28,18 +50,37 @@ class PathSettings:
     few: int = 6
     many: int = 12
     relaxation: float = 0.0
-    rest: float = 30.0
-    most_rests: int = 6
-    rest_tolerance: float = 2e-3
-    give_way: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
-    longest: int = 400
+    relaxation_span: float = 30.0
+    most_relaxations: int = 6
+    relaxed_tolerance: float = 2e-3
+    reductions: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
+    most_steps: int = 400
 
 
 @dataclass(frozen=True)
-class Step:
-    """A step of the path, for the record; ``displacement`` (m) is the control's, from the start of the path.
+class PathStep:
+    """A step of the path, for the record.
 
-    ``at_rest`` steps let overstress go; ``balanced`` says that afterwards the forces balanced without any.
+    Attributes
+    ----------
+    length : float
+        Arc length from the start of the path (-).
+    displacement : float
+        Control displacement from the start of the path (m).
+    factor : float
+        Load multiplier λ (-): Kh, or the factor of safety.
+    iterations : int
+        Iterations of Newton's method.
+    residual : float
+        Norm of the unbalanced force over that of the weight (-).
+    plastic_share : float
+        Share of the quadrature points at yield (-).
+    cutbacks : int
+        How often the step was halved before it converged.
+    at_rest : bool
+        Whether the overstress was relaxed in this step instead of the load raised.
+    balanced : bool
+        Whether after that the forces balanced without overstress.
     """
 
     length: float
@@ -54,11 +95,37 @@ class Step:
 
 
 @dataclass
-class Walk:
-    """A walk along a path of ``problem`` under ``loading``.
+class EquilibriumPath:
+    """The path of equilibria of ``problem`` under ``loading``, and the place on it that has been reached.
 
-    ``control`` (a vector, a·u in m) and ``reference`` (m) measure the displacement, ``share`` is the β that the load
-    factor has in the path length, ``scale`` (N/m) makes residuals dimensionless.
+    Attributes
+    ----------
+    problem : PlaneStrain
+        The ground, with the state of equilibrium last accepted.
+    loading : Loading
+        What the multiplier acts on.
+    control : ndarray (dofs,)
+        a of the control displacement a·u (m).
+    reference : float
+        Displacement (m) that is one unit of arc length.
+    scale : float
+        Force (N/m) over which residuals are taken.
+    settings : PathSettings
+        How the path is followed.
+    beta : float
+        Weight of the load multiplier in the arc length (-).
+    factor : float
+        Load multiplier λ reached (-).
+    length : float
+        Arc length so far (-).
+    displacement : float
+        Control displacement so far (m).
+    steps : list of PathStep
+        The record.
+    solves : int
+        Linear systems factorised so far.
+    reason : str
+        Why the path could not be followed further.
     """
 
     problem: PlaneStrain
@@ -67,11 +134,11 @@ class Walk:
     reference: float
     scale: float
     settings: PathSettings
-    share: float = 0.0
+    beta: float = 0.0
     factor: float = 0.0
     length: float = 0.0
     displacement: float = 0.0
-    steps: list[Step] = field(default_factory=list)
+    steps: list[PathStep] = field(default_factory=list)
     solves: int = 0
     reason: str = ""
     _last: tuple[np.ndarray, float, float] | None = None
@@ -82,7 +149,7 @@ class Walk:
         self._elastic: tuple[np.ndarray, float] | None = None
 
     def advance(self) -> bool:
-        """One step along the path, cut back as often as it takes; False (with ``reason``) if there is none."""
+        """One step along the path, halved as often as it takes; False (with ``reason``) if there is none."""
         cutbacks = 0
         while True:
             if self._step < self.settings.smallest:
@@ -101,48 +168,48 @@ class Walk:
             self._step *= self.settings.shrink
         return True
 
-    def rest(self) -> bool:
-        """Let the overstress go; True if what is left is an equilibrium without it.
+    def relax(self) -> bool:
+        """Let the overstress decay; True if what is left is in equilibrium without it.
 
-        Where the load is a force the displacement stays and the load factor gives way. Ground that is weakened does not
-        feel the factor where it is elastic, so there the factor is set, as high as the ground then stands.
+        Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts
+        on the strength, elastic ground does not feel it, so there the multiplier is set, as high as the ground stands.
         """
         if self.settings.relaxation <= 0.0:
             return True
-        if self.share > 0.0:
-            return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.give_way)
-        return self._let_go(Constraint(self.control / self.reference, 0.0, 0.0))
+        if self.beta > 0.0:
+            return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.reductions)
+        return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Go to a given load factor, at rest there; False, and nothing accepted, if no equilibrium is found."""
+        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found."""
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
             increment = self._last[0] * (factor - self.factor) / self._last[2]
         mark = self.mark()
         self.problem.overstress = self._overstress(self._step)
         found = self._newton(factor, increment, None)
-        at_once = self.settings.relaxation <= 0.0
+        rate_independent = self.settings.relaxation <= 0.0
         if found.converged:
-            self._accept(found, self._moved(found), 0, at_rest=at_once)
-        if found.converged and (at_once or self._let_go(None)):
+            self._accept(found, self._length_of(found), 0, at_rest=rate_independent)
+        if found.converged and (rate_independent or self._relax(None)):
             self._last = None
             return True
         self.back(mark)
         return False
 
-    def _let_go(self, constraint: Constraint | None) -> bool:
-        """Rest until the forces balance without overstress; False if that does not come about.
+    def _relax(self, constraint: Constraint | None) -> bool:
+        """Relax until the forces balance without overstress; False if that does not come about.
 
-        The load factor stays unless a ``constraint`` holds the displacement instead.
+        The multiplier stays unless a ``constraint`` keeps the displacement instead.
         """
-        for _ in range(self.settings.most_rests):
-            self.problem.overstress = 1.0 / (1.0 + self.settings.rest)
+        for _ in range(self.settings.most_relaxations):
+            self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)
             found = self._newton(self.factor, np.zeros_like(self.control), constraint)
             if not found.converged:
                 return False
-            moved = 0.0 if constraint else self._moved(found)
-            self._accept(found, moved, 0, at_rest=True)
-            if self._unbalanced_without_overstress() <= self.settings.rest_tolerance:
+            length = 0.0 if constraint else self._length_of(found)
+            self._accept(found, length, 0, at_rest=True)
+            if self._unbalanced_without_overstress() <= self.settings.relaxed_tolerance:
                 self.steps[-1] = replace(self.steps[-1], balanced=True)
                 return True
         return False
@@ -152,10 +219,10 @@ class Walk:
         self.problem.overstress = 0.0
         return residual_of(self.problem, self.loading, np.zeros_like(self.control), self.factor, self.scale)[1]
 
-    def _moved(self, found: Found) -> float:
-        """How far a step has gone along the path."""
+    def _length_of(self, found: NewtonResult) -> float:
+        """The arc length of a step."""
         moved = self.problem.exchange.dot(self.control, found.increment) / self.reference
-        return moved + self.share * (found.factor - self.factor)
+        return moved + self.beta * (found.multiplier - self.factor)
 
     def mark(self) -> tuple[Any, ...]:
         """The place on the path, for ``back``."""
@@ -170,45 +237,48 @@ class Walk:
         del self.steps[steps:]
 
     def _overstress(self, step: float) -> float:
+        """Weight b of the elastic stress in a step, Simo & Hughes 1998, eq. 2.7.16."""
         relaxation = self.settings.relaxation
         return relaxation / (relaxation + step) if relaxation > 0.0 else 0.0
 
-    def _try(self, step: float) -> Found:
+    def _try(self, step: float) -> NewtonResult:
         self.problem.overstress = self._overstress(step)
         if self._last is None:
             first, change = self._elastic_guess(step)
         else:
             last, length, last_change = self._last
             first, change = last * (step / length), last_change * (step / length)
-        return self._newton(self.factor + change, first, Constraint(self.control / self.reference, self.share, step))
+        return self._newton(self.factor + change, first, Constraint(self.control / self.reference, self.beta, step))
 
     def _elastic_guess(self, step: float) -> tuple[np.ndarray, float]:
-        """Increment and change of the load factor of an elastic step."""
+        """Increment and change of the multiplier of an elastic step."""
         if self._elastic is None:
             zero = np.zeros_like(self.control)
             self.problem.use_elastic_tangent()
             self.problem.factorise()
             along = self.problem.solve(self.loading.derivative(self.problem, zero, self.factor))
             moved = self.problem.exchange.dot(self.control, along) / self.reference
-            self._elastic = along, moved + self.share
+            self._elastic = along, moved + self.beta
         along, length = self._elastic
         return along * (step / length), step / length
 
-    def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> Found:
-        found = follow(self.problem, self.loading, factor, first, constraint, self.scale, self.settings.newton)
+    def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
+        found = find_equilibrium(
+            self.problem, self.loading, factor, first, constraint, self.scale, self.settings.newton
+        )  # fmt: skip
         self.solves += found.iterations
         return found
 
-    def _accept(self, found: Found, length: float, cutbacks: int, at_rest: bool) -> None:
+    def _accept(self, found: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
         share = self.problem.plastic_share()
         self.problem.accept(found.increment)
         if length > 0.0:
-            self._last = found.increment, length, found.factor - self.factor
-        self.factor = found.factor
+            self._last = found.increment, length, found.multiplier - self.factor
+        self.factor = found.multiplier
         self.length += length
         self.displacement += self.problem.exchange.dot(self.control, found.increment)
         self.steps.append(
-            Step(
+            PathStep(
                 self.length, self.displacement, self.factor, found.iterations, found.residual, share, cutbacks, at_rest
             )
         )

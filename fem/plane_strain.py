@@ -1,4 +1,4 @@
-"""Elastoplastic plane strain of a meshed section: its state, its forces, its stiffness.
+"""Elastoplastic plane strain of a meshed section: its state, its internal forces, its tangent stiffness.
 
 Stress is positive in tension; components [xx, yy, zz, xy], y upwards; Pa, m, N per metre out of plane.
 """
@@ -18,14 +18,35 @@ from meshes.section.section import Section, Stratum
 
 # Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
 ELASTIC_SHARE = 1e-6
-# Share of the elastic stiffness that resists, over one step, strain that the quadrature points do not see.
-UNSEEN_SHARE = 1e-4
+# Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up.
+HOURGLASS_SHARE = 1e-4
 
 
 class PlaneStrain:
-    """Displacement and stress of a section, with the last accepted state of equilibrium to step from.
+    """A section discretised, with the last accepted state of equilibrium.
 
-    Vectors are the components that this rank owns, x and y of a node in turn.
+    Vectors (dofs,) hold the displacement components that this rank owns, x and y of a node in turn.
+
+    Attributes
+    ----------
+    strata : tuple of Stratum
+        The ground.
+    grid : Discretisation
+        The elements.
+    exchange : Exchange
+        Sums and copies between ranks.
+    displacement : ndarray (dofs,)
+        Accepted displacement (m).
+    stress : ndarray (points, 4)
+        Accepted stress (Pa).
+    strain, plastic_strain : ndarray (points, 4)
+        Accepted strain, engineering shear (-).
+    region : ndarray (points,)
+        Part of the yield surface that every point is on, see ``mohr_coulomb.REGIONS``.
+    free : ndarray (dofs,)
+        Which displacement components are not held.
+    overstress : float
+        Weight b of the elastic stress in the next update, see ``viscoplastic`` (-).
     """
 
     def __init__(
@@ -52,13 +73,13 @@ class PlaneStrain:
         self.hold({})
 
     def _take(self, grid: Discretisation) -> None:
-        """Work with a discretisation from now on."""
+        """Set up solver and work arrays for a discretisation."""
         self.grid = grid
         self.exchange = Exchange(grid)
         self._solver = LinearSolver(grid, self.exchange)
         self._forces = np.zeros(len(grid.global_dofs))
         shear = self._elastic[:, 3, 3]
-        self._unseen = UNSEEN_SHARE * shear[grid.stratum[: len(grid.unseen)], None, None] * grid.unseen
+        self._hourglass = HOURGLASS_SHARE * shear[grid.stratum[: len(grid.hourglass)], None, None] * grid.hourglass
 
     def use_strength(self, factor: float) -> None:
         """Divide cohesion and tan φ of every stratum by ``factor``; ψ stays as it is unless φ falls below it."""
@@ -134,7 +155,7 @@ class PlaneStrain:
                 self._trial, self._tangent if tangent else self._tangent[:0], self._plastic,
             )  # fmt: skip
         self._assemble(self._trial)
-        assembly.add_forces(self._unseen, self.grid.dofs, local, self._forces)
+        assembly.add_forces(self._hourglass, self.grid.dofs, local, self._forces)
         return self.exchange.sum_to_owned(self._forces)
 
     def forces_of(self, stress: np.ndarray) -> np.ndarray:
@@ -149,7 +170,7 @@ class PlaneStrain:
         """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
-        self._solver.factorise(self._tangent, self._unseen, self._free_local, self._held_owned)
+        self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._held_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""

@@ -1,4 +1,4 @@
-"""When a path has shown all that it has to: the rule for a plateau, and the verdict."""
+"""The limit load of a path of equilibria: the rule that ends the path, and the verdict on what it has shown."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from fem.path import Walk
+from fem.path import EquilibriumPath
 
 Verdict = Literal["plateau", "peak", "no failure", "undecided"]
-Progress = Callable[[Walk], None]
+PathListener = Callable[[EquilibriumPath], None]
 
 
 class Ending(NamedTuple):
-    """Why a walk is over."""
+    """Why a path is over."""
 
     verdict: Verdict
     reason: str
@@ -21,29 +21,58 @@ class Ending(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Plateau:
-    """When to stop: the load factor has grown by less than ``growth`` while the displacement doubled.
+class PlateauRule:
+    """A path ends when the load multiplier has grown by less than ``growth`` while the displacement doubled.
 
-    Displacements are told by the stretch, in the first use the displacement over what it would be at this load if the
-    ground were elastic. The rule holds from the stretch ``earliest`` on, and at ``latest`` the walk ends. ``fall`` is
-    the loss of load that makes a peak of a plateau, ``still_a_plateau`` the growth that is let pass at the end. Where
-    what was held is less than the highest load by ``loose``, more is looked for there. Rests begin at ``first_rest``
-    and come whenever the stretch has grown ``next_rest`` times.
+    Displacements enter as ductility: the control displacement over the one that elastic ground would have at the same
+    load (-).
+
+    Attributes
+    ----------
+    growth : float
+        Relative growth of the multiplier over the second half of the displacement, below which it is a plateau.
+    earliest : float
+        Ductility from which the rule holds.
+    latest : float
+        Ductility at which the path ends in any case.
+    fall : float
+        Relative fall of the multiplier below its largest that makes a peak of a plateau.
+    tolerated_growth : float
+        Growth that still counts as a plateau where the path ends at ``latest``.
+    shortfall : float
+        If the largest multiplier in equilibrium without overstress is lower than the largest of the path by this
+        share, equilibrium is looked for anew just below the latter.
+    first_relaxation : float
+        Ductility at which the overstress is first relaxed.
+    next_relaxation : float
+        Ratio of the ductilities of one relaxation and the one before.
     """
 
     growth: float = 0.01
     earliest: float = 3.0
     latest: float = 12.0
     fall: float = 0.05
-    still_a_plateau: float = 0.04
-    loose: float = 0.025
-    first_rest: float = 1.3
-    next_rest: float = 1.3
+    tolerated_growth: float = 0.04
+    shortfall: float = 0.025
+    first_relaxation: float = 1.3
+    next_relaxation: float = 1.3
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """The largest load factor ``held`` in equilibrium, the ``upper`` end of what it may be, and why the walk ended."""
+class LimitLoad:
+    """The answer of a path.
+
+    Attributes
+    ----------
+    held : float
+        Largest load multiplier found in equilibrium (-).
+    upper : float
+        What the path rose to, or would with its last growth if the displacement doubled once more (-).
+    verdict : Verdict
+        "plateau", "peak" (it fell afterwards), "no failure" (up to the limit) or "undecided".
+    reason, remedy : str
+        Why, and what to do if the verdict is none.
+    """
 
     held: float
     upper: float
@@ -52,94 +81,94 @@ class Outcome:
     remedy: str = ""
 
 
-def walk_to_plateau(
-    walk: Walk,
-    stretch: Callable[[Walk], float],
+def find_limit_load(
+    path: EquilibriumPath,
+    ductility: Callable[[EquilibriumPath], float],
     limit: float,
-    plateau: Plateau,
+    rule: PlateauRule,
     wanted: Sequence[float] = (),
     keep: Callable[[float], None] = lambda factor: None,
-    progress: Progress | None = None,
-) -> Outcome:
-    """Walk until the load factor no longer grows or passes ``limit``.
+    listener: PathListener | None = None,
+) -> LimitLoad:
+    """Follow a path until the load multiplier no longer grows or passes ``limit``.
 
-    On the way the ``wanted`` factors are gone to, and ``keep`` is called in equilibrium at each that can be reached.
-    Where there is overstress only states after a rest count as held.
+    On the way the ``wanted`` multipliers are gone to, and ``keep`` is called in equilibrium at each that can be
+    reached. Where there is overstress only relaxed states count as held.
     """
-    left = sorted(factor for factor in wanted if factor > walk.factor)
-    held, next_rest = walk.factor, plateau.first_rest
-    highest, summit = walk.factor, walk.mark()
+    left = sorted(factor for factor in wanted if factor > path.factor)
+    held, next_relaxation = path.factor, rule.first_relaxation
+    highest, summit = path.factor, path.mark()
     while True:
-        mark = walk.mark()
-        if not walk.advance():
-            verdict, reason, remedy = Ending("undecided", walk.reason, "try another mesh or a larger relaxation")
+        mark = path.mark()
+        if not path.advance():
+            verdict, reason, remedy = Ending("undecided", path.reason, "try another mesh or a larger relaxation")
             break
-        if left and walk.factor >= left[0]:
+        if left and path.factor >= left[0]:
             factor = left.pop(0)
-            walk.back(mark)
-            if walk.reach(factor):
+            path.back(mark)
+            if path.reach(factor):
                 held = max(held, factor)
                 keep(factor)
             continue
-        if walk.factor > highest:
-            highest, summit = walk.factor, walk.mark()
-        now = stretch(walk)
-        if walk.settings.relaxation <= 0.0 or (now >= next_rest and walk.rest()):
-            held = max(held, walk.factor)
-        if now >= next_rest:
-            next_rest = plateau.next_rest * now
-        if progress is not None:
-            progress(walk)
-        ending = _ending(walk, now, limit, plateau)
+        if path.factor > highest:
+            highest, summit = path.factor, path.mark()
+        now = ductility(path)
+        if path.settings.relaxation <= 0.0 or (now >= next_relaxation and path.relax()):
+            held = max(held, path.factor)
+        if now >= next_relaxation:
+            next_relaxation = rule.next_relaxation * now
+        if listener is not None:
+            listener(path)
+        ending = _ending(path, now, limit, rule)
         if ending is not None:
             verdict, reason, remedy = ending
             break
-    if held < (1.0 - plateau.loose) * highest:
-        held = max(held, _held_at(walk, highest, summit))
-    growth = max(growth_per_doubling(walk), 0.0)
-    upper = max(held * (1.0 + growth), *(step.factor for step in walk.steps), held)
-    return Outcome(held, upper, verdict, reason, remedy)
+    if held < (1.0 - rule.shortfall) * highest:
+        held = max(held, _held_below(path, highest, summit))
+    growth = max(growth_per_doubling(path), 0.0)
+    upper = max(held * (1.0 + growth), *(step.factor for step in path.steps), held)
+    return LimitLoad(held, upper, verdict, reason, remedy)
 
 
-def _held_at(walk: Walk, highest: float, summit: tuple[Any, ...]) -> float:
-    """The load factor that stands without overstress where the walk was highest, or a little below; leaves the walk.
+def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
+    """The multiplier that is held without overstress at the summit of a path or a little below; the path stays.
 
-    Rests come too seldom to find it on the way, and past a peak they find less.
+    Relaxation comes too seldom to find it on the way, and past a peak it finds less.
     """
-    end, steps, held = walk.mark(), list(walk.steps), 0.0
-    for less in walk.settings.give_way:
-        walk.back(summit)
-        if walk.reach(highest * (1.0 - less)):
-            held = walk.factor
+    end, steps, held = path.mark(), list(path.steps), 0.0
+    for less in path.settings.reductions:
+        path.back(summit)
+        if path.reach(highest * (1.0 - less)):
+            held = path.factor
             break
-    walk.back(end)
-    walk.steps[:] = steps
+    path.back(end)
+    path.steps[:] = steps
     return held
 
 
-def _ending(walk: Walk, stretch: float, limit: float, plateau: Plateau) -> Ending | None:
-    """Verdict, reason and remedy if the walk is over."""
-    growth = growth_per_doubling(walk)
-    highest = max(step.factor for step in walk.steps)
+def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
+    """Verdict, reason and remedy if the path is over."""
+    growth = growth_per_doubling(path)
+    highest = max(step.factor for step in path.steps)
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
-    if walk.factor > limit:
+    if path.factor > limit:
         return Ending("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
-    if stretch >= plateau.earliest and walk.factor < (1.0 - plateau.fall) * highest:
-        return Ending("peak", f"it has fallen by {100 * (1.0 - walk.factor / highest):.0f} % from its peak", "")
-    if stretch >= plateau.earliest and growth < plateau.growth:
+    if ductility >= rule.earliest and path.factor < (1.0 - rule.fall) * highest:
+        return Ending("peak", f"it has fallen by {100 * (1.0 - path.factor / highest):.0f} % from its peak", "")
+    if ductility >= rule.earliest and growth < rule.growth:
         return Ending("plateau", f"it {doubled}", "")
-    if stretch >= plateau.latest or len(walk.steps) >= walk.settings.longest:
-        verdict: Verdict = "plateau" if growth < plateau.still_a_plateau else "undecided"
+    if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
+        verdict: Verdict = "plateau" if growth < rule.tolerated_growth else "undecided"
         remedy = "refine the mesh, or use the quadratic element"
-        return Ending(verdict, f"at the end of the walk it {doubled}", remedy)
+        return Ending(verdict, f"at the end of the path it {doubled}", remedy)
     return None
 
 
-def growth_per_doubling(walk: Walk) -> float:
-    """Relative growth of the load factor over the second half of the displacement so far."""
-    moving = [step for step in walk.steps if not step.at_rest]
+def growth_per_doubling(path: EquilibriumPath) -> float:
+    """Relative growth of the load multiplier over the second half of the displacement so far."""
+    moving = [step for step in path.steps if not step.at_rest]
     if not moving or moving[-1].factor <= 0.0:
         return 1.0
-    displacement, factor = [0.0, *(s.displacement for s in moving)], [walk.start, *(s.factor for s in moving)]
+    displacement, factor = [0.0, *(s.displacement for s in moving)], [path.start, *(s.factor for s in moving)]
     half = float(np.interp(0.5 * displacement[-1], displacement, factor))
     return 1.0 - half / factor[-1]

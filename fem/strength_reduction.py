@@ -1,27 +1,21 @@
-"""The factor of safety at a given seismic coefficient: by how much cohesion and tan φ can be divided (Zienkiewicz,
-Humpheson & Lewis 1975), with the factor as an unknown along the path."""
+"""The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
+the ground fails (Zienkiewicz, Humpheson & Lewis 1975), an unknown along a path of equilibria."""
 
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fem.continuation import WeakerGround
-from fem.critical import (
-    at_rest_under_gravity,
-    carry,
-    path_settings,
-    push,
-    seismic_load,
-)
+from fem.continuation import StrengthReduction
+from fem.critical import apply_load, gravity_equilibrium, path_settings, push, seismic_load
 from fem.errors import UnstableError
-from fem.path import Step, Walk
-from fem.plateau import Plateau, Progress, Verdict, walk_to_plateau
+from fem.path import EquilibriumPath, PathStep
+from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
 # Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
 STARTS = (1.0, 0.5, 0.2, 0.05)
-# A change of the factor that counts in the path length as much as the reference displacement.
+# A change of the factor that adds as much to the arc length as the reference displacement.
 FACTOR_UNIT = 0.1
 # The reference displacement, in elastic displacements under all of the load.
 DISPLACEMENT_UNIT = 0.1
@@ -30,7 +24,23 @@ LARGEST_FACTOR = 20.0
 
 @dataclass(frozen=True)
 class SafetyFactor:
-    """The factor of safety at ``kh``: the largest divisor of c and tan φ in equilibrium, and what it may be at most."""
+    """The factor of safety at a seismic coefficient.
+
+    Attributes
+    ----------
+    kh : float
+        The seismic coefficient (-).
+    factor : float
+        Largest divisor of c and tan φ at which an equilibrium was found (-).
+    upper : float
+        What the path rose to, or would with its last growth if the displacement doubled once more (-).
+    verdict : Verdict
+        "plateau", "peak", "no failure" or "undecided".
+    reason, remedy : str
+        Why the path ended, and what to do if it has no answer.
+    steps : list of PathStep
+        The path: the factor over the control displacement.
+    """
 
     kh: float
     factor: float
@@ -38,7 +48,7 @@ class SafetyFactor:
     verdict: Verdict
     reason: str
     remedy: str
-    steps: list[Step]
+    steps: list[PathStep]
 
 
 def safety_factor(
@@ -47,7 +57,7 @@ def safety_factor(
     settings: FemSettings,
     kh: float,
     comm: Any,
-    progress: Progress | None = None,
+    listener: PathListener | None = None,
 ) -> SafetyFactor:
     """The factor of safety of a meshed section under its weight and ``kh``.
 
@@ -56,16 +66,16 @@ def safety_factor(
     """
     for start in STARTS:
         try:
-            problem, fixed, _ = at_rest_under_gravity(section, mesh, settings, comm, start)
+            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, start)
             load = kh * seismic_load(problem, push(section, settings))
             if kh != 0.0:
-                carry(problem, fixed, load, settings)
+                apply_load(problem, constant, load, settings)
             break
         except UnstableError as error:
             failure = error
     else:
         raise failure
-    forces = fixed + load
+    forces = constant + load
     norm, dot = problem.exchange.norm, problem.exchange.dot
     pushing = load
     if kh == 0.0:
@@ -74,14 +84,13 @@ def safety_factor(
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = abs(dot(control, problem.solve(forces)))
-    path = replace(path_settings(problem, settings), first=0.2, largest=0.5)
-    walk = Walk(
-        problem, WeakerGround(forces), control, DISPLACEMENT_UNIT * elastic, norm(forces), path,
-        share=1.0 / FACTOR_UNIT, factor=start,
+    path = EquilibriumPath(
+        problem, StrengthReduction(forces), control, DISPLACEMENT_UNIT * elastic, norm(forces),
+        replace(path_settings(problem, settings), first=0.2, largest=0.5), beta=1.0 / FACTOR_UNIT, factor=start,
     )  # fmt: skip
 
-    def stretch(walk: Walk) -> float:
-        return walk.displacement / walk.reference
+    def ductility(path: EquilibriumPath) -> float:
+        return path.displacement / path.reference
 
-    outcome = walk_to_plateau(walk, stretch, LARGEST_FACTOR, Plateau(), progress=progress)
-    return SafetyFactor(kh, outcome.held, outcome.upper, outcome.verdict, outcome.reason, outcome.remedy, walk.steps)
+    found = find_limit_load(path, ductility, LARGEST_FACTOR, PlateauRule(), listener=listener)
+    return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps)

@@ -12,9 +12,10 @@ from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import Bracket, Progress, bracket
 from fem.limit.limit_problem import Ground, Side, Traction
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.loads import GRAVITY, push, soils
+from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 from meshes.triangles import TriMesh, triangulate
 

@@ -9,6 +9,9 @@ from typing import Annotated, Any
 import pint
 from pydantic import PlainSerializer, PlainValidator
 
+# Standard gravity (m/s²), which also turns tonnes-force into newtons.
+GRAVITY = 9.80665
+
 # A number, then a unit. Not a sum, a product or a power of numbers; and no comma, which is a decimal point to some
 # and nothing to others.
 NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)\b)\s*(\D?[^,]{0,40}?)\s*")

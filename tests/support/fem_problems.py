@@ -1,14 +1,14 @@
-"""Meshes, soils and walks shared by the tests of the finite elements."""
+"""Meshes, soils and paths shared by the tests of the finite elements."""
 
 import math
 
 import numpy as np
 from mpi4py import MPI
 
-from fem.continuation import Forces, NewtonSettings
-from fem.path import PathSettings, Walk
+from fem.continuation import NewtonSettings, ProportionalLoad
+from fem.path import EquilibriumPath, PathSettings
 from fem.plane_strain import PlaneStrain
-from fem.plateau import Plateau, walk_to_plateau
+from fem.plateau import PlateauRule, find_limit_load
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
@@ -62,8 +62,8 @@ def graded(start, end, first, growth):
     return start + (end - start) * places
 
 
-def walk(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.5, relaxation=0.0):
-    """A walk of growing load, its displacement in units of the elastic one under the load as given."""
+def path_of(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.5, relaxation=0.0):
+    """The path of a growing load, its displacement in units of the elastic one under the load as given."""
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
@@ -71,24 +71,24 @@ def walk(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.5, 
         newton=NewtonSettings(tolerance=tolerance), first=first, largest=largest, relaxation=relaxation
     )
     scale = problem.exchange.norm(load)
-    return Walk(problem, Forces(fixed, load), control, elastic, scale, settings)
+    return EquilibriumPath(problem, ProportionalLoad(fixed, load), control, elastic, scale, settings)
 
 
-def limit_load(problem, fixed, load, control, plateau=None, **settings):
-    """The load factor at which displacement grows on by itself, and the walk there."""
-    path = walk(problem, fixed, load, control, **settings)
+def limit_load(problem, fixed, load, control, rule=None, **settings):
+    """The load factor at which displacement grows on by itself, and the path there."""
+    path = path_of(problem, fixed, load, control, **settings)
 
-    def stretch(walk):
-        return walk.displacement / (walk.factor * walk.reference)
+    def ductility(path):
+        return path.displacement / (path.factor * path.reference)
 
-    return walk_to_plateau(path, stretch, math.inf, plateau or Plateau(growth=0.001, latest=60.0)), path
+    return find_limit_load(path, ductility, math.inf, rule or PlateauRule(growth=0.001, latest=60.0)), path
 
 
 def footing(element, phi, cells, surcharge=False, growth=1.15, **settings):
     """Bearing capacity factor of a rough rigid footing on weightless ground: Nc, or Nq under a ``surcharge``.
 
     Half of it, 1 m wide, with ``cells`` cells under it, the finest at its edge; the nodes under it move like the one on
-    the axis, which moves vertically only. The box holds Prandtl's mechanism. Returns the outcome and the walk.
+    the axis, which moves vertically only. The box holds Prandtl's mechanism. Returns the limit load and the path.
     """
     spiral = math.exp(math.pi / 2 * math.tan(math.radians(phi)))
     half = math.radians(45.0 + phi / 2)

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.critical import CriticalResult, critical_coefficient
 from fem.fields import State, slip_surface
-from fem.path import Walk
+from fem.path import EquilibriumPath
 from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.quad_mesh import QuadMesh
 from workflow.figures import fem as fem_figures
@@ -26,18 +26,18 @@ def fem_stage(run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progre
     NoAnswerError if the path ended undecided.
     """
 
-    def tell(what: str, walk: Walk) -> None:
-        step = walk.steps[-1]
+    def tell(what: str, path: EquilibriumPath) -> None:
+        step = path.steps[-1]
         progress(
-            f"step {len(walk.steps)}, {what} = {walk.factor:.4f}, displacement {walk.displacement:.4f} m, "
+            f"step {len(path.steps)}, {what} = {path.factor:.4f}, displacement {path.displacement:.4f} m, "
             f"{step.iterations} iterations, {100 * step.plastic_share:.0f} % plastic",
             None,
         )
 
     progress("gravity", None)
-    result = critical_coefficient(run, mesh, run.fem, comm, lambda walk: tell("Kh", walk))
+    result = critical_coefficient(run, mesh, run.fem, comm, lambda path: tell("Kh", path))
     factors = [
-        safety_factor(run, mesh, run.fem, kh, comm, lambda walk: tell("factor of safety", walk))
+        safety_factor(run, mesh, run.fem, kh, comm, lambda path: tell("factor of safety", path))
         for kh in run.fem.safety_factor_at
     ]
     if store is not None:

@@ -7,7 +7,7 @@ from mpi4py import MPI
 
 from fem.critical import critical_coefficient
 from fem.errors import UnstableError
-from fem.path import Walk
+from fem.path import EquilibriumPath
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from workflow.run.progress import Progress
@@ -64,8 +64,8 @@ def _with(run: Input, table: str, **values: Any) -> Input:
 def _answer(run: Input, other: Input, mesh: QuadMesh, progress: Progress, words: str, share: float) -> dict[str, Any]:
     """The critical Kh of a variant; none where the path has none."""
 
-    def tell(walk: Walk) -> None:
-        progress(f"{words}: step {len(walk.steps)}, Kh = {walk.factor:.4f}", share)
+    def tell(path: EquilibriumPath) -> None:
+        progress(f"{words}: step {len(path.steps)}, Kh = {path.factor:.4f}", share)
 
     start = time.perf_counter()
     try:

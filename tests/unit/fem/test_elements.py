@@ -85,7 +85,7 @@ def stiffness(problem):
 
 @every_element
 def test_elastic_stiffness_is_symmetric_with_three_rigid_motions_and_nothing_else(element):
-    """Points too few for an element show here, as more motions without a force; "reduced" has ``unseen`` for it."""
+    """Points too few for an element show here, as more motions without a force; "reduced" has ``hourglass`` for it."""
     problem = problem_on(distorted(), element)
     matrix = stiffness(problem)
     scale = np.abs(matrix).max()
@@ -151,18 +151,18 @@ def test_bending_does_not_lock_when_nearly_incompressible(element, poisson):
 
 
 @every_element
-def test_stiffness_against_unseen_strain_leaves_a_strain_that_is_linear_over_the_cell(element):
+def test_hourglass_stiffness_leaves_a_strain_that_is_linear_over_the_cell(element):
     problem = problem_on(grid(np.arange(4.0), np.arange(3.0)), element)
 
     def bent(points):
         x, y = points.T
         return np.column_stack([x * y + x * x, y * y - x * x])
 
-    unseen, dofs = problem.grid.unseen, problem.grid.dofs
+    hourglass, dofs = problem.grid.hourglass, problem.grid.dofs
     moved = displaced(problem, bent)[problem.grid.global_dofs][dofs]
     if element != "reduced":
-        assert len(unseen) == 0
+        assert len(hourglass) == 0
     else:
-        assert np.abs(np.einsum("cab,cb->ca", unseen, moved)).max() < 1e-12 * np.abs(unseen).max()
+        assert np.abs(np.einsum("cab,cb->ca", hourglass, moved)).max() < 1e-12 * np.abs(hourglass).max()
         # 18 components less those of the strains seen at four points (12) and of the rigid motions (3).
-        assert np.linalg.matrix_rank(unseen[0], tol=1e-9) >= 3
+        assert np.linalg.matrix_rank(hourglass[0], tol=1e-9) >= 3

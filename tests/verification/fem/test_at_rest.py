@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import GRAVITY, at_rest_under_gravity
+from fem.critical import gravity_equilibrium
 from fem.plane_strain import PlaneStrain
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
+from meshes.section.quantity import GRAVITY
 from meshes.settings import MeshSettings
-from tests.support.fem_problems import ELEMENTS, grid, points_of, section, soil, walk
+from tests.support.fem_problems import ELEMENTS, grid, path_of, points_of, section, soil
 
 every_element = pytest.mark.parametrize("element", ELEMENTS)
 
@@ -27,7 +28,7 @@ def test_level_layers_carry_their_weight_and_press_sideways_by_k0(element, sides
     ]
     ground = section([[0.0, 0.0], [6.0, 0.0]], 9.0, *layers)
     mesh = generate(ground, MeshSettings(columns=3, rows=9))
-    problem, _, gravity = at_rest_under_gravity(ground, mesh, FemSettings(element=element, sides=sides), MPI.COMM_SELF)
+    problem, _, gravity = gravity_equilibrium(ground, mesh, FemSettings(element=element, sides=sides), MPI.COMM_SELF)
     depth = -points_of(problem)[..., 1]
     stress = problem.stress.reshape(*depth.shape, 4)
     if element == "bilinear":
@@ -54,7 +55,7 @@ def hole(element, psi, cells):
     inner.reshape(-1, 2)[problem.grid.sides["base"]] = True
     load = np.where(inner & problem.free, -before, 0.0)
     control = load / problem.exchange.norm(load)
-    path = walk(problem, before, load, control, first=0.5)
+    path = path_of(problem, before, load, control, first=0.5)
     while not path.reach(1.0):
         assert path.advance(), path.reason
     return problem

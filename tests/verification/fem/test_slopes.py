@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import GRAVITY, critical_coefficient
+from fem.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.fem_problems import ELEMENTS, grid, section, soil, weight_limit
