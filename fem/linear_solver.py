@@ -90,8 +90,8 @@ class LinearSolver:
     def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
         """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
 
-        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``held`` are the global numbers of this rank's others.
-        Raises SingularMatrixError.
+        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``held`` are
+        the global numbers of this rank's others. Raises SingularMatrixError.
         """
         d = self._grid
         self._elements[:] = hourglass if len(hourglass) else 0.0

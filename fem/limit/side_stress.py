@@ -7,8 +7,8 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.limit.upper_bound import strain_rates
-from fem.loads import GRAVITY
 from meshes.bisection import bisect
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
