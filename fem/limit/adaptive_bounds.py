@@ -1,35 +1,49 @@
-"""Both bounds on meshes that are refined where the gap between them is."""
+"""Both bounds on a sequence of meshes, each refined where the one before leaves a gap between the bounds."""
 
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, check_velocity, corner_rates, dissipation
-from fem.limit.limit_problem import Ground, LimitProblem, limit_problem, units_of
+from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import STRESS_MARGIN, LowerBound, lower_bound
 from fem.limit.upper_bound import STRAIN_MARGIN, UpperBound, upper_bound
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
-# From mesh to mesh: how many times as many cells, and which share of the gap the cells to divide make up.
-GROWTH, SHARE = 2.0, 0.5
-# Weight of where the lower bound is stuck beside the parts of the gap.
-STUCK_SHARE = 0.5
-# Share of one point in all that holds the lower bound down, and how many times the mean of all points this is, at which
-# the cells round it are halved from there; and the angle (rad) at which they are narrow enough. The share is 1 at the
-# edge of a footing; at the toe of a slope it is below 0.2 and falls, and narrow cells would be lost to the upper bound.
-STUCK_POINT, STUCK_TIMES, NARROW = 0.03, 20.0, 0.1
-# What a bisection leaves of a cell's part of the gap in each half, as far as choosing the next cells goes.
-LEFT_IN_HALF = 0.3
-# How much more margin a second attempt gets where rounding led out of the yield surface or the flow rule.
-MORE_MARGIN = 10.0
+# A mesh has twice as many cells as the one before. The cells to bisect are those with the largest indicators that add
+# up to half of the sum of all (the bulk criterion of Dörfler 1996).
+GROWTH, BULK_SHARE = 2.0, 0.5
+# The indicator of a cell is its share of the gap plus this much times its share of the yield work of the lower bound.
+YIELD_WORK_WEIGHT = 0.5
+# A point is singular if it has this share of all yield work, and this many times the mean of all points; the cells
+# that meet there are halved until their angle is below the last (rad). The share is 1 at the edge of a footing; at the
+# toe of a slope it is below 0.2 and falls, and narrow cells there would be lost to the upper bound.
+SINGULAR_SHARE, SINGULAR_TIMES, NARROW_ANGLE = 0.03, 20.0, 0.1
+# The indicator of either half of a bisected cell, over that of the whole: the gap falls faster than the area.
+HALF_SHARE = 0.3
+# The second attempt at a bound whose check failed keeps this many times the distance from yield surface or flow rule.
+SECOND_MARGIN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Stress:
-    """A stress field (m, 3 corners, [xx, yy, xy]), dimensionless, that was found to hold its multiplier."""
+class StressField:
+    """A stress field that was checked to be statically admissible, dimensionless.
+
+    Attributes
+    ----------
+    problem : LimitProblem
+        The problem it belongs to.
+    multiplier : float
+        The load multiplier that it carries: a strict lower bound.
+    stress : ndarray (m, 3 corners, [xx, yy, xy])
+        The stress at the corners of every cell.
+    check : StressCheck
+        How well it meets its conditions.
+    """
 
     problem: LimitProblem
     multiplier: float
@@ -39,7 +53,19 @@ class Stress:
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """Velocities (m, 6 nodes, 2), dimensionless, that were found to bound the multiplier."""
+    """Velocities that were checked to be kinematically admissible, dimensionless.
+
+    Attributes
+    ----------
+    problem : LimitProblem
+        The problem they belong to.
+    multiplier : float
+        The load multiplier at which they dissipate what the loads do: a strict upper bound.
+    velocity : ndarray (m, 6 nodes, 2)
+        Velocities of every cell at its corners, then at the middles of its edges.
+    check : VelocityCheck
+        How well they meet their conditions.
+    """
 
     problem: LimitProblem
     multiplier: float
@@ -48,13 +74,25 @@ class Mechanism:
 
     @property
     def dissipation(self) -> np.ndarray:
-        """Dissipation (m,) of every cell."""
+        """Plastic dissipation (m,) of every cell."""
         return dissipation(self.problem, corner_rates(self.problem, self.velocity))
 
 
 @dataclass(frozen=True)
-class Round:
-    """One mesh: its cells, the bounds on it (None where there is none), what is to be said of them, and seconds."""
+class MeshBounds:
+    """The bounds on one mesh.
+
+    Attributes
+    ----------
+    cells : int
+        Number of its triangles.
+    lower, upper : float or None
+        The strict bounds of the load multiplier, None where there is none.
+    notes : tuple of str
+        What went wrong.
+    seconds : float
+        Time it took.
+    """
 
     cells: int
     lower: float | None
@@ -65,11 +103,23 @@ class Round:
 
 @dataclass(frozen=True, eq=False)
 class Bracket:
-    """The best of both bounds over all meshes, None where there is none."""
+    """The best lower and upper bound over all meshes so far.
 
-    stress: Stress | None
+    Attributes
+    ----------
+    stress : StressField or None
+        The stress field of the largest lower bound, None without one.
+    mechanism : Mechanism or None
+        The mechanism of the smallest upper bound, None without one.
+    meshes : list of MeshBounds
+        The bounds on every mesh, in their order.
+    mesh : TriMesh
+        The last mesh, in m.
+    """
+
+    stress: StressField | None
     mechanism: Mechanism | None
-    rounds: list[Round]
+    meshes: list[MeshBounds]
     mesh: TriMesh
 
     @property
@@ -90,27 +140,30 @@ class Bracket:
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
 
 
-Progress = Callable[[Bracket], None]
+# Called with the bracket after every mesh.
+Observer = Callable[[Bracket], None]
 
 
 def bracket(
     mesh: TriMesh,
-    ground: Ground,
+    body: RigidPlasticBody,
     gap: float,
     max_cells: int,
-    progress: Progress | None = None,
-    useless: float = -np.inf,
+    observer: Observer | None = None,
+    enough: float = -np.inf,
 ) -> Bracket:
-    """Lower and upper bound of the multiplier on ever finer meshes, until the gap or the number of cells is reached or
-    the multiplier is known to be below ``useless``."""
-    units = units_of(mesh, ground)
+    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes.
+
+    It ends when the relative ``gap`` or the number of cells is reached, or the upper bound is below ``enough``.
+    """
+    units = units_of(mesh, body)
     best = Bracket(None, None, [], mesh)
     while True:
         started = time.perf_counter()
-        problem = limit_problem(mesh, ground, units)
+        problem = limit_problem(mesh, body, units)
         low, low_notes, stress = proven_lower_bound(problem)
         high, high_notes, mechanism = proven_upper_bound(problem)
-        this = Round(
+        this = MeshBounds(
             len(problem.mesh.cells),
             stress.multiplier if stress else None,
             mechanism.multiplier if mechanism else None,
@@ -120,55 +173,66 @@ def bracket(
         best = Bracket(
             stress if stress and stress.multiplier > best.lower else best.stress,
             mechanism if mechanism and mechanism.multiplier < best.upper else best.mechanism,
-            [*best.rounds, this],
+            [*best.meshes, this],
             mesh,
         )
-        if progress:
-            progress(best)
+        if observer:
+            observer(best)
         room = max_cells / len(problem.mesh.cells)
-        if best.gap <= gap or best.upper < useless or room < 1.2:
+        if best.gap <= gap or best.upper < enough or room < 1.2:
             return best
-        parts = worth_dividing(problem, low, high)
-        mesh, parent = fan_out(problem.mesh_in_metres, stuck_points(problem, low), NARROW)
-        mesh = refined(mesh, parts[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(parts))
+        indicator = refinement_indicator(problem, low, high)
+        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
+        mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
 
 
-def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], Stress | None]:
-    """What the solver found, what is to be said of it, and the stress if it proves its multiplier a lower bound.
+def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], StressField | None]:
+    """The stress field that was found, what went wrong, and the same as a strict bound if it passes its check."""
 
-    A stress past the yield surface is looked for anew with more margin, and refused if that does not do.
-    """
-    notes: list[str] = []
-    for margin in (STRESS_MARGIN, MORE_MARGIN * STRESS_MARGIN):
-        found = lower_bound(problem, margin)
-        if found.solution.none:
-            return found, ["lower bound: no stress of this mesh carries the load that stays"], None
-        check = check_stress(problem, found.stress, found.multiplier)
-        if found.solution.ended:
-            notes.append(f"lower bound: the solver ended early ({found.solution.ended})")
-        if check.holds:
-            return found, notes, Stress(problem, found.multiplier, found.stress, check)
-    notes.append(f"lower bound refused: {check}")
-    return found, notes, None
+    def attempt(margin: float) -> tuple[LowerBound, StressCheck]:
+        found = lower_bound(problem, margin * STRESS_MARGIN)
+        return found, check_stress(problem, found.stress, found.multiplier)
+
+    found, check, notes = _first_that_holds("lower bound", attempt)
+    return found, notes, StressField(problem, found.multiplier, found.stress, check) if check else None
 
 
 def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """What the solver found, what is to be said of it, and the mechanism if it proves an upper bound."""
+    """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check."""
+
+    def attempt(margin: float) -> tuple[UpperBound, VelocityCheck]:
+        found = upper_bound(problem, margin * STRAIN_MARGIN)
+        return found, check_velocity(problem, found.velocity)
+
+    found, check, notes = _first_that_holds("upper bound", attempt)
+    return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None
+
+
+F = TypeVar("F", LowerBound, UpperBound)
+C = TypeVar("C", StressCheck, VelocityCheck)
+
+
+def _first_that_holds(name: str, attempt: Callable[[float], tuple[F, C]]) -> tuple[F, C | None, list[str]]:
+    """The first of two attempts, the second with more margin, whose check holds; its check is None if neither does."""
     notes: list[str] = []
-    for margin in (STRAIN_MARGIN, MORE_MARGIN * STRAIN_MARGIN):
-        found = upper_bound(problem, margin)
+    for margin in (1.0, SECOND_MARGIN):
+        found, check = attempt(margin)
         if found.solution.none:
-            return found, ["upper bound: no mechanism of this mesh lets the load do work"], None
-        check = check_velocity(problem, found.velocity)
+            return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
         if found.solution.ended:
-            notes.append(f"upper bound: the solver ended early ({found.solution.ended})")
+            notes.append(f"{name}: the solver ended early ({found.solution.ended})")
         if check.holds:
-            return found, notes, Mechanism(problem, check.multiplier, found.velocity, check)
-    notes.append(f"upper bound refused: {check}")
-    return found, notes, None
+            return found, check, notes
+    return found, None, [*notes, f"{name} refused: {check}"]
 
 
-def gap_parts(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
+NONE_FOUND = {
+    "no stress": "no stress field on this mesh is in equilibrium with the dead load",
+    "no mechanism": "in no mechanism on this mesh does the live load do work",
+}
+
+
+def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
     """What every cell (m,) adds to the gap: its dissipation less the work of the lower bound's stress on its strain.
 
     None is negative, but for rounding, and they add up to upper less lower bound (Ciria, Peraire & Bonet 2008).
@@ -176,39 +240,44 @@ def gap_parts(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.nd
     if high.solution.none:
         return problem.mesh.areas
     rates = corner_rates(problem, high.velocity)
-    parts = dissipation(problem, rates)
+    shares = dissipation(problem, rates)
     if not low.solution.none:
         mass = (np.ones((3, 3)) + np.eye(3)) / 12.0  # of linear fields over a triangle
-        parts = parts - problem.mesh.areas * np.einsum("mki,kl,mli->m", low.stress, mass, rates)
-    return np.maximum(parts, 0.0)
+        shares = shares - problem.mesh.areas * np.einsum("mki,kl,mli->m", low.stress, mass, rates)
+    return np.maximum(shares, 0.0)
 
 
-def worth_dividing(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Share of every cell (m,) in what keeps the bounds apart: its part of the gap, and where the lower bound is stuck.
+def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
+    """Indicator (m,) of every cell for refinement: its share of the gap, and of the yield work of the lower bound.
 
-    The latter need not be near the mechanism of the upper bound: too few stresses at one corner can hold it down.
+    The latter need not be near the mechanism of the upper bound: too coarse a stress field at one corner can keep the
+    lower bound down.
     """
-    parts = gap_parts(problem, low, high)
-    parts = parts / max(parts.sum(), 1e-300)
-    if not low.solution.none and (total := low.price.sum()) > 0.0:
-        parts = parts + STUCK_SHARE * low.price.sum(axis=1) / total
-    return np.nan_to_num(parts)  # a solver that ended early may leave no numbers
+    shares = gap_shares(problem, low, high)
+    shares = shares / max(shares.sum(), 1e-300)
+    if not low.solution.none and (total := low.yield_work.sum()) > 0.0:
+        shares = shares + YIELD_WORK_WEIGHT * low.yield_work.sum(axis=1) / total
+    return np.nan_to_num(shares)  # a solver that ended early may leave no numbers
 
 
-def stuck_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
-    """Points (n,) at which too few cells meet, so that they hold the lower bound down, as at a footing's edge."""
-    price = np.bincount(problem.mesh.cells.ravel(), weights=low.price.ravel(), minlength=len(problem.mesh.points))
-    blocks = price > max(STUCK_POINT * price.sum(), STUCK_TIMES * price.mean())
-    return blocks & (not low.solution.none)
+def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
+    """Points (n,), as a mask, at which the stress would turn faster than the cells that meet there can follow.
+
+    The edge of a footing is one: its few cells keep the lower bound down, however small they are.
+    """
+    points = problem.mesh.cells.ravel()
+    work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))
+    singular = work > max(SINGULAR_SHARE * work.sum(), SINGULAR_TIMES * work.mean())
+    return singular & (not low.solution.none)
 
 
-def refined(mesh: TriMesh, parts: np.ndarray, wanted: float) -> TriMesh:
-    """The mesh with about ``wanted`` cells, divided where the ``parts`` (m,) are largest."""
+def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:
+    """The mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest."""
     while len(mesh.cells) < 0.95 * wanted:
-        order = np.argsort(-parts, kind="stable")
-        enough = int(np.searchsorted(np.cumsum(parts[order]), SHARE * parts.sum())) + 1
+        order = np.argsort(-indicator, kind="stable")
+        enough = int(np.searchsorted(np.cumsum(indicator[order]), BULK_SHARE * indicator.sum())) + 1
         most = max(1, int((wanted - len(mesh.cells)) / 1.5))
         mesh, parent = bisect(mesh, order[: min(enough, most)])
         halves = np.bincount(parent)[parent]
-        parts = parts[parent] * np.where(halves > 1, 2.0 * LEFT_IN_HALF / halves, 1.0)
+        indicator = indicator[parent] * np.where(halves > 1, 2.0 * HALF_SHARE / halves, 1.0)
     return mesh

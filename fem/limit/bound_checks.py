@@ -1,6 +1,9 @@
-"""What makes a bound a bound, looked at again from the answer alone, with NumPy and none of the solver's matrices.
+"""Whether an answer is a strict bound: its conditions checked from the answer alone, without the solver's matrices.
 
-Dimensionless: residuals over the units of the problem.
+A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
+continuous and those that are given, and no point is beyond the yield surface. Velocities are kinematically admissible,
+and dissipation less dead work over live work is an upper bound, if they are continuous, zero where held, and obey the
+associated flow rule. All numbers are dimensionless, over the units of the problem.
 """
 
 from dataclasses import dataclass
@@ -9,15 +12,22 @@ import numpy as np
 
 from fem.limit.limit_problem import LimitProblem
 
-# What rounding leaves of an equation that is met, over the largest stress or velocity.
+# Residual of an equation, over the largest stress or velocity, up to which it counts as met to rounding.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class StressCheck:
-    """``imbalance``: largest body force left over in a cell times its size; ``traction_jump``: largest across an edge,
-    or from the given one on the outline; both over the largest stress. ``yield_slack``: smallest distance of a corner
-    to the yield surface, negative past it, over the unit of stress.
+    """How far a stress field is from being statically admissible.
+
+    Attributes
+    ----------
+    imbalance : float
+        Largest unbalanced body force of a cell, times the root of its area, over the largest stress.
+    traction_jump : float
+        Largest jump of the traction across an edge, or from the given one on the outline, over the largest stress.
+    yield_slack : float
+        Smallest distance of a corner's stress to the yield surface, negative beyond it, over the unit of stress.
     """
 
     imbalance: float
@@ -32,10 +42,20 @@ class StressCheck:
 
 @dataclass(frozen=True)
 class VelocityCheck:
-    """``multiplier``: the bound, computed from the velocities alone. ``flow_slack``: smallest volume rate beyond what
-    the flow rule asks for where φ > 0; ``volume``: largest volume rate where φ = 0; ``boundary``: largest velocity of a
-    held component; ``jump``: largest difference at a common node. The rates are over the largest strain rate, the
-    velocities over the largest velocity.
+    """The upper bound that velocities give, and how far they are from being kinematically admissible.
+
+    Attributes
+    ----------
+    multiplier : float
+        The upper bound of the load multiplier, computed from the velocities alone.
+    flow_slack : float
+        Where φ > 0: smallest volumetric strain rate less sin φ times the shear rate, over the largest strain rate.
+    volume : float
+        Where φ = 0: largest volumetric strain rate, over the largest strain rate.
+    boundary : float
+        Largest velocity of a held component, over the largest velocity.
+    jump : float
+        Largest difference of the velocities that two cells have at a common node, over the largest velocity.
     """
 
     multiplier: float
@@ -51,7 +71,10 @@ class VelocityCheck:
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
-    """Distance of every corner's stress (m, 3, 3) to the yield surface, c cos φ - p sin φ less the radius, (m, 3)."""
+    """Distance (m, 3) of the stress (m, 3, 3) at every corner to the yield surface.
+
+    It is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress, tension positive.
+    """
     mean = 0.5 * (stress[..., 0] + stress[..., 1])
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
     cohesion, friction = problem.cohesion[:, None], problem.friction[:, None]
@@ -59,13 +82,13 @@ def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
 
 
 def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -> StressCheck:
-    """Balance, tractions and yield of stresses (m, 3, 3) that are to carry a multiplier."""
+    """Equilibrium, tractions and yield of a stress field (m, 3 corners, 3) that is to carry a load multiplier."""
     mesh, outline = problem.mesh, problem.outline
     scale = max(float(np.abs(stress).max()), 1.0)
     # The slopes of the stress from its differences along two sides.
     sides = mesh.points[mesh.cells[:, 1:]] - mesh.points[mesh.cells[:, :1]]
     slopes = np.linalg.solve(sides, stress[:, 1:] - stress[:, :1])
-    force = problem.fixed_force + multiplier * problem.live_force
+    force = problem.dead_force + multiplier * problem.live_force
     left = np.column_stack([slopes[:, 0, 0] + slopes[:, 1, 2], slopes[:, 0, 2] + slopes[:, 1, 1]]) + force
     imbalance = np.hypot(*left.T) * np.sqrt(mesh.areas)
 
@@ -80,7 +103,7 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     normal = _unit_normals(problem, outline.cells, outline.ends)
     for end in (0, 1):
         here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
-        given = outline.fixed[:, end] + multiplier * outline.live[:, end]
+        given = outline.dead[:, end] + multiplier * outline.live[:, end]
         miss = np.where(outline.held, 0.0, _traction(here, normal) - given)
         jumps.append(float(np.abs(miss).max()))
     return StressCheck(
@@ -140,7 +163,7 @@ def dissipation(problem: LimitProblem, rates: np.ndarray) -> np.ndarray:
 
 
 def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
-    """Work rates of the load that stays and of the live one on velocities (m, 6, 2)."""
+    """Work rates of the dead and of the live load on velocities (m, 6 nodes, 2)."""
     mesh, outline = problem.mesh, problem.outline
     mean = velocity[:, 3:].mean(axis=1)
     points = mesh.points
@@ -148,7 +171,7 @@ def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
     first, last = (_node(problem, velocity, outline.ends[:, end]) for end in (0, 1))
     middle = velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)]
     done = []
-    for force, given in ((problem.fixed_force, outline.fixed), (problem.live_force, outline.live)):
+    for force, given in ((problem.dead_force, outline.dead), (problem.live_force, outline.live)):
         inside = float(np.sum(mesh.areas * np.sum(mean * force, axis=1)))
         pressed = np.sum(given[:, 0] * (first + 2.0 * middle) + given[:, 1] * (last + 2.0 * middle), axis=1)
         done.append(inside + float(np.sum(length * pressed)) / 6.0)
@@ -161,7 +184,7 @@ def _node(problem: LimitProblem, velocity: np.ndarray, points: np.ndarray) -> np
 
 
 def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck:
-    """Flow rule, boundary and work of velocities (m, 6, 2), and the multiplier that they bound."""
+    """Flow rule, boundary and work of velocities (m, 6 nodes, 2), and the upper bound that they give."""
     mesh, outline = problem.mesh, problem.outline
     rates = corner_rates(problem, velocity)
     volume = rates[..., 0] + rates[..., 1]
@@ -169,14 +192,14 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
     fastest, largest = float(np.abs(velocity).max()), float(np.abs(rates).max())
     clay = problem.friction == 0.0
     slack = volume - np.sin(problem.friction)[:, None] * shear
-    stays, does = work(problem, velocity)
+    dead, live = work(problem, velocity)
     along = [_node(problem, velocity, outline.ends[:, end]) for end in (0, 1)]
     along.append(
         velocity[outline.cells, 3 + np.argmax(mesh.cell_edges[outline.cells] == outline.edges[:, None], axis=1)]
     )
     held = max(float(np.abs(np.where(outline.held, v, 0.0)).max()) for v in along)
     return VelocityCheck(
-        multiplier=(float(dissipation(problem, rates).sum()) - stays) / does,
+        multiplier=(float(dissipation(problem, rates).sum()) - dead) / live,
         flow_slack=float(slack[~clay].min(initial=np.inf)) / largest if not clay.all() else 0.0,
         volume=float(np.abs(volume[clay]).max(initial=0.0)) / largest,
         boundary=held / fastest,

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem.errors import UnstableError
-from fem.limit.adaptive_bounds import Bracket, Progress, bracket
-from fem.limit.limit_problem import Ground, Side, Traction
+from fem.limit.adaptive_bounds import Bracket, Observer, bracket
+from fem.limit.limit_problem import RigidPlasticBody, Side, Traction
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
@@ -26,7 +26,7 @@ FIRST_SHARE = 0.15
 
 
 def kh_bounds(
-    section: Section, fem: FemSettings, settings: BoundsSettings, progress: Progress | None = None
+    section: Section, fem: FemSettings, settings: BoundsSettings, observer: Observer | None = None
 ) -> Bracket:
     """Lower and upper bound of Kh. Sides, direction and vertical coefficient are those of the finite elements.
 
@@ -39,8 +39,8 @@ def kh_bounds(
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
     mesh = first_mesh(section, settings.max_cells)
-    ground = ground_of(section, mesh, fem, settings.davis)
-    found = bracket(mesh, ground, settings.gap, settings.max_cells, progress, useless=0.0)
+    body = body_of(section, mesh, fem, settings.davis)
+    found = bracket(mesh, body, settings.gap, settings.max_cells, observer, enough=0.0)
     if found.upper < 0.0:
         raise UnstableError(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
@@ -62,7 +62,7 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
     )
 
 
-def ground_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) -> Ground:
+def body_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) -> RigidPlasticBody:
     """The section as a problem of limit analysis whose multiplier is Kh."""
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
@@ -71,11 +71,11 @@ def ground_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) ->
     sides = {"surface": Side(), "base": Side("xy"), "left": Side("xy"), "right": Side("xy")}
     if fem.sides == "roller":
         for name, stress in side_stresses(section, mesh).items():
-            sides[name] = Side("y", fixed=_pressing(stress, -1.0 if name == "left" else 1.0))
-    return Ground(
+            sides[name] = Side("y", dead=_pressing(stress, -1.0 if name == "left" else 1.0))
+    return RigidPlasticBody(
         cohesion=cohesion,
         friction=friction,
-        fixed_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
+        dead_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
         live_force=np.column_stack([push(section, fem) * seismic, nothing]),
         sides=sides,
     )

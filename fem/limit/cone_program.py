@@ -32,17 +32,31 @@ MOST_CORRECTIONS = 30
 
 @dataclass(frozen=True, eq=False)
 class ConeProgram:
-    """``strain`` is G (3 k, n); ``cohesion``, ``friction``, ``weight`` (k,); ``fixed`` and ``live`` are b0 and b1 (n,).
+    """The data of both problems, for k corners and n velocities, dimensionless.
 
-    Rounding shall not lead out of the yield surface or the flow rule: ``stress_margin`` (k,) is kept from the one;
-    where φ > 0, ``strain_margin`` (k,) and ``strain_share`` of the shear rate are kept from the other.
+    Attributes
+    ----------
+    strain : sparse matrix (3 k, n)
+        G, from velocities to strain rates [xx, yy, engineering xy], corner by corner.
+    cohesion, friction : ndarray (k,)
+        c over the unit of stress and φ in rad.
+    weight : ndarray (k,)
+        w, the share of the area that a corner stands for.
+    dead, live : ndarray (n,)
+        b0 and b1, work of the loads on a unit velocity.
+    stress_margin : ndarray (k,) or float
+        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it.
+    strain_margin : ndarray (k,) or float
+        Where φ > 0, volumetric strain rate that is kept beyond that of the flow rule, for the same reason.
+    strain_share : float
+        The same as a share of the shear rate.
     """
 
     strain: sparse.csr_matrix
     cohesion: np.ndarray
     friction: np.ndarray
     weight: np.ndarray
-    fixed: np.ndarray
+    dead: np.ndarray
     live: np.ndarray
     stress_margin: np.ndarray | float = 0.0
     strain_margin: np.ndarray | float = 0.0
@@ -51,10 +65,25 @@ class ConeProgram:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What the solver left: multiplier, rates (n,), stress (k, 3), its word, iterations and seconds.
+    """What the solver left.
 
-    ``ended`` is empty where it met its tolerances. ``none`` says that it showed there to be no solution:
-    "no stress" balances the loads, whatever the multiplier, or "no mechanism" lets the live load do work.
+    Attributes
+    ----------
+    multiplier : float
+        The load multiplier λ.
+    rates : ndarray (n,)
+        The velocities x.
+    stress : ndarray (k, 3)
+        The stress σ at the corners, [xx, yy, xy].
+    ended : str
+        Empty where the solver met its tolerances, otherwise its status.
+    none : str
+        Not empty where it proved that there is no solution: "no stress" is in equilibrium with the loads, whatever the
+        multiplier, or in "no mechanism" does the live load do work.
+    iterations : int
+        Iterations of the interior point method.
+    seconds : float
+        Time it took.
     """
 
     multiplier: float
@@ -67,7 +96,7 @@ class Solution:
 
 
 def solve(program: ConeProgram) -> Solution:
-    """The stress and the rates of a program. Raises KeyboardInterrupt between iterations."""
+    """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     cost, matrix, offset, cones = _assembled(program, clay)
@@ -93,7 +122,7 @@ def solve(program: ConeProgram) -> Solution:
 
 @contextmanager
 def _stops_at_interrupt(solver: clarabel.DefaultSolver) -> Iterator[None]:
-    """Let Ctrl-C end the solver after the iteration it is in; left alone, it would finish first and lose the signal."""
+    """Let Ctrl-C end the solver after the iteration it is in; else it would finish first and lose the signal."""
     asked = []
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -117,7 +146,7 @@ def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, spar
     across = _volumetric(corners) @ program.strain
     radius = program.weight * (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
     apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
-    cost = np.concatenate([across.T @ apex - program.fixed, radius[clay]])
+    cost = np.concatenate([across.T @ apex - program.dead, radius[clay]])
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
     cone = sparse.hstack([_cone_map(steeper) @ program.strain, extra])
     equal = sparse.vstack([sparse.csr_matrix(program.live), across[clay]])

@@ -1,7 +1,8 @@
-"""A problem of limit analysis on triangles: a strength, a load that stays and one that a multiplier acts on.
+"""The problem of limit analysis on triangles: a rigid-plastic body under a dead load and a live one.
 
-Everything is dimensionless: lengths over ``units.length``, stresses over ``units.stress``; the multiplier is the same
-in both worlds. Stress is positive in tension; components [xx, yy, xy], y upwards.
+The load multiplier λ acts on the live load alone: the body carries dead + λ live, and λ is to be bounded. Everything in
+a ``LimitProblem`` is dimensionless: lengths over ``units.length``, stresses over ``units.stress``; λ is as in SI
+units. Stress is positive in tension; its components are [xx, yy, xy], y upwards.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,29 +19,61 @@ Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Side:
-    """What holds on a boundary: components of the velocity that are ``held`` ("", "x", "y" or "xy"), where nothing is
-    demanded of the traction, and in the others the traction that stays and the one the multiplier acts on."""
+    """The boundary condition on one side of the body.
+
+    Attributes
+    ----------
+    held : str
+        Components of the velocity that are zero: "", "x", "y" or "xy". The traction of these is a reaction, and free.
+    dead : Traction or None
+        Traction in the other components that does not depend on the multiplier; None for zero.
+    live : Traction or None
+        Traction in the other components that the multiplier acts on; None for zero.
+    """
 
     held: str = ""
-    fixed: Traction | None = None
+    dead: Traction | None = None
     live: Traction | None = None
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """Strata in SI units: ``cohesion`` (Pa) and ``friction`` (rad), each (strata,); the body force that stays and the
-    one the multiplier acts on, each (strata, 2) in N/m³; and what holds on every boundary by its name."""
+class RigidPlasticBody:
+    """Strengths and body forces of the strata, in SI units, and the boundary conditions.
+
+    Attributes
+    ----------
+    cohesion : ndarray (strata,)
+        Cohesion c in Pa.
+    friction : ndarray (strata,)
+        Friction angle φ in rad; the flow rule is associated, ψ = φ.
+    dead_force : ndarray (strata, 2)
+        Body force in N/m³ that does not depend on the multiplier.
+    live_force : ndarray (strata, 2)
+        Body force in N/m³ that the multiplier acts on.
+    sides : mapping of str to Side
+        The boundary condition on every boundary of the mesh, by its name.
+    """
 
     cohesion: np.ndarray
     friction: np.ndarray
-    fixed_force: np.ndarray
+    dead_force: np.ndarray
     live_force: np.ndarray
     sides: Mapping[str, Side]
 
 
 @dataclass(frozen=True)
 class Units:
-    """What the dimensionless problem is measured in: a length (m) and a stress (Pa), from an origin (m)."""
+    """What makes the problem dimensionless.
+
+    Attributes
+    ----------
+    length : float
+        Unit of length in m.
+    stress : float
+        Unit of stress in Pa.
+    origin : tuple of float
+        Origin of the dimensionless coordinates, (x, y) in m.
+    """
 
     length: float
     stress: float
@@ -49,26 +82,59 @@ class Units:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The edges of the boundary: number and ends (k, 2), the cell inside, which components are held (k, 2), and the
-    tractions at both ends (k, 2 ends, 2), the one that stays and the live one."""
+    """The k edges of the boundary, with their boundary conditions, dimensionless.
+
+    Attributes
+    ----------
+    edges : ndarray (k,)
+        Numbers of the edges in the mesh.
+    ends : ndarray (k, 2)
+        Numbers of their end points.
+    cells : ndarray (k,)
+        The cell inside each edge.
+    held : ndarray (k, 2) of bool
+        Which components of the velocity are zero.
+    dead : ndarray (k, 2 ends, 2)
+        Traction at both ends that does not depend on the multiplier.
+    live : ndarray (k, 2 ends, 2)
+        Traction at both ends that the multiplier acts on.
+    """
 
     edges: np.ndarray
     ends: np.ndarray
     cells: np.ndarray
     held: np.ndarray
-    fixed: np.ndarray
+    dead: np.ndarray
     live: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class LimitProblem:
-    """A dimensionless problem; m cells. ``cohesion`` and ``friction`` (m,), forces (m, 2)."""
+    """A rigid-plastic body on a mesh of m triangles, dimensionless.
+
+    Attributes
+    ----------
+    mesh : TriMesh
+        The triangles, lengths over ``units.length``.
+    units : Units
+        What lengths and stresses are divided by.
+    cohesion : ndarray (m,)
+        Cohesion of every cell, over the unit of stress.
+    friction : ndarray (m,)
+        Friction angle of every cell in rad.
+    dead_force : ndarray (m, 2)
+        Body force that does not depend on the multiplier, over unit of stress / unit of length.
+    live_force : ndarray (m, 2)
+        Body force that the multiplier acts on, in the same unit.
+    outline : Outline
+        The edges of the boundary.
+    """
 
     mesh: TriMesh
     units: Units
     cohesion: np.ndarray
     friction: np.ndarray
-    fixed_force: np.ndarray
+    dead_force: np.ndarray
     live_force: np.ndarray
     outline: Outline
 
@@ -83,44 +149,44 @@ class LimitProblem:
         return TriMesh(self.points, self.mesh.cells, self.mesh.stratum, self.mesh.boundaries)
 
 
-def units_of(mesh: TriMesh, ground: Ground) -> Units:
-    """Height of the mesh, and the largest stress that loads or, without any, the weakest strength can make in it."""
+def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
+    """The units: the height of the mesh, and the largest dead stress (γH or traction), or without any the cohesion."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     length = float(high[1] - low[1])
-    weight = float(np.hypot(*ground.fixed_force.T).max()) * length
-    pressed = float(np.abs(_outline(mesh, ground).fixed).max())
-    stress = max(weight, pressed) or float(ground.cohesion.max())
+    weight = float(np.hypot(*body.dead_force.T).max()) * length
+    pressed = float(np.abs(_outline(mesh, body).dead).max())
+    stress = max(weight, pressed) or float(body.cohesion.max())
     return Units(length, stress, (float(low[0]), float(low[1])))
 
 
-def limit_problem(mesh: TriMesh, ground: Ground, units: Units) -> LimitProblem:
-    """The dimensionless problem on a mesh whose strata are those of the ground.
+def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
+    """The dimensionless problem on a mesh whose strata are those of the body.
 
-    Cells in which nothing could move are divided first. Raises ValueError if an edge of the outline
-    belongs to no boundary.
+    Cells that are too constrained for either bound (``stuck_cells``) are divided first. Raises ValueError if an
+    edge of the outline belongs to no boundary.
     """
-    outline = _outline(mesh, ground)
-    divided = split_at_middle(mesh, stuck_cells(mesh, ground.friction[mesh.stratum], outline))
+    outline = _outline(mesh, body)
+    divided = split_at_middle(mesh, stuck_cells(mesh, body.friction[mesh.stratum], outline))
     if divided is not mesh:
-        mesh, outline = divided, _outline(divided, ground)
+        mesh, outline = divided, _outline(divided, body)
     scaled = mesh.moved(np.array(units.origin), units.length)
     per_volume = units.length / units.stress
     return LimitProblem(
         mesh=scaled,
         units=units,
-        cohesion=ground.cohesion[mesh.stratum] / units.stress,
-        friction=ground.friction[mesh.stratum],
-        fixed_force=ground.fixed_force[mesh.stratum] * per_volume,
-        live_force=ground.live_force[mesh.stratum] * per_volume,
-        outline=replace(outline, fixed=outline.fixed / units.stress, live=outline.live / units.stress),
+        cohesion=body.cohesion[mesh.stratum] / units.stress,
+        friction=body.friction[mesh.stratum],
+        dead_force=body.dead_force[mesh.stratum] * per_volume,
+        live_force=body.live_force[mesh.stratum] * per_volume,
+        outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
     )
 
 
 def stuck_cells(mesh: TriMesh, friction: np.ndarray, outline: Outline) -> np.ndarray:
-    """Cells (m,) in a corner of which nothing could move as the flow rule asks, or the stress would have no choice.
+    """Cells (m,), as a mask, whose boundary conditions leave the velocity or the stress no freedom at a corner.
 
-    They have two edges on the outline; or a held one, at whose end ground with φ > 0 meets ground with φ = 0: that one
-    can only shear along the held edge, the other one cannot do so without dilating.
+    They have two edges on the outline; or they have φ > 0, an edge that is held, and at its end a neighbour with φ = 0.
+    At that point the neighbour can only shear along the held edge, and the cell itself cannot do so without dilating.
     """
     held = np.zeros(len(mesh.edges), dtype=bool)
     held[outline.edges] = outline.held.all(axis=1)
@@ -133,15 +199,15 @@ def stuck_cells(mesh: TriMesh, friction: np.ndarray, outline: Outline) -> np.nda
     return dilates | (on_outline >= 2)
 
 
-def _outline(mesh: TriMesh, ground: Ground) -> Outline:
+def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
     parts = []
-    for name, side in ground.sides.items():
+    for name, side in body.sides.items():
         ends = mesh.boundaries[name]
         edges = mesh.edge_numbers(ends)
         cells = mesh.edge_cells[edges, 0]
         held = np.tile([axis in side.held for axis in "xy"], (len(ends), 1))
-        fixed, live = (_at_ends(traction, mesh, ends, cells) for traction in (side.fixed, side.live))
-        parts.append((edges, ends, cells, held, fixed, live))
+        dead, live = (_at_ends(traction, mesh, ends, cells) for traction in (side.dead, side.live))
+        parts.append((edges, ends, cells, held, dead, live))
     outline = Outline(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     outer = np.flatnonzero(mesh.edge_cells[:, 1] < 0)
     if not np.array_equal(np.sort(outline.edges), outer):

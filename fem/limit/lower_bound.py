@@ -1,4 +1,4 @@
-"""Lower bound: stresses linear in every triangle, in equilibrium, nowhere past the yield surface.
+"""Lower bound: a stress field that is linear in every triangle, in equilibrium and nowhere beyond the yield surface.
 
 Every triangle has three corner stresses of its own (Sloan 1988); the stress may jump from triangle to triangle, the
 traction across an edge may not. Mohr-Coulomb holds at the corners as a cone (Makrodimopoulos & Martin 2006; Lyamin &
@@ -14,36 +14,46 @@ from scipy.linalg import qr
 from fem.limit import cone_program
 from fem.limit.limit_problem import LimitProblem
 
-# Kept between the stress and the yield surface for rounding, over the unit of stress, in a cell of unit size.
+# Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
+# unit size; in others it goes with their size.
 STRESS_MARGIN = 3e-5
 
-# Eigenvalue of the equations of a point, over its largest, below which they depend on each other.
+# Smallest eigenvalue of the Gram matrix of one point's equations, over the largest, at which they are independent.
 DEPENDENT = 1e-12
 
-# A matrix, both right-hand sides, and the points of the equations.
+# Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
 class LowerBound:
-    """The multiplier, and the stress (m, 3 corners, [xx, yy, xy]) that carries it, dimensionless.
+    """The stress field with the largest load multiplier, dimensionless.
 
-    ``price`` (m, 3) says how much the yield surface at a corner keeps the multiplier down: the work of its stress on
-    the rates that the solver found beside it.
+    Attributes
+    ----------
+    multiplier : float
+        The load multiplier that it carries.
+    stress : ndarray (m, 3 corners, [xx, yy, xy])
+        The stress at the corners of every cell.
+    yield_work : ndarray (m, 3)
+        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. It is
+        large where the yield surface keeps the load multiplier down.
+    solution : cone_program.Solution
+        What the solver left.
     """
 
     multiplier: float
     stress: np.ndarray
-    price: np.ndarray
+    yield_work: np.ndarray
     solution: cone_program.Solution
 
 
 def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBound:
-    """The largest multiplier that such stresses carry, its equations met to rounding after the solver.
+    """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
-    Whether it is a bound is for ``fem.bound_checks`` to say.
+    Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
-    balance, fixed, live, points = equations(problem)
+    balance, dead, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
     cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
     kept = margin * np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
@@ -51,32 +61,32 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     matters = independent_equations(strain.T.tocsr(), points)
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(
-        strain[:, matters], cohesion, friction, ones, fixed[matters], live[matters], stress_margin=kept
+        strain[:, matters], cohesion, friction, ones, dead[matters], live[matters], stress_margin=kept
     )
     solution = cone_program.solve(program)
     found = solution.stress.ravel()
-    found = found + cone_program.smallest_correction(strain.T, fixed + solution.multiplier * live - strain.T @ found)
+    found = found + cone_program.smallest_correction(strain.T, dead + solution.multiplier * live - strain.T @ found)
     stress = np.zeros(9 * len(problem.mesh.cells))
     stress[free] = found
-    price = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 3, 3).sum(axis=2)
-    return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), price, solution)
+    yield_work = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 3, 3).sum(axis=2)
+    return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), yield_work, solution)
 
 
 def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:
-    """A, b0, b1 of A σ = b0 + λ b1: balance in the cells, then tractions of edges; lengths are factored in.
+    """A, b0, b1 of A σ = b0 + λ b1: equilibrium of the cells, then tractions of the edges, times a length each.
 
-    The last array holds the point at which an equation of tractions holds, -1 for a balance.
+    The last array has the point at which an equation of tractions holds, -1 for one of equilibrium.
     """
     rows = [_balance(problem), _continuity(problem), _boundary(problem)]
-    matrices, fixed, live, points = zip(*rows, strict=True)
-    return sparse.vstack(matrices).tocsr(), np.concatenate(fixed), np.concatenate(live), np.concatenate(points)
+    matrices, dead, live, points = zip(*rows, strict=True)
+    return sparse.vstack(matrices).tocsr(), np.concatenate(dead), np.concatenate(live), np.concatenate(points)
 
 
 def independent_equations(matrix: sparse.csr_matrix, points: np.ndarray) -> np.ndarray:
-    """Numbers of the equations that do not follow from others, as far as one point's tractions can tell.
+    """Numbers of a set of linearly independent equations, judged point by point from the tractions there.
 
-    Some do where edges go on straight through a point, and at corners without stress. The rates beside such equations
-    would be free to grow without end, and with them the solver's tolerance.
+    Equations depend on others where edges go on straight through a point, and at corners without stress. The dual
+    velocities of dependent equations are not unique and could grow without end, and with them the solver's tolerance.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]
@@ -115,7 +125,7 @@ def _balance(problem: LimitProblem) -> Equations:
     matrix = sparse.csr_matrix((entries, (rows, columns)), shape=(2 * cells, 9 * cells))
     scale = -size[:, None]
     nowhere = np.full(2 * cells, -1)
-    return matrix, (scale * problem.fixed_force).ravel(), (scale * problem.live_force).ravel(), nowhere
+    return matrix, (scale * problem.dead_force).ravel(), (scale * problem.live_force).ravel(), nowhere
 
 
 def _continuity(problem: LimitProblem) -> Equations:
@@ -138,7 +148,7 @@ def _boundary(problem: LimitProblem) -> Equations:
     matrix = _tractions(problem, outline.cells, outline.ends, normal)[wanted]
     half = np.hypot(*normal.T)[:, None, None]
     points = np.repeat(outline.ends.ravel(), 2)[wanted]
-    return matrix, (half * outline.fixed).ravel()[wanted], (half * outline.live).ravel()[wanted], points
+    return matrix, (half * outline.dead).ravel()[wanted], (half * outline.live).ravel()[wanted], points
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
@@ -172,7 +182,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     """
     mesh, outline = problem.mesh, problem.outline
     loose = problem.cohesion == 0.0
-    bare = ~outline.held.any(axis=1) & ~outline.fixed.any(axis=(1, 2)) & ~outline.live.any(axis=(1, 2))
+    bare = ~outline.held.any(axis=1) & ~outline.dead.any(axis=(1, 2)) & ~outline.live.any(axis=(1, 2))
     bare &= loose[outline.cells]
     free = np.zeros(mesh.cells.shape, dtype=bool)
     for end in (0, 1):

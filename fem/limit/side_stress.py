@@ -18,8 +18,17 @@ ENOUGH_CELLS = 3000
 
 @dataclass(frozen=True, eq=False)
 class SideStress:
-    """The horizontal stress on a side, tension positive: linear in each of the ``strata`` (k,) there, with the
-    elevations (m) of its top and bottom (k, 2) and the stress (Pa) at both (k, 2)."""
+    """The horizontal stress on a side, linear over the thickness of each of the k strata there.
+
+    Attributes
+    ----------
+    strata : ndarray (k,)
+        Numbers of the strata, from the top down.
+    elevation : ndarray (k, 2)
+        Elevation of the top and the bottom of each in m.
+    stress : ndarray (k, 2)
+        Horizontal stress at both in Pa, tension positive.
+    """
 
     strata: np.ndarray
     elevation: np.ndarray

@@ -1,4 +1,4 @@
-"""Upper bound: quadratic velocities, continuous, that obey the flow rule everywhere.
+"""Upper bound: a mechanism of continuous, quadratic velocities that obey the associated flow rule everywhere.
 
 In a triangle with straight sides and six nodes the strain rate is linear. The flow rule, being convex, holds in all of
 it if it holds at its corners, and the dissipation is at most a third of its area times the sum at its corners: what is
@@ -14,16 +14,23 @@ from fem.limit import cone_program
 from fem.limit.limit_problem import LimitProblem
 from meshes.triangles import TriMesh
 
-# Volume rate kept above the limit of the flow rule for rounding, in the unit of the velocity over that of length, and
-# as much again as a share of the shear rate.
+# Volumetric strain rate beyond that of the flow rule, so that rounding does not break it: in units of velocity over
+# length, and as much again as a share of the shear rate.
 STRAIN_MARGIN = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
 class UpperBound:
-    """The multiplier, the velocities (m, 6 nodes, 2) it belongs to, dimensionless, work of the live load 1.
+    """The mechanism with the smallest load multiplier, dimensionless.
 
-    Nodes of a cell: its corners, then the middles of its edges.
+    Attributes
+    ----------
+    multiplier : float
+        Dissipation less the work of the dead load, where that of the live load is 1, as the solver has it.
+    velocity : ndarray (m, 6 nodes, 2)
+        Velocities of every cell at its corners, then at the middles of its edges.
+    solution : cone_program.Solution
+        What the solver left.
     """
 
     multiplier: float
@@ -32,15 +39,15 @@ class UpperBound:
 
 
 def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBound:
-    """The smallest multiplier at which such velocities take up the work of the loads, their equations met to rounding.
+    """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
-    Whether it is a bound is for ``fem.bound_checks`` to say.
+    Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
-    nodes, moves, fixed, live = nodes_and_loads(problem)
+    nodes, moves, dead, live = nodes_and_loads(problem)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
     strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]).tocsr()
-    # At a corner between held edges nothing can strain, and rounding must not make it.
+    # A corner between two held edges cannot strain, and rounding must not make it.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
     program = cone_program.ConeProgram(
@@ -48,7 +55,7 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
         np.repeat(problem.cohesion, 3)[corners],
         np.repeat(problem.friction, 3)[corners],
         size[corners],
-        fixed[moves],
+        dead[moves],
         live[moves],
         strain_margin=margin * size[corners],
         strain_share=margin,
@@ -71,7 +78,8 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray) -> np.ndarr
 
 
 def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes (m, 6) of the cells, which components move (2 n,), and the work of both loads on each of them (2 n,)."""
+    """Nodes (m, 6) of the cells, which components are free (2 n,), and the work of the dead and the live load on a unit
+    velocity of each (2 n,)."""
     mesh, outline = problem.mesh, problem.outline
     nodes = mesh.six_nodes
     count = len(mesh.points) + len(mesh.edges)
@@ -79,18 +87,18 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
     along = np.column_stack([outline.ends, len(mesh.points) + outline.edges])
     for axis in (0, 1):
         moves[along[outline.held[:, axis]], axis] = False
-    fixed, live = np.zeros((count, 2)), np.zeros((count, 2))
+    dead, live = np.zeros((count, 2)), np.zeros((count, 2))
     third = mesh.areas[:, None, None] / 3.0  # quadratic shapes: the middles carry all of it
     length = np.hypot(*(mesh.points[outline.ends[:, 1]] - mesh.points[outline.ends[:, 0]]).T)[:, None]
     for work, force, traction in (
-        (fixed, problem.fixed_force, outline.fixed),
+        (dead, problem.dead_force, outline.dead),
         (live, problem.live_force, outline.live),
     ):
         np.add.at(work, nodes[:, 3:], third * force[:, None, :])
         first, last = traction[:, 0], traction[:, 1]
         for node, share in zip(along.T, (first / 6.0, last / 6.0, (first + last) / 3.0), strict=True):
             np.add.at(work, node, length * share)  # Simpson's rule, exact for linear times quadratic
-    return nodes, moves.ravel(), fixed.ravel(), live.ravel()
+    return nodes, moves.ravel(), dead.ravel(), live.ravel()
 
 
 def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:

@@ -17,7 +17,7 @@ def main(sides: str = "fixed", gap: str = "0.01") -> None:
     print("cells   lower   upper     gap  seconds")
 
     def show(found: Bracket) -> None:
-        one = found.rounds[-1]
+        one = found.meshes[-1]
         print(f"{one.cells:6d}  {found.lower:.4f}  {found.upper:.4f}  {100 * found.gap:5.2f} %  {one.seconds:6.1f}")
 
     settings = FemSettings.model_validate({"sides": sides})

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fem.limit.adaptive_bounds import Bracket, bracket
-from fem.limit.limit_problem import Ground, Side
+from fem.limit.limit_problem import RigidPlasticBody, Side
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate
 from tests.support.sections import layer
@@ -15,10 +15,10 @@ FIXED = Side("xy")
 
 def ground(cohesion, phi, sides, weight=0.0):
     """One soil, φ in degrees; ``weight`` is the body force downwards that the multiplier acts on."""
-    return Ground(
+    return RigidPlasticBody(
         cohesion=np.array([cohesion]),
         friction=np.array([math.radians(phi)]),
-        fixed_force=np.zeros((1, 2)),
+        dead_force=np.zeros((1, 2)),
         live_force=np.array([[0.0, -weight]]),
         sides=sides,
     )
@@ -83,7 +83,7 @@ def footing(phi, surcharge=False, gap=0.02, max_cells=20_000) -> Bracket:
     mesh = rectangles(x, np.linspace(-depth, 0.0, max(3, round(depth / step)) + 1))
     sides = {
         "footing": Side(live=pressure(1.0)),
-        "surface": Side(fixed=pressure(1.0)) if surcharge else Side(),
+        "surface": Side(dead=pressure(1.0)) if surcharge else Side(),
         "left": Side("x"),
         "right": FIXED,
         "base": FIXED,

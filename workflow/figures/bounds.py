@@ -8,7 +8,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from fem.limit.adaptive_bounds import Bracket, Mechanism, Stress
+from fem.limit.adaptive_bounds import Bracket, Mechanism, StressField
 from fem.limit.bound_checks import corner_rates, yield_slack
 from meshes.triangles import TriMesh
 from workflow.figures.canvas import INK, Sheet, Window, legend_columns, render, soil_colour, spread
@@ -48,7 +48,7 @@ def _of_what(run: Input) -> str:
     return " of Davis's substitute (a proxy)" if run.bounds.davis else ""
 
 
-def yield_use(stress: Stress) -> np.ndarray:
+def yield_use(stress: StressField) -> np.ndarray:
     """How much of the strength the stress takes in every cell (m,), its worst corner: 1 on the yield surface."""
     slack = yield_slack(stress.problem, stress.stress)
     radius = np.hypot(0.5 * (stress.stress[..., 0] - stress.stress[..., 1]), stress.stress[..., 2])
@@ -100,7 +100,7 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
     return sheet
 
 
-def _stress_sheet(run: Input, stress: Stress, window: Window) -> Sheet:
+def _stress_sheet(run: Input, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
     title = f"{run.title or run.name}: lower bound{_of_what(run)}, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)

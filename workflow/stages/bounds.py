@@ -53,28 +53,28 @@ def as_json(run: Input, found: Bracket, seconds: float) -> dict[str, Any]:
         "sides": run.fem.sides,
         "direction": run.fem.direction,
         "vertical": run.fem.vertical,
-        "cells": found.rounds[-1].cells,
+        "cells": found.meshes[-1].cells,
         "seconds": round(seconds, 2),
         "residuals": {
             "lower": asdict(found.stress.check) if found.stress else None,
             "upper": asdict(found.mechanism.check) if found.mechanism else None,
         },
-        "history": [asdict(one) for one in found.rounds],
+        "history": [asdict(one) for one in found.meshes],
         "settings": run.bounds.model_dump(mode="json"),
     }
 
 
 def _verdict(run: Input, found: Bracket) -> tuple[str, str]:
-    last = "; ".join(found.rounds[-1].notes)
+    last = "; ".join(found.meshes[-1].notes)
     if not math.isfinite(found.gap):
         missing = " and ".join(
             name for name, bound in (("lower", found.stress), ("upper", found.mechanism)) if bound is None
         )
-        return "no bracket", f"there is no {missing} bound on {found.rounds[-1].cells} cells: {last}."
+        return "no bracket", f"there is no {missing} bound on {found.meshes[-1].cells} cells: {last}."
     if found.gap <= run.bounds.gap:
         return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * run.bounds.gap:g} % asked for."
     wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * run.bounds.gap:g} % asked for"
-    return "wide", f"{wish}: {found.rounds[-1].cells} cells, {run.bounds.max_cells} allowed." + (
+    return "wide", f"{wish}: {found.meshes[-1].cells} cells, {run.bounds.max_cells} allowed." + (
         f" {last}." * bool(last)
     )
 
@@ -84,4 +84,4 @@ def in_words(found: Bracket) -> str:
     low = f"{found.lower:.4f}" if found.stress else "no lower bound"
     high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
     gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
-    return f"{low} <= Kh <= {high}{gap}, {found.rounds[-1].cells} triangles"
+    return f"{low} <= Kh <= {high}{gap}, {found.meshes[-1].cells} triangles"

@@ -5,9 +5,9 @@ import pytest
 
 from fem.errors import UnstableError
 from fem.limit import adaptive_bounds
-from fem.limit.adaptive_bounds import Bracket, gap_parts, proven_lower_bound, proven_upper_bound
+from fem.limit.adaptive_bounds import Bracket, gap_shares, proven_lower_bound, proven_upper_bound
 from fem.limit.bound_checks import check_stress, check_velocity
-from fem.limit.bounds import first_mesh, ground_of, kh_bounds, strengths
+from fem.limit.bounds import body_of, first_mesh, kh_bounds, strengths
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
 from fem.limit.lower_bound import lower_bound
 from fem.limit.side_stress import side_stresses
@@ -29,8 +29,8 @@ def problem() -> LimitProblem:
     data["strata"][0].update(friction_angle="0 deg", cohesion="30 kPa")
     section = Section.parse(data)
     mesh = first_mesh(section, 2000)
-    ground = ground_of(section, mesh, FemSettings(sides="fixed"), davis=False)
-    return limit_problem(mesh, ground, units_of(mesh, ground))
+    body = body_of(section, mesh, FemSettings(sides="fixed"), davis=False)
+    return limit_problem(mesh, body, units_of(mesh, body))
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def test_velocities_on_a_held_boundary_are_found(problem, high):
 def test_the_parts_of_the_gap_add_up_to_it(problem, low, high):
     """Ciria, Peraire & Bonet (2008)."""
     gap = check_velocity(problem, high.velocity).multiplier - low.multiplier
-    assert gap_parts(problem, low, high).sum() == pytest.approx(gap, rel=1e-3)
+    assert gap_shares(problem, low, high).sum() == pytest.approx(gap, rel=1e-3)
     assert gap > 0.0
 
 

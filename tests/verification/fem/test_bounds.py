@@ -206,6 +206,6 @@ def test_lower_is_below_upper_for_every_section(section):
     except UnstableError:
         return
     assert found.lower < found.upper
-    for one in found.rounds:
+    for one in found.meshes:
         if one.lower is not None and one.upper is not None:
             assert one.lower < one.upper

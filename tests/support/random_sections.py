@@ -1,0 +1,89 @@
+"""Random slopes of layered ground, each known by its number: the same for the bounds and for the finite elements.
+
+Two to five layers under a face of 15° to 60°, 5 to 15 m high, with thin seams and wedges that end inside the section;
+φ 0 to 45°, c 0 to 50 kPa, some of it clay (φ = 0), some of it sand (c = 0). Only numbers of sections that stand under
+their own weight are listed.
+"""
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.section.section import Section
+
+NUMBERS = tuple(range(30))
+
+
+def random_section(number: int) -> Section:
+    """The section of a number, in round figures as a person would write them."""
+    for attempt in itertools.count():
+        try:
+            return Section.parse(_drawn(np.random.default_rng([number, attempt]), f"random_{number}"))
+        except InputError:  # a layer that is nowhere
+            continue
+    raise AssertionError
+
+
+def _drawn(draw: np.random.Generator, name: str) -> dict[str, Any]:
+    height, angle = draw.integers(50, 151) / 10.0, float(draw.integers(15, 61))
+    crest, ahead = (round(height * float(draw.uniform(1.8, 3.0)), 1) for _ in range(2))
+    toe = round(crest + height / math.tan(math.radians(angle)), 2)
+    deep = round(height * float(draw.uniform(0.4, 1.0)), 1)
+    layers = _Layers(draw, round(toe + ahead, 2), height, deep, int(draw.integers(2, 6)))
+    return {
+        "name": name,
+        "surface": [[0.0, height], [crest, height], [toe, 0.0], [layers.width, 0.0]],
+        "base": {"elevation": -deep},
+        "strata": layers.strata(),
+    }
+
+
+class _Layers:
+    """Layers from the top down; each contact is a straight line at or below the one before."""
+
+    def __init__(self, draw: np.random.Generator, width: float, height: float, deep: float, count: int) -> None:
+        self.draw, self.width = draw, width
+        self.ends = np.array([height, height])  # elevations (m) of the last contact at the left and the right side
+        self.lowest = 0.3 - deep
+        self.levels = height - np.sort(draw.uniform(0.15, 0.9, count - 1)) * (height + deep)
+
+    def strata(self) -> list[dict[str, Any]]:
+        upper = [{**self.soil(k), "bottom": {"elevation": self.contact(level)}} for k, level in enumerate(self.levels)]
+        return [*upper, self.soil(len(upper))]
+
+    def contact(self, level: float) -> list[list[float]]:
+        """The bottom of a layer: dipping, parallel to the one before it (a seam), or up to where it meets that one."""
+        kind = self.draw.choice(["dipping", "seam", "wedge"], p=[0.6, 0.2, 0.2])
+        before = self.ends
+        dip = math.tan(math.radians(float(self.draw.uniform(-8.0, 8.0)))) * self.width / 2.0
+        wanted = before - self.draw.uniform(0.2, 0.6) if kind == "seam" else np.array([level - dip, level + dip])
+        self.ends = np.round(np.maximum(np.minimum(wanted, before), self.lowest), 2)
+        if kind != "wedge":
+            return [[0.0, float(self.ends[0])], [self.width, float(self.ends[1])]]
+        share = float(self.draw.uniform(0.4, 0.7))
+        tip = [round(share * self.width, 2), float((1.0 - share) * before[0] + share * before[1])]
+        if self.draw.uniform() < 0.5:
+            self.ends[1] = before[1]
+            return [[0.0, float(self.ends[0])], tip]
+        self.ends[0] = before[0]
+        return [tip, [self.width, float(self.ends[1])]]
+
+    def soil(self, number: int) -> dict[str, Any]:
+        """Sand, clay or something in between, some of it below water."""
+        draw = self.draw
+        kind = str(draw.choice(["sand", "clay", "loam"], p=[0.2, 0.25, 0.55]))
+        density, uplift = round(float(draw.uniform(1.6, 2.1)), 2), 0.9 if draw.uniform() < 0.3 else 0.0
+        friction = 0 if kind == "clay" else int(draw.integers(20, 46))
+        cohesion = 0 if kind == "sand" else int(draw.integers(15 if kind == "clay" else 1, 51))
+        return {
+            "name": f"{number + 1} {kind}",
+            "youngs_modulus": f"{int(draw.integers(5, 60))} MPa",
+            "poissons_ratio": 0.45 if kind == "clay" else 0.3,
+            "density_ordinary": f"{density - uplift:.2f} t/m^3",
+            "density_seismic": f"{density:.2f} t/m^3",
+            "cohesion": f"{cohesion} kPa",
+            "friction_angle": f"{friction} deg",
+        }
