@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field, StrictBool
 
+from meshes.section.quantity import Length, Quantity
 from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
@@ -23,6 +24,10 @@ class FemSettings(Model):
         description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
     )
     direction: Literal["downhill", "uphill"] = Field(default="downhill", description="where the ground is pushed")
+    least_depth: Length = Field(
+        default=Quantity(0.5, "0.5 m"),
+        description="depth that a failure of cohesionless faces must reach to count; above it grains only roll down",
+    )
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: Literal["section", "associated"] = Field(
         default="section", description='dilation angle as the strata say, or "associated": equal to the friction angle'

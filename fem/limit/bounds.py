@@ -9,11 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem.errors import UnstableError
-from fem.limit.adaptive_bounds import Bracket, Observer, bracket
-from fem.limit.limit_problem import RigidPlasticBody, Side, Traction
+from fem.limit.adaptive_bounds import Bracket, Observer, bracket, proven_upper_bound
+from fem.limit.limit_problem import RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
+from fem.skin import Skin, skins, strengthened
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
@@ -23,6 +24,8 @@ from meshes.triangles import TriMesh, triangulate
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
+# Cells allowed where a rough upper bound will do; the first mesh has a share of it.
+COARSE_CELLS = 8000
 
 
 def kh_bounds(
@@ -46,6 +49,30 @@ def kh_bounds(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
         )
     return found
+
+
+def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:
+    """The cohesionless faces whose grains roll down at a smaller Kh than the slope as a whole fails at.
+
+    They are compared with an upper bound on one coarse mesh, of the section and then of the section with these faces
+    strengthened, so that they may be a few too many, and none is missing. Raises what ``first_mesh`` raises.
+    """
+    faces = skins(section, fem, strengths(section.strata, davis)[1])
+    if faces:
+        upper = _coarse_upper_bound(section, fem, davis)
+        faces = [face for face in faces if face.kh < upper]
+    if faces:
+        upper = _coarse_upper_bound(strengthened(section, faces, fem), fem, davis)
+        faces = [face for face in faces if face.kh < upper]
+    return faces
+
+
+def _coarse_upper_bound(section: Section, fem: FemSettings, davis: bool) -> float:
+    """An upper bound of Kh on one coarse mesh, inf if there is none."""
+    mesh = first_mesh(section, COARSE_CELLS)
+    body = body_of(section, mesh, fem, davis)
+    _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
+    return mechanism.multiplier if mechanism else np.inf
 
 
 def first_mesh(section: Section, max_cells: int) -> TriMesh:

@@ -1,0 +1,65 @@
+"""Grains that roll down a face without cohesion, and the ground below it that is kept from doing so."""
+
+import numpy as np
+import pytest
+
+from fem.limit.bounds import governing_skins, kh_bounds
+from fem.settings import BoundsSettings, FemSettings
+from fem.skin import skins, strengthened
+from meshes.section.section import Section
+from tests.support import SECTIONS
+from tests.support.sections import layer
+
+FIXED = FemSettings(sides="fixed")
+
+
+def bank(cohesion=0, **changes) -> Section:
+    """A face of 1:2, 5 m high, of sand, over clay."""
+    sand = layer("sand", cohesion=cohesion, friction_angle="35 deg", bottom={"elevation": -2.0}, **changes)
+    surface = [[0.0, 5.0], [10.0, 5.0], [20.0, 0.0], [30.0, 0.0]]
+    data = {"name": "bank", "surface": surface, "base": {"elevation": -4.0}}
+    return Section.parse({**data, "strata": [sand, layer("clay", cohesion="60 kPa", friction_angle="0 deg")]})
+
+
+def test_the_skin_is_an_infinite_slope():
+    """Kh = (γ / γs - Kv) tan(φ - β), on the face alone; pushed uphill, there is none."""
+    [face] = skins(bank(density_ordinary="1.0 t/m^3"), FemSettings(vertical=0.1))
+    assert (face.stratum, face.start, face.end) == ("sand", 10.0, 20.0)
+    assert face.kh == pytest.approx((1.0 / 1.9 - 0.1) * np.tan(np.radians(35.0) - np.arctan(0.5)))
+    assert skins(bank(), FemSettings(direction="uphill")) == []
+    assert skins(bank(cohesion="1 kPa"), FIXED) == []
+
+
+def test_the_strengthened_strip_carries_what_level_ground_does():
+    """The infinite slope: γ d sin β + Kh γ d cos β = c / cos β + tan φ (γ d cos β - Kh γ d sin β), d vertical."""
+    section, settings = bank(), FemSettings(least_depth="0.8 m")
+    [face] = skins(section, settings)
+    strip = strengthened(section, [face], settings).strata[0]
+    weight, tan = 1900.0 * 9.80665 * 0.8, np.tan(np.radians(35.0))
+    sin, cos = np.sin(face.angle), np.cos(face.angle)
+    drives = weight * sin + tan * weight * cos
+    holds = strip.cohesion / cos + tan * (weight * cos - tan * weight * sin)
+    assert drives == pytest.approx(holds)
+
+
+def test_the_strip_follows_the_face_and_ends_with_its_stratum():
+    section = Section.read(SECTIONS / "natural_slope.toml")
+    sand = {**layer("sand", cohesion=0, friction_angle="33 deg"), "bottom": {"elevation": [[0, 10], [18, 6]]}}
+    data = {"name": "thin", "surface": [[0, 12], [24, 4]], "base": {"elevation": 0}, "strata": [sand, layer("rest")]}
+    thin = Section.parse(data)
+    strong = strengthened(thin, skins(thin, FIXED), FIXED)
+    x = np.linspace(0.1, 17.9, 50)
+    before, after = (s.layering.interfaces(x) for s in (thin, strong))
+    np.testing.assert_allclose(after[:, [0, 2, 3]], before, atol=1e-9)
+    np.testing.assert_allclose(after[:, 0] - after[:, 1], np.minimum(0.5, before[:, 0] - before[:, 1]), atol=1e-6)
+    assert strengthened(section, skins(section, FIXED), FIXED).layering.areas().sum() == pytest.approx(
+        section.layering.areas().sum()
+    )
+
+
+def test_the_skin_governs_a_bank_of_sand_and_not_a_gentle_slope():
+    [face] = governing_skins(bank(), FIXED)
+    whole = kh_bounds(strengthened(bank(), [face], FIXED), FIXED, BoundsSettings(gap=0.2, max_cells=1500))
+    assert face.kh == pytest.approx(0.1482, abs=1e-4)
+    assert whole.upper > face.kh
+    assert governing_skins(Section.read(SECTIONS / "s13.toml"), FIXED) == []
