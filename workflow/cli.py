@@ -16,6 +16,7 @@ from rich.table import Table
 from meshes.errors import InputError
 from meshes.quad_mesh import BadMeshError
 from meshes.section.section import Section
+from workflow import stages
 from workflow.report import tables
 from workflow.report.console import sentences
 from workflow.results.results import Results
@@ -24,9 +25,9 @@ from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
 from workflow.run.plan import Choice, plan
 from workflow.run.ranks import Ranks
 from workflow.run.record import Record
+from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input, dotted, merged
-from workflow.stages import Job, help_compute, stages
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
@@ -78,12 +79,13 @@ def init(
 @app.command()
 def check(section: SectionFile, folder: Out = None, settings: Set = None) -> None:
     """Validate a section and draw it; nothing else."""
-    from workflow.stages.mesh import draw_section
+    from workflow.figures.ground import draw_section
 
-    run = _input(section, {}, settings)
-    store = _store(run, folder)
-    _show_strata(run)
-    draw_section(run, store)
+    given = _input(section, {}, settings)
+    store = _store(given, folder)
+    _show_strata(given)
+    with store.writing("figures/section.png") as path:
+        draw_section(given, path)
     out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}", soft_wrap=True)
 
 
@@ -104,13 +106,12 @@ def run_all(
     verbose: Verbose = False,
 ) -> None:
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
-    choice = Choice.of(start, tuple(only or ()), force)
-    run = _input(section, {}, settings)
-    job = Job(run, _store(run, folder))
+    choice = Choice.of(stages.STAGES, start, only or (), force)
+    job = _job(_input(section, {}, settings), folder)
     if dry_run:
         return _show_plan(job, choice)
     if not quiet:
-        _show_strata(run)
+        _show_strata(job.given)
     return _execute(job, choice, quiet, verbose)
 
 
@@ -129,10 +130,10 @@ def mesh(
     verbose: Verbose = False,
 ) -> None:
     """Mesh a section with quadrilaterals and draw both."""
-    run = _input(section, {"mesh": _mesh_options(refine, size, free, columns, rows)}, settings)
+    given = _input(section, {"mesh": _mesh_options(refine, size, free, columns, rows)}, settings)
     if not quiet:
-        _show_strata(run)
-    _execute(Job(run, _store(run, folder)), Choice.up_to("mesh", force), quiet, verbose)
+        _show_strata(given)
+    _execute_up_to("mesh", _job(given, folder), force, quiet, verbose)
 
 
 @app.command()
@@ -170,19 +171,19 @@ def fem(
         "vertical": vertical,
         "flow": "associated" if associated else None,
     }
-    run = _input(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options}, settings)
-    if safety_factor and not run.fem.safety_factor_at:
-        wanted = run.fem.model_copy(update={"safety_factor_at": (0.0, *run.fem.kh)})
-        run = run.model_copy(update={"fem": wanted})
+    given = _input(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options}, settings)
+    if safety_factor and not given.fem.safety_factor_at:
+        wanted = given.fem.model_copy(update={"safety_factor_at": (0.0, *given.fem.kh)})
+        given = given.model_copy(update={"fem": wanted})
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
-    job = Job(run, _store(run, folder), mesh_file=mesh_file, ranks=ranks)
+    job = _job(given, folder, mesh_file=mesh_file, ranks=ranks)
     if not ranks.first:
         out.quiet = err.quiet = True
-        return help_compute(job, ranks)
+        return stages.fem.help_compute(job, ranks)
     with ranks.leading():
-        return _execute(job, Choice.up_to("fem", force), quiet, verbose)
+        return _execute_up_to("fem", job, force, quiet, verbose)
 
 
 @app.command()
@@ -196,9 +197,9 @@ def plot(
     """Draw the pictures of a run again, or single ones, without computing anything."""
     from workflow.figures.single import draw
 
-    job = pipeline.stored_job(folder)
+    job = stages.stored_job(folder)
     if field is None and at is None:
-        with Display(out, err, stages()) as display:
+        with Display(out, err, job.stages) as display:
             told = pipeline.redraw_all(job, display)
         for line in told:
             out.print(escape(line), soft_wrap=True)
@@ -217,15 +218,17 @@ def view(
     """Look at the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
     from workflow.figures.single import window
 
-    window(pipeline.stored_job(folder), field, at)
+    window(stages.stored_job(folder), field, at)
 
 
 @app.command()
 def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> None:
     """Write summary and report of a run again, from what is there."""
-    _execute(pipeline.stored_job(folder), Choice(("report",), ("report",)), quiet, verbose)
+    job = stages.stored_job(folder)
+    _execute(job, Choice.of(job.stages, only=["report"], force=True), quiet, verbose)
 
 
+@app.command()
 def bounds(
     section: SectionFile,
     folder: Out = None,
@@ -240,10 +243,11 @@ def bounds(
 ) -> None:
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
     options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
-    run = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _execute(Job(run, _store(run, folder)), Choice.up_to("bounds", force), quiet, verbose)
+    given = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _execute_up_to("bounds", _job(given, folder), force, quiet, verbose)
 
 
+@app.command()
 def calibrate(
     section: SectionFile,
     folder: Out = None,
@@ -253,10 +257,10 @@ def calibrate(
     verbose: Verbose = False,
 ) -> None:
     """Calibrate the discs so that they fail at the Kh that the finite elements found."""
-    run = _input(section, {}, settings)
-    _execute(Job(run, _store(run, folder)), Choice.up_to("calibrate", force), quiet, verbose)
+    _execute_up_to("calibrate", _job(_input(section, {}, settings), folder), force, quiet, verbose)
 
 
+@app.command()
 def slide(
     section: SectionFile,
     folder: Out = None,
@@ -267,14 +271,8 @@ def slide(
     verbose: Verbose = False,
 ) -> None:
     """How far the calibrated discs slide once layers have liquefied."""
-    run = _input(section, {}, settings)
-    job = Job(run, _store(run, folder), cases=tuple(case) if case else None)
-    _execute(job, Choice.up_to("slide", force), quiet, verbose)
-
-
-for command in (bounds, calibrate, slide):  # as far as they are installed
-    if any(stage.name == command.__name__ for stage in stages()):
-        app.command()(command)
+    job = _job(_input(section, {}, settings), folder, cases=tuple(case) if case else None)
+    _execute_up_to("slide", job, force, quiet, verbose)
 
 
 def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:
@@ -282,18 +280,27 @@ def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: li
     given = {
         table: {key: value for key, value in values.items() if value is not None} for table, values in options.items()
     }
-    run = Input.load(section, merged(dotted(settings or []), given))
-    if run.sliding_block.accelerogram:
+    read = Input.load(section, merged(dotted(settings or []), given))
+    if read.sliding_block.accelerogram:
         from workflow.estimates.accelerogram import of_input
 
-        of_input(run)  # a record that cannot be read is told now, not after minutes
-    return run
+        of_input(read)  # a record that cannot be read is told now, not after minutes
+    return read
+
+
+def _job(given: Input, folder: Path | None, **options: Any) -> Job:
+    return Job(given, _store(given, folder), stages.STAGES, **options)
+
+
+def _execute_up_to(stage: str, job: Job, force: bool, quiet: bool, verbose: bool) -> None:
+    """Run a stage, and before it what it needs and is not there yet."""
+    _execute(job, Choice.up_to(job.stages, stage, force), quiet, verbose)
 
 
 def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
     """Run the stages that have to, and tell what they found."""
     verbosity = QUIET if quiet else VERBOSE if verbose else NORMAL
-    shown = [stage for stage in stages() if stage.name in choice.chosen]
+    shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
         with Display(out, err, shown, verbosity) as display:
@@ -311,7 +318,7 @@ def _tell(job: Job, choice: Choice) -> None:
     ends = Results.of(job).ends
     for name in choice.chosen:
         if name in ends and ends[name].outcome in ("done", "part"):
-            for line in sentences(name, job.run, job.store):
+            for line in sentences(name, job.given, job.store):
                 out.print(escape(line))
     if "report" in choice.chosen and job.store.has("report.html"):
         out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
@@ -340,17 +347,17 @@ def _mesh_options(
     return {"refine": refine, "size": wanted, "method": method, "columns": columns, "rows": rows}
 
 
-def _store(run: Section, folder: Path | None) -> Store:
-    return Store(folder or Path("runs") / run.name)
+def _store(given: Section, folder: Path | None) -> Store:
+    return Store(folder or Path("runs") / given.name)
 
 
-def _show_strata(run: Section) -> None:
-    if run.reconstruction:
-        out.print(f"[bold]Reconstruction.[/] {escape(run.reconstruction_note)}")
-    table = Table(title=escape(run.title or run.name), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+def _show_strata(given: Section) -> None:
+    if given.reconstruction:
+        out.print(f"[bold]Reconstruction.[/] {escape(given.reconstruction_note)}")
+    table = Table(title=escape(given.title or given.name), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
         table.add_column(head, justify="left" if head == "stratum" else "right")
-    for row in tables.strata_rows(run):
+    for row in tables.strata_rows(given):
         table.add_row(*(escape(cell) for cell in row))
     out.print(table)
 

@@ -89,5 +89,8 @@ def test_ctrl_c_stops_it(tmp_path: Path) -> None:
 
 
 def test_it_needs_no_dolfinx() -> None:
-    code = "import sys; sys.modules.update(dolfinx=None, petsc4py=None, mpi4py=None); import workflow.stages.bounds"
+    code = (
+        "import sys; sys.modules.update(dolfinx=None, petsc4py=None, mpi4py=None); "
+        "import fem.limit.bounds, workflow.figures.bounds, workflow.stages"
+    )
     subprocess.run([sys.executable, "-c", code], cwd=TOP, check=True, timeout=120)

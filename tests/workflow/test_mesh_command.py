@@ -23,7 +23,6 @@ from tests.support.command_line import process, run
 from tests.support.sections import layer, slope
 from workflow.figures import canvas
 from workflow.settings import Input
-from workflow.stages import mesh as mesh_stage
 
 FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
@@ -234,7 +233,7 @@ def test_no_usable_mesh_is_another_exit_code(
     def fail(*_: object) -> QuadMesh:
         raise BadMeshError("3 cells are folded")
 
-    monkeypatch.setattr(mesh_stage, "generate", fail)
+    monkeypatch.setattr("meshes.gmsh_model.generate", fail)
     assert run("mesh", section, "--out", out) == 3
     assert "No usable mesh: 3 cells are folded" in capsys.readouterr().err
     assert files(out) == []

@@ -12,8 +12,9 @@ from matplotlib.lines import Line2D
 from fem.fields import State, slip_surface
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
-from workflow.figures.ground import foot, unstructured
+from workflow.figures.ground import foot
 from workflow.results.fem_states import FemResults
+from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
 from workflow.settings import Input
 

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
-from vtkmodules.vtkCommonCore import vtkStringArray
 
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -27,6 +26,7 @@ from workflow.figures.canvas import (
     render,
     soil_colour,
 )
+from workflow.results.mesh_grids import unstructured
 
 HATCH = "...."
 FOOT_CHARACTERS = 190
@@ -134,33 +134,6 @@ def _show(sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], titl
         text = f"{heights}; {title}" if title and view == 0 else heights
         views.append(sheet.show(view, render(window, draw, exaggeration=much), window, text, much))
     return views
-
-
-def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
-    """The mesh for VTK, with the index of the stratum in every cell and the names as field data."""
-    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
-    grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
-    grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
-    add_texts(grid, "strata", mesh.strata)
-    return grid
-
-
-def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
-    """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
-    grid = unstructured(mesh)
-    add_texts(grid, "section", [section.title or section.name])
-    if section.reconstruction:
-        add_texts(grid, "reconstruction", [section.reconstruction_note])
-    return grid
-
-
-def add_texts(grid: pv.UnstructuredGrid, name: str, texts: Sequence[str]) -> None:
-    """Texts as a named field array; pyvista's own way takes ASCII only."""
-    array = vtkStringArray()
-    array.SetName(name)
-    for text in texts:
-        array.InsertNextValue(text)
-    grid.GetFieldData().AddArray(array)
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:

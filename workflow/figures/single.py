@@ -16,10 +16,11 @@ from meshes.quad_mesh import QuadMesh
 from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Sheet, Window, render
 from workflow.figures.fields import FIELDS, Field
-from workflow.figures.ground import foot, unstructured
+from workflow.figures.ground import foot
 from workflow.results.fem_states import FemResults
+from workflow.results.mesh_grids import unstructured
 from workflow.results.results import Results
-from workflow.stages import Job
+from workflow.run.stage import Job
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
@@ -32,7 +33,7 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     paths = []
     for state in _states(results, at):
         if field is None or chosen is None:
-            name = fem_figures.draw_state(job.run, results, state, job.store)
+            name = fem_figures.draw_state(job.given, results, state, job.store)
         elif state.past_equilibrium and at is None:
             continue  # it would show the last state once more
         else:
@@ -58,7 +59,7 @@ def window(job: Job, field: str, at: float | None) -> None:
             ],
         )
     state = [state for state in states if not state.past_equilibrium or at is not None][-1]
-    title = f"{job.run.title or job.run.name}: {chosen.label}, {state.label}"
+    title = f"{job.given.title or job.given.name}: {chosen.label}, {state.label}"
     plotter = pv.Plotter(title=title)
     plotter.set_background("white")
     grid = _grid(results.mesh, state, chosen)
@@ -94,7 +95,7 @@ def _results(job: Job) -> FemResults:
     if results.fem is None:
         why = results.missing.get("fem", "the stage fem ended without an answer")
         raise InputError(str(job.store.folder), [f"holds no FEM results: {why}"])
-    return FemResults.load(job.run, job.store)
+    return FemResults.load(job.given, job.store)
 
 
 def _field(name: str) -> Field:
@@ -133,8 +134,8 @@ def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
         )
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
 
-    title = f"{job.run.title or job.run.name}: {field.label}"
-    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.run), legend_rows=2)
+    title = f"{job.given.title or job.given.name}: {field.label}"
+    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.given), legend_rows=2)
     for number, much in enumerate(view.exaggerations()):
         heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
         sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)

@@ -9,7 +9,7 @@ from workflow.settings import Input
 
 def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
     """How many cells, and how good."""
-    from workflow.stages.mesh import stored_mesh
+    from workflow.results.stored_mesh import stored_mesh
 
     mesh = stored_mesh(run, store)
     quality = mesh.quality()

@@ -14,7 +14,6 @@ from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
-from workflow.stages import stages
 
 STAGE_OF_PART = {"mesh": "ground", "fem": "fem", "bounds": "bounds", "calibrate": "dem", "slide": "slide"}
 
@@ -44,7 +43,7 @@ def page(results: Results, summary: dict[str, Any]) -> str:
         paper=rows(results),
         is_s13=is_s13(results.run),
         pictures=_pictures(results),
-        stages=[stage for stage in stages() if stage.name != "report"],
+        stages=results.stages,
         versions=versions(),
         machine=machine(),
         input=results.run.to_toml(),

@@ -53,7 +53,7 @@ def _mesh(results: Results) -> dict[str, Any] | None:
         return {key: results.fem["mesh"][key] for key in ("quadrilaterals", "nodes", "method")}
     if "mesh" not in results.ends or results.no_answer("mesh"):
         return None
-    from workflow.stages.mesh import stored_mesh
+    from workflow.results.stored_mesh import stored_mesh
 
     mesh = stored_mesh(results.run, results.store)
     return {"quadrilaterals": len(mesh.cells), "nodes": len(mesh.points), "method": mesh.method}

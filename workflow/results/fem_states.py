@@ -8,9 +8,9 @@ import pyvista as pv
 
 from fem.fields import State
 from meshes.quad_mesh import QuadMesh
+from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.mesh import stored_mesh
 
 ANSWER, COLLECTION = "fem/critical.json", "fem/fields.pvd"
 

@@ -5,9 +5,9 @@ from typing import Any
 
 from workflow.run.plan import changes, made_from
 from workflow.run.record import Entry, Record
+from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages import Job, stages
 
 FILES = {
     "fem": ("fem", "fem/critical.json"),
@@ -21,7 +21,8 @@ FILES = {
 
 @dataclass(frozen=True)
 class Results:
-    """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show.
+    """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show;
+    ``stages`` are those that the report tells of.
 
     The answers are those of the files, None where there is none: ``fem`` of fem/critical.json, ``variants``,
     ``bounds``, ``dem`` of dem/critical.json, ``calibration`` and ``cases``.
@@ -37,14 +38,14 @@ class Results:
     dem: dict[str, Any] | None
     calibration: dict[str, Any] | None
     cases: dict[str, Any] | None
+    stages: tuple[Stage, ...] = ()
 
     @classmethod
     def of(cls, job: Job) -> "Results":
         """Read what the stages left for this input; results of other inputs are not looked at."""
         record, ends, missing = Record(job.store), {}, {}
-        for stage in stages():
-            if stage.name == "report":
-                continue
+        told = tuple(stage for stage in job.stages if not stage.of_all)
+        for stage in told:
             entry, why = record[stage.name], changes(stage, made_from(stage, job, record), record)
             if entry is not None and (not why or entry.outcome == "part"):
                 ends[stage.name] = entry
@@ -56,7 +57,7 @@ class Results:
         }
         if answers["bounds"] is not None and answers["bounds"]["verdict"] == "no bracket":
             answers["bounds"] = None
-        return cls(job.run, job.store, ends, missing, **answers)
+        return cls(job.given, job.store, ends, missing, **answers, stages=told)
 
     def no_answer(self, stage: str) -> Entry | None:
         """How a stage ended if it ended without an answer."""

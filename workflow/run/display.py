@@ -13,7 +13,7 @@ from rich.text import Text
 from workflow.run.plan import Step
 from workflow.run.progress import Progress, duration, time_left
 from workflow.run.record import Entry
-from workflow.stages import Stage
+from workflow.run.stage import Stage
 
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 BAR = 14

@@ -1,67 +1,47 @@
 """What a stage is made from, as fingerprints: when none of them has changed, neither has its result."""
 
 import hashlib
-import importlib.util
 import json
-from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
+from workflow.run import source
+from workflow.run.stage import Job, Stage
 from workflow.settings import Input
-from workflow.stages import Job, Stage, stages
-
-# A setting that says whether, not how.
-WHETHER = {"run"}
-SOURCES = (".py", ".csv", ".jinja", ".toml")
 
 
 def inputs(stage: Stage, job: Job) -> dict[str, str]:
-    """A fingerprint for all that matters to a stage, by names that people know."""
-    prints = {"section": fingerprint_of(section_data(job.run)), "the program": code(stage.code)}
+    """A fingerprint for all that a stage's results are made from, by names that people know."""
+    prints = {"section": fingerprint_of(section_data(job.given)), "the program": program(stage)}
     for table in stage.tables:
-        settings = getattr(job.run, table, None)
-        if settings is not None:
-            prints[f"[{table}]"] = fingerprint_of(settings.model_dump(mode="json", exclude=WHETHER))
-    if stage.name == "mesh":
-        prints["the mesh given"] = _of_file(job.mesh_file) if job.mesh_file else ""
-    if "sliding_block" in stage.tables and job.run.sliding_block.accelerogram:
-        prints["[sliding_block]"] = _of_record(job.run)
-    for other in stages():
+        prints[f"[{table}]"] = fingerprint_of(_settings(stage, table, job.given))
+    for name, path in stage.files(job).items():
+        prints[name] = _of_file(path)
+    for other in job.stages:
         if other.name in stage.needs:
             prints[other.name] = fingerprint_of(inputs(other, job))
     return prints
 
 
-def section_data(run: Input) -> dict[str, Any]:
+def program(stage: Stage) -> str:
+    """Of the code that makes a stage's results: without what only draws, if that can be done again by itself."""
+    apart = source.DRAWING if stage.draw is not None and not stage.of_all else ""
+    return source.fingerprint(source.closure(stage.module, without=apart))
+
+
+def drawing(stage: Stage) -> str:
+    """Of all code of a stage, with what draws its pictures."""
+    return source.fingerprint(source.closure(stage.module))
+
+
+def section_data(given: Input) -> dict[str, Any]:
     """The section as it was written, without the settings."""
-    return run.model_dump(mode="json", exclude=set(run.tables()))
+    return given.model_dump(mode="json", exclude=set(given.tables()))
 
 
-def _of_record(run: Input) -> str:
-    """Of the settings with a record: what the file holds counts, not where it lies."""
-    settings = run.sliding_block.model_dump(mode="json", exclude={"accelerogram"})
-    return fingerprint_of([settings, _of_file(Path(run.sliding_block.accelerogram))])
-
-
-@cache
-def code(names: tuple[str, ...]) -> str:
-    """Of the text of some packages and modules."""
-    total = hashlib.sha256()
-    for name in names:
-        for path in _files(name):
-            total.update(f"{name}/{path.name}\n".encode() + path.read_bytes())
-    return total.hexdigest()
-
-
-def _files(name: str) -> Iterator[Path]:
-    spec = importlib.util.find_spec(name)
-    if spec is None or spec.origin is None:
-        return
-    if spec.submodule_search_locations:
-        yield from sorted(path for path in Path(spec.origin).parent.iterdir() if path.suffix in SOURCES)
-    else:
-        yield Path(spec.origin)
+def _settings(stage: Stage, table: str, given: Input) -> dict[str, Any]:
+    data: dict[str, Any] = getattr(given, table).model_dump(mode="json")
+    return {key: value for key, value in data.items() if f"{table}.{key}" not in stage.ignores}
 
 
 def fingerprint_of(data: Any) -> str:

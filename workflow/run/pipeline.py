@@ -10,18 +10,18 @@ from typing import Protocol
 
 from dem.errors import DemError
 from fem.errors import UnstableError
-from meshes.errors import InputError
 from meshes.quad_mesh import BadMeshError
 from workflow.run.errors import NoAnswerError
+from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
 from workflow.run.lock import locked
 from workflow.run.log import Log
 from workflow.run.plan import Choice, Step, made_from, plan
 from workflow.run.progress import Progress
 from workflow.run.record import Entry, Record, sizes
+from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages import Job, Stage
 
 # How far (s) the clock of a file system may be behind.
 CLOCK = 0.1
@@ -94,13 +94,14 @@ def _take(step: Step, job: Job, record: Record, listener: Listener, log: Log, fa
     if step.action == "off":
         return listener.skip(step, step.why)
     without = [name for name in stage.needs if name in failures]
-    if without and stage.name != "report":
+    if without and not stage.of_all:
         failures[stage.name] = failures[without[0]]
         return listener.skip(step, f"{without[0]} has no answer")
     if step.action == "reuse" and before is not None:
         listener.end(step, before)
         log.line(f"{stage.name}: reused, made in {before.seconds:.1f} s until {before.ended}")
-    elif step.action == "redraw" and _redraw(stage, job, record, listener.begin(step)):
+    elif step.action == "redraw" and stage.draw is not None:
+        _redraw(stage, stage.draw, job, record, listener.begin(step))
         log.line(f"{stage.name}: pictures drawn again")
         listener.end(step, record.entries[stage.name])
     else:
@@ -133,31 +134,30 @@ def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
     except NO_ANSWER as error:
         failure = error
     seconds = time.perf_counter() - start
-    part = stage.name == "slide" and job.cases is not None
     entry = Entry(
         step.inputs,
-        "no answer" if failure else "part" if part else "done",
+        "no answer" if failure else "part" if stage.partial(job) else "done",
         failure.reason if isinstance(failure, NoAnswerError) else str(failure or ""),
         failure.remedy if isinstance(failure, NoAnswerError) else "",
         round(seconds, 2),
         datetime.now().isoformat(" ", "seconds"),
         sizes(store, store.matching(stage.results, since)),
         store.matching(stage.pictures, since),
+        drawing(stage),
     )
     if failure is None:
-        leave_input(job.run, store)
+        leave_input(job.given, store)
     record.put(stage.name, entry)
     log.line(f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else ""))
     return failure
 
 
-def _redraw(stage: Stage, job: Job, record: Record, progress: Progress) -> bool:
-    """Draw a stage's pictures again; returns whether it could be done without computing."""
+def _redraw(stage: Stage, draw: Callable[[Job], None], job: Job, record: Record, progress: Progress) -> None:
+    """Draw a stage's pictures again from what is stored."""
     progress("pictures", None)
-    if not stage.redraw(job):
-        return False
-    record.put(stage.name, replace(record.entries[stage.name], pictures=job.store.matching(stage.pictures)))
-    return True
+    draw(job)
+    pictures = job.store.matching(stage.pictures)
+    record.put(stage.name, replace(record.entries[stage.name], pictures=pictures, drawing=drawing(stage)))
 
 
 def _logged(progress: Progress, stage: Stage, log: Log, every: float = 30.0) -> Progress:
@@ -174,15 +174,15 @@ def _logged(progress: Progress, stage: Stage, log: Log, every: float = 30.0) -> 
     return tell
 
 
-def leave_input(run: Input, store: Store) -> None:
-    """Leave section.toml, the input as used, and beside it the record that it names."""
-    record = Path(run.sliding_block.accelerogram) if run.sliding_block.accelerogram else None
+def leave_input(given: Input, store: Store) -> None:
+    """Leave section.toml, the input as used, and beside it the accelerogram that it names."""
+    record = Path(given.sliding_block.accelerogram) if given.sliding_block.accelerogram else None
     if record is not None:
         with store.writing(record.name) as path:
             path.write_bytes(record.read_bytes())
-        block = run.sliding_block.model_copy(update={"accelerogram": record.name})
-        run = run.model_copy(update={"sliding_block": block})
-    store.write_text("section.toml", run.to_toml())
+        block = given.sliding_block.model_copy(update={"accelerogram": record.name})
+        given = given.model_copy(update={"sliding_block": block})
+    store.write_text("section.toml", given.to_toml())
 
 
 def redraw_all(job: Job, listener: Listener) -> list[str]:
@@ -193,11 +193,12 @@ def redraw_all(job: Job, listener: Listener) -> list[str]:
             if step.action == "off":
                 told.append(f"{step.stage.name}: no pictures: {step.why}")
                 continue
-            step = replace(step, action="redraw", why="drawn again")
-            if _redraw(step.stage, job, record, listener.begin(step)):
-                listener.end(step, record.entries[step.stage.name])
-            else:
-                told.append(f"{step.stage.name}: its pictures are drawn only when it runs")
+            stage, step = step.stage, replace(step, action="redraw", why="drawn again")
+            if stage.draw is not None:
+                _redraw(stage, stage.draw, job, record, listener.begin(step))
+                listener.end(step, record.entries[stage.name])
+            elif stage.pictures:
+                told.append(f"{stage.name}: its pictures are drawn only when it runs")
     return told
 
 
@@ -208,14 +209,3 @@ def _folder(job: Job) -> Iterator[tuple[Record, list[Step]]]:
         job.store.sweep()
         record = Record(job.store)
         yield record, plan(job, record, Choice(()))
-
-
-def stored_job(folder: Path) -> Job:
-    """What a folder's results were made from; raises InputError if it holds no run."""
-    path = folder / "section.toml"
-    if not path.is_file():
-        raise InputError(str(folder), ["holds no run: there is no section.toml; expected a folder that noshiro wrote"])
-    store = Store(folder)
-    mesh = Record(store)["mesh"]
-    given = mesh is not None and mesh.inputs.get("the mesh given")
-    return Job(Input.load(path), store, mesh_file=folder / "mesh/section.msh" if given else None)

@@ -1,52 +1,71 @@
 """Which stages run, and why: a stage runs when something that it is made from has changed."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, Self
 
 from meshes.errors import InputError
-from workflow.run.fingerprint import fingerprint_of, inputs
+from workflow.run.fingerprint import drawing, fingerprint_of, inputs
 from workflow.run.record import Record
-from workflow.stages import Job, Stage, stages
+from workflow.run.stage import Job, Stage
 
 Action = Literal["run", "redraw", "reuse", "off"]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Which stages may run, and which of them run whether anything changed or not."""
+    """Which stages may run.
+
+    Attributes
+    ----------
+    chosen: the names of the stages that may run, in their order.
+    forced: those of them that run whether anything has changed or not.
+    asked: those that were asked for by name, and run even where the settings do not want them.
+    """
 
     chosen: tuple[str, ...]
     forced: tuple[str, ...] = ()
+    asked: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, start: str | None = None, only: tuple[str, ...] = (), force: bool = False) -> Self:
+    def of(
+        cls, stages: Sequence[Stage], start: str | None = None, only: Sequence[str] = (), force: bool = False
+    ) -> Self:
         """All stages, or ``only`` some; from ``start`` on they run anyhow, with ``force`` all that may run.
 
         Raises InputError if there is no such stage.
         """
-        names = tuple(stage.name for stage in stages())
-        options = {"--from": [start] if start else [], "--only": list(only)}
-        for option, given in options.items():
+        names = tuple(stage.name for stage in stages)
+        asked = {"--from": [start] if start else [], "--only": list(only)}
+        for option, given in asked.items():
             unknown = [name for name in given if name not in names]
             if unknown:
                 raise InputError(option, [f"{name!r}: expected a stage, one of {', '.join(names)}" for name in unknown])
-        chosen = only or names
-        if force:
-            return cls(chosen, chosen)
-        return cls(chosen, names[names.index(start) :] if start else ())
+        chosen = tuple(name for name in names if name in only) or names
+        after = names[names.index(start) :] if start else ()
+        return cls(chosen, chosen if force else after, tuple(asked["--from"] + asked["--only"]))
 
     @classmethod
-    def up_to(cls, name: str, force: bool = False) -> Self:
+    def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False) -> Self:
         """A stage, forced if so wished, and before it those that it cannot do without."""
         needed = {name}
-        for stage in reversed(stages()):
+        for stage in reversed(stages):
             needed |= set(stage.needs) if stage.name in needed else set()
-        return cls(tuple(stage.name for stage in stages() if stage.name in needed), (name,) if force else ())
+        chosen = tuple(stage.name for stage in stages if stage.name in needed)
+        return cls(chosen, (name,) if force else (), (name,))
 
 
 @dataclass(frozen=True)
 class Step:
-    """What is to be done about a stage, and why; ``inputs`` are the fingerprints it is made from now."""
+    """What is to be done about a stage.
+
+    Attributes
+    ----------
+    stage: the stage.
+    action: what is to be done: run it, draw its pictures again, use what it left, or leave it off.
+    why: the reason, in words; empty where nothing has changed.
+    inputs: the fingerprints of all that it is made from now.
+    """
 
     stage: Stage
     action: Action
@@ -55,17 +74,14 @@ class Step:
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Step]:
-    """What is to be done about every stage. Raises InputError if the choice leaves out what it needs."""
+    """What is to be done about every stage. Raises InputError if the choice leaves out what one needs."""
     steps: list[Step] = []
-    for stage in stages():
-        step = _step(stage, made_from(stage, job, record), job, record, choice)
-        news = any(other.action == "run" for other in steps)
-        if stage.name == "report" and step.action in ("reuse", "redraw") and stage.name in choice.chosen and news:
-            step = replace(step, action="run", why=step.why or "there are new results")
-        steps.append(step)
+    for stage in job.stages:
+        news = any(step.action in ("run", "redraw") for step in steps)
+        steps.append(_step(stage, job, record, choice, news))
     off = {step.stage.name: step.why for step in steps if step.action == "off"}
     for step in steps:
-        if step.action in ("run", "redraw") and step.stage.name != "report":
+        if step.action in ("run", "redraw") and not step.stage.of_all:
             missing = [name for name in step.stage.needs if name in off]
             if missing:
                 raise InputError(
@@ -75,25 +91,31 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Step]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """The fingerprints of all that matters to a stage; the report also depends on how the others ended."""
+    """The fingerprints of all that matters to a stage; one that tells of all depends on how the others ended, too."""
     prints = inputs(stage, job)
-    if stage.name == "report":
-        ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != "report"}
+    if stage.of_all:
+        ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
         prints["the results"] = fingerprint_of(ends)
     return prints
 
 
-def _step(stage: Stage, prints: dict[str, str], job: Job, record: Record, choice: Choice) -> Step:
+def _step(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Step:
+    """What is to be done about a stage; ``news`` says whether one before it will have any."""
+    prints = made_from(stage, job, record)
     why = changes(stage, prints, record)
     if stage.name not in choice.chosen:
         return Step(stage, "off" if why else "reuse", why, prints)
-    asked = stage.name in choice.forced
-    if not stage.wanted(job.run) and stage.name != choice.chosen[-1]:
+    if not stage.wanted(job.given) and stage.name not in choice.asked:
         return Step(stage, "off" if why else "reuse", "not asked for", prints)
-    if asked or why:
-        return Step(stage, "run", "asked for" if asked else why, prints)
+    if stage.name in choice.forced:
+        return Step(stage, "run", "asked for", prints)
+    if why or (stage.of_all and news):
+        return Step(stage, "run", why or "there are new results", prints)
     if not record.pictures_left(stage.name):
         return Step(stage, "redraw", "pictures are missing", prints)
+    left = record.entries[stage.name]
+    if stage.draw is not None and left.pictures and left.drawing != drawing(stage):
+        return Step(stage, "redraw", "pictures are drawn in another way now", prints)
     return Step(stage, "reuse", "", prints)
 
 

@@ -8,16 +8,26 @@ from typing import Literal
 from workflow.run.store import Store
 
 NAME = ".noshiro/stages.json"
-VERSION = 1
+VERSION = 2
 
 Outcome = Literal["begun", "done", "part", "no answer"]
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One stage: ``inputs`` are the fingerprints of all that it was made from, ``files`` the sizes (bytes) of results.
+    """How one stage ended.
 
-    ``outcome`` is "begun" while it runs and after it was killed, "part" where only some cases were asked for.
+    Attributes
+    ----------
+    inputs: the fingerprints of all that it was made from, by names that people know.
+    outcome: "begun" while it runs and after it was killed, "part" where only a part of it was asked for.
+    reason: why there is no answer.
+    remedy: what to try then.
+    seconds: how long it took (s).
+    ended: when, as a date and a time.
+    files: the sizes (bytes) of the files in which it left its results.
+    pictures: the pictures that it left.
+    drawing: the fingerprint of the code that drew them.
     """
 
     inputs: dict[str, str]
@@ -28,6 +38,7 @@ class Entry:
     ended: str = ""
     files: dict[str, int] = field(default_factory=dict)
     pictures: list[str] = field(default_factory=list)
+    drawing: str = ""
 
 
 class Record:

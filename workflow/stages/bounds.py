@@ -3,15 +3,14 @@
 import math
 import time
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fem.limit.adaptive_bounds import Bracket
-from fem.limit.bounds import kh_bounds
-from workflow.figures import bounds as bounds_figures
 from workflow.run.errors import NoAnswerError
-from workflow.run.progress import Progress, silent
-from workflow.run.store import Store
+from workflow.run.stage import Job, Stage
 from workflow.settings import Input
+
+if TYPE_CHECKING:
+    from fem.limit.adaptive_bounds import Bracket
 
 PROXY = (
     "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds "
@@ -19,25 +18,28 @@ PROXY = (
 )
 
 
-def bounds_stage(run: Input, store: Store, progress: Progress = silent) -> dict[str, Any]:
-    """Bracket the critical Kh with ψ = φ; leaves fem/bounds.json and figures/bounds_*.png, and returns what the former
-    holds. Its verdict is "bracketed", "wide" (no more cells allowed), or "no bracket" (a bound is missing).
+def work(job: Job) -> None:
+    """Bracket the critical Kh with ψ = φ; leaves fem/bounds.json and figures/bounds_*.png.
 
-    Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all
-    is written, NoAnswerError if a bound is missing.
+    The verdict is "bracketed", "wide" (no more cells allowed), or "no bracket" (a bound is missing). Raises InputError,
+    BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all is written,
+    NoAnswerError if a bound is missing.
     """
+    from fem.limit.bounds import kh_bounds
+    from workflow.figures.bounds import draw_all
+
+    run = job.given
     started = time.perf_counter()
-    progress("first mesh", None)
-    found = kh_bounds(run, run.fem, run.bounds, lambda so_far: progress(in_words(so_far), None))
+    job.progress("first mesh", None)
+    found = kh_bounds(run, run.fem, run.bounds, lambda so_far: job.progress(in_words(so_far), None))
     answer = as_json(run, found, time.perf_counter() - started)
-    store.write_json("fem/bounds.json", answer)
-    bounds_figures.draw_all(run, found, store)
+    job.store.write_json("fem/bounds.json", answer)
+    draw_all(run, found, job.store)
     if answer["verdict"] == "no bracket":
         raise NoAnswerError(answer["reason"], "allow more triangles: max_cells in the table [bounds]")
-    return answer
 
 
-def as_json(run: Input, found: Bracket, seconds: float) -> dict[str, Any]:
+def as_json(run: Input, found: "Bracket", seconds: float) -> dict[str, Any]:
     """What fem/bounds.json holds: the bracket first, then how far each bound was checked, then every mesh."""
     verdict, reason = _verdict(run, found)
     return {
@@ -64,7 +66,7 @@ def as_json(run: Input, found: Bracket, seconds: float) -> dict[str, Any]:
     }
 
 
-def _verdict(run: Input, found: Bracket) -> tuple[str, str]:
+def _verdict(run: Input, found: "Bracket") -> tuple[str, str]:
     last = "; ".join(found.meshes[-1].notes)
     if not math.isfinite(found.gap):
         missing = " and ".join(
@@ -79,9 +81,22 @@ def _verdict(run: Input, found: Bracket) -> tuple[str, str]:
     )
 
 
-def in_words(found: Bracket) -> str:
+def in_words(found: "Bracket") -> str:
     """The bracket as a person reads it."""
     low = f"{found.lower:.4f}" if found.stress else "no lower bound"
     high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
     gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
     return f"{low} <= Kh <= {high}{gap}, {found.meshes[-1].cells} triangles"
+
+
+STAGE = Stage(
+    name="bounds",
+    what="strict bounds of the critical Kh",
+    module=__name__,
+    work=work,
+    tables=("fem", "bounds"),
+    ignores=("bounds.run",),
+    results=("fem/bounds.json",),
+    pictures=("figures/bounds_*.png",),
+    wanted=lambda given: given.bounds.run,
+)

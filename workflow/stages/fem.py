@@ -1,32 +1,63 @@
 """The stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.critical import CriticalResult, critical_coefficient
-from fem.fields import State, slip_surface
-from fem.path import EquilibriumPath
-from fem.strength_reduction import SafetyFactor, safety_factor
-from meshes.quad_mesh import QuadMesh
-from workflow.figures import fem as fem_figures
-from workflow.figures import ground as figures
-from workflow.results.fem_states import ANSWER, COLLECTION, FemResults, fields_file
 from workflow.run.errors import NoAnswerError
-from workflow.run.progress import Progress
+from workflow.run.progress import Progress, silent
+from workflow.run.ranks import Ranks
+from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
 
+if TYPE_CHECKING:
+    from fem.critical import CriticalResult
+    from fem.fields import State
+    from fem.path import EquilibriumPath
+    from fem.strength_reduction import SafetyFactor
+    from meshes.quad_mesh import QuadMesh
 
-def fem_stage(run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progress: Progress) -> None:
+
+def work(job: Job) -> None:
+    """Find the critical Kh with all ranks that there are, and draw what it was found from."""
+    from workflow.results.stored_mesh import stored_mesh
+
+    ranks = job.ranks or Ranks()
+    mesh = stored_mesh(job.given, job.store)
+    ranks.call()
+    fem_stage(job.given, mesh, job.store, ranks.comm, job.progress)
+
+
+def help_compute(job: Job, ranks: Ranks) -> None:
+    """What a rank does that is not the first: its share of the finite element analysis, if there is to be one."""
+    from workflow.results.stored_mesh import stored_mesh
+
+    if ranks.called():
+        fem_stage(job.given, stored_mesh(job.given, job.store), None, ranks.comm, silent)
+
+
+def draw(job: Job) -> None:
+    """Draw the curve, and the fields at every recorded Kh."""
+    from workflow.figures.fem import draw_all
+    from workflow.results.fem_states import FemResults
+
+    draw_all(job.given, FemResults.load(job.given, job.store), job.store)
+
+
+def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
     """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, and, when all is written,
     NoAnswerError if the path ended undecided.
     """
+    from fem.critical import critical_coefficient
+    from fem.strength_reduction import safety_factor
+    from workflow.figures.fem import draw_all
+    from workflow.results.fem_states import ANSWER, FemResults
 
-    def tell(what: str, path: EquilibriumPath) -> None:
+    def tell(what: str, path: "EquilibriumPath") -> None:
         step = path.steps[-1]
         progress(
             f"step {len(path.steps)}, {what} = {path.factor:.4f}, displacement {path.displacement:.4f} m, "
@@ -44,13 +75,15 @@ def fem_stage(run: Input, mesh: QuadMesh, store: Store | None, comm: Any, progre
         store.write_json(ANSWER, as_json(run, mesh, result, factors))
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
-        fem_figures.draw_all(run, FemResults.load(run, store), store)
+        draw_all(run, FemResults.load(run, store), store)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def as_json(run: Input, mesh: QuadMesh, result: CriticalResult, factors: list[SafetyFactor]) -> dict[str, Any]:
+def as_json(run: Input, mesh: "QuadMesh", result: "CriticalResult", factors: list["SafetyFactor"]) -> dict[str, Any]:
     """What fem/critical.json holds: the answer with its bracket first, then how it was found."""
+    from fem.fields import slip_surface
+
     return {
         "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
         "kc": result.kc,
@@ -93,24 +126,40 @@ def as_json(run: Input, mesh: QuadMesh, result: CriticalResult, factors: list[Sa
     }
 
 
-def failed_shares(mesh: QuadMesh, state: State) -> dict[str, float]:
+def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
     """Share of the cells of each stratum that are at failure."""
     return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
-def write_fields(run: Input, mesh: QuadMesh, states: list[State], store: Store) -> None:
+def write_fields(run: Input, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
     """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
+    from workflow.results.fem_states import COLLECTION, fields_file
+    from workflow.results.mesh_grids import add_texts, grid_of
+
     entries = []
     for number, state in enumerate(state for state in states if not state.past_equilibrium):
-        grid = figures.grid_of(run, mesh)
+        grid = grid_of(run, mesh)
         grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
         grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
         grid.cell_data["safety_factor"] = state.safety_factor
         grid.cell_data["shear_strain"] = state.shear_strain
         grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
-        figures.add_texts(grid, "state", [state.label])
+        add_texts(grid, "state", [state.label])
         store.write_grid(f"fem/{fields_file(number)}", grid)
         entries.append((state.kh, fields_file(number)))
     store.write_collection(COLLECTION, entries)
     kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
     store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))
+
+
+STAGE = Stage(
+    name="fem",
+    what="critical Kh by finite elements",
+    module=__name__,
+    work=work,
+    draw=draw,
+    needs=("mesh",),
+    tables=("fem",),
+    results=("fem/critical.json", "fem/fields.pvd", "fem/fields_*.vtu"),
+    pictures=("figures/fem_*.png",),
+)

@@ -1,24 +1,62 @@
 """The stage `report`: the pictures of several stages, summary.json and report.html."""
 
 import time
+from collections.abc import Mapping
+from pathlib import Path
 
-from workflow.figures import comparison as report_figures
-from workflow.report.page import page
-from workflow.report.summary import summary
-from workflow.results.results import Results
-from workflow.stages import Job
+from workflow.run.stage import Job, Stage
 
 SUMMARY, REPORT = "summary.json", "report.html"
 
 
-def report_stage(job: Job) -> None:
+def work(job: Job) -> None:
     """Tell all that is there and belongs to the input; leaves summary.json, report.html and pictures."""
+    from workflow.figures.comparison import draw_all
+    from workflow.report.page import page
+    from workflow.report.summary import summary
+    from workflow.results.results import Results
+
     start = time.perf_counter()
     results = Results.of(job)
     job.progress("pictures", None)
-    report_figures.draw_all(results)
+    draw_all(results)
     job.progress("report", 0.5)
     data = summary(results, time.perf_counter() - start)
     text = page(results, data)
     job.store.write_json(SUMMARY, data)
     job.store.write_text(REPORT, text)
+
+
+def draw(job: Job) -> None:
+    """Draw the pictures of several stages."""
+    from workflow.figures.comparison import draw_all
+    from workflow.results.results import Results
+
+    draw_all(Results.of(job))
+
+
+def accelerogram(job: Job) -> Mapping[str, Path]:
+    """The accelerogram that the input names, if it names one: what the file holds counts, not where it lies."""
+    path = job.given.sliding_block.accelerogram
+    return {"the accelerogram": Path(path)} if path else {}
+
+
+STAGE = Stage(
+    name="report",
+    what="pictures of all, summary and report",
+    module=__name__,
+    work=work,
+    draw=draw,
+    needs=("mesh", "fem", "variants", "bounds", "calibrate", "slide"),
+    tables=("sliding_block", "figures"),
+    ignores=("sliding_block.accelerogram",),
+    files=accelerogram,
+    results=(SUMMARY, REPORT),
+    pictures=(
+        "figures/curves.png",
+        "figures/slip_surfaces.png",
+        "figures/calibration.png",
+        "figures/sliding_block.png",
+    ),
+    of_all=True,
+)

@@ -1,26 +1,26 @@
 """The stage `variants`: the critical Kh once more with one thing changed at a time, to see on what it hangs."""
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from mpi4py import MPI
-
-from fem.critical import critical_coefficient
 from fem.errors import UnstableError
-from fem.path import EquilibriumPath
-from meshes.gmsh_model import generate
-from meshes.quad_mesh import QuadMesh
 from workflow.run.progress import Progress
-from workflow.run.store import Store
+from workflow.run.stage import Job, Stage
 from workflow.settings import Input
-from workflow.stages.mesh import stored_mesh
+
+if TYPE_CHECKING:
+    from fem.path import EquilibriumPath
+    from meshes.quad_mesh import QuadMesh
 
 ANSWER = "fem/variants.json"
 LARGEST_STEP = 0.1
 
 
-def variants_stage(run: Input, store: Store, progress: Progress) -> None:
+def work(job: Job) -> None:
     """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
+    from workflow.results.stored_mesh import stored_mesh
+
+    run, store, progress = job.given, job.store, job.progress
     element = store.read_json("fem/critical.json")["element"]
     mesh = stored_mesh(run, store)
     asked = [change for name in run.variants.which if (change := changed(run, name, element))]
@@ -61,10 +61,14 @@ def _with(run: Input, table: str, **values: Any) -> Input:
     return run.model_copy(update={table: settings})
 
 
-def _answer(run: Input, other: Input, mesh: QuadMesh, progress: Progress, words: str, share: float) -> dict[str, Any]:
+def _answer(run: Input, other: Input, mesh: "QuadMesh", progress: Progress, words: str, share: float) -> dict[str, Any]:
     """The critical Kh of a variant; none where the path has none."""
+    from mpi4py import MPI
 
-    def tell(path: EquilibriumPath) -> None:
+    from fem.critical import critical_coefficient
+    from meshes.gmsh_model import generate
+
+    def tell(path: "EquilibriumPath") -> None:
         progress(f"{words}: step {len(path.steps)}, Kh = {path.factor:.4f}", share)
 
     start = time.perf_counter()
@@ -82,3 +86,15 @@ def _answer(run: Input, other: Input, mesh: QuadMesh, progress: Progress, words:
         "reason": result.reason,
         "seconds": seconds,
     }
+
+
+STAGE = Stage(
+    name="variants",
+    what="on what the critical Kh hangs",
+    module=__name__,
+    work=work,
+    needs=("fem",),
+    tables=("mesh", "fem", "variants"),
+    results=("fem/variants.json",),
+    wanted=lambda given: bool(given.variants.which),
+)

@@ -1,0 +1,37 @@
+"""The quadrilaterals of a section as VTK grids, which say what they are of."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkStringArray
+
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
+    """The mesh for VTK, with the index of the stratum in every cell and the names as field data."""
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
+    grid.cell_data["stratum"] = mesh.stratum.astype(np.int32)
+    add_texts(grid, "strata", mesh.strata)
+    return grid
+
+
+def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
+    """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
+    grid = unstructured(mesh)
+    add_texts(grid, "section", [section.title or section.name])
+    if section.reconstruction:
+        add_texts(grid, "reconstruction", [section.reconstruction_note])
+    return grid
+
+
+def add_texts(grid: pv.UnstructuredGrid, name: str, texts: Sequence[str]) -> None:
+    """Texts as a named field array; pyvista's own way takes ASCII only."""
+    array = vtkStringArray()
+    array.SetName(name)
+    for text in texts:
+        array.InsertNextValue(text)
+    grid.GetFieldData().AddArray(array)

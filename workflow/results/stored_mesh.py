@@ -1,0 +1,37 @@
+"""The mesh that the stage `mesh` leaves, and one that was made elsewhere."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh, check, read
+from workflow.run.store import Store
+from workflow.settings import Input
+
+GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
+
+
+def given_mesh(given: Input, path: Path) -> QuadMesh:
+    """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
+    mesh = read(path)
+    names = [stratum.name for stratum in given.strata]
+    problems = [f'there is no surface group "{name}"' for name in names if name not in mesh.strata]
+    problems += [
+        f'the surface group "{name}" is no stratum of {given.name}' for name in mesh.strata if name not in names
+    ]
+    if problems:
+        raise InputError(str(path), problems)
+    place = np.array([names.index(name) for name in mesh.strata])
+    ordered = replace(mesh, stratum=place[mesh.stratum], strata=tuple(names), method="given")
+    check(ordered)
+    return ordered
+
+
+def stored_mesh(given: Input, store: Store) -> QuadMesh:
+    """The mesh that the stage left; raises InputError if it is not there or not of this section."""
+    mesh = given_mesh(given, store.folder / GMSH_FILE)
+    method = pv.read(store.folder / VTK_FILE).field_data["method"][0]
+    return replace(mesh, method=str(method))

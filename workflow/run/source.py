@@ -1,0 +1,54 @@
+"""The program's own text: of which modules a module is made, and the fingerprint of their text."""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import grimp
+
+PACKAGES = ("meshes", "fem", "dem", "workflow")
+DRAWING = "workflow.figures"  # the room whose modules draw, and change no result
+DATA = (".csv", ".jinja", ".toml")  # files of a package, beside its modules, that these read
+
+
+@cache
+def imports(packages: tuple[str, ...] = PACKAGES) -> Mapping[str, frozenset[str]]:
+    """For every module of some packages those that it imports from them, inside functions too."""
+    graph = grimp.build_graph(*packages, cache_dir=None)
+    return {name: frozenset(graph.find_modules_directly_imported_by(name)) for name in graph.modules}
+
+
+def closure(module: str, without: str = "", packages: tuple[str, ...] = PACKAGES) -> frozenset[str]:
+    """A module and all that it imports, directly or not, but for the room ``without`` and what only that imports."""
+    found: set[str] = set()
+    ahead = [module]
+    while ahead:
+        name = ahead.pop()
+        if name in found or (without and f"{name}.".startswith(f"{without}.")):
+            continue
+        found.add(name)
+        ahead.extend(imports(packages)[name])
+    return frozenset(found)
+
+
+@cache
+def fingerprint(modules: frozenset[str]) -> str:
+    """Of the text of some modules, and of the data that lie beside them."""
+    total = hashlib.sha256()
+    for path in sorted({file for module in modules for file in _files(module)}):
+        total.update(f"{path.parent.name}/{path.name}\n".encode() + path.read_bytes())
+    return total.hexdigest()
+
+
+def _files(module: str) -> Iterator[Path]:
+    top, *inside = module.split(".")
+    spec = find_spec(top)  # of the package at the top only: this imports nothing
+    assert spec is not None
+    assert spec.origin is not None
+    place = Path(spec.origin).parent.joinpath(*inside)
+    package = place / "__init__.py"
+    file = package if package.is_file() else place.with_suffix(".py")
+    yield file
+    yield from (path for path in file.parent.iterdir() if path.suffix in DATA)

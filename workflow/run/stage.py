@@ -1,0 +1,81 @@
+"""What a stage is, and the job that it is given: the engine of a run knows stages by no more than this."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workflow.run.progress import Progress, silent
+from workflow.run.store import Store
+from workflow.settings import Input
+
+if TYPE_CHECKING:
+    from workflow.run.ranks import Ranks
+
+
+@dataclass(frozen=True)
+class Job:
+    """All that a stage may need.
+
+    Attributes
+    ----------
+    given: the section with the settings of all stages.
+    store: the folder of the run.
+    stages: all stages of a run, in their order.
+    progress: who hears how far a stage is.
+    mesh_file: a mesh made elsewhere, to be taken instead of a new one.
+    cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
+    ranks: the MPI ranks that may help; None where the program is alone.
+    """
+
+    given: Input
+    store: Store
+    stages: tuple["Stage", ...]
+    progress: Progress = silent
+    mesh_file: Path | None = None
+    cases: tuple[int, ...] | None = None
+    ranks: "Ranks | None" = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """One stage of a run, declared at the end of its module in `workflow/stages`.
+
+    Attributes
+    ----------
+    name: the word by which the command line knows it.
+    what: what it finds or makes, in a few words.
+    module: the name of its module. With all that this imports it is the stage's code: where that changes, so does what
+        the stage is made from.
+    work: computes, writes results and draws pictures. Raises NoAnswerError, after it wrote what it found, where there
+        is no answer.
+    draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
+    needs: the stages whose results it reads.
+    tables: the tables of settings that matter to it.
+    ignores: settings in these tables that change nothing in its results, as "table.key".
+    files: the user's own files that it reads, by what people call them.
+    results: patterns of the files in which it leaves its results.
+    pictures: patterns of the pictures that it leaves.
+    leftovers: patterns of files from which it goes on after a stop; removed once they belong to other inputs.
+    wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
+        left before is used as long as it fits.
+    partial: whether the job asks for a part of it only, so that the rest is still to come.
+    of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
+        them, and whether or not those that it needs have an answer.
+    """
+
+    name: str
+    what: str
+    module: str
+    work: Callable[[Job], None]
+    draw: Callable[[Job], None] | None = None
+    needs: tuple[str, ...] = ()
+    tables: tuple[str, ...] = ()
+    ignores: tuple[str, ...] = ()
+    files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
+    results: tuple[str, ...] = ()
+    pictures: tuple[str, ...] = ()
+    leftovers: tuple[str, ...] = ()
+    wanted: Callable[[Input], bool] = lambda given: True
+    partial: Callable[[Job], bool] = lambda job: False
+    of_all: bool = False

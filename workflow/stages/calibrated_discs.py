@@ -1,0 +1,229 @@
+"""The work of the stage `calibrate`: discs of the section, brought to fail at the Kh that the finite elements found.
+
+It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), trials.jsonl (a line for every search for
+a critical Kh, from which a stopped run goes on), critical.json, calibration.json and the states that are drawn.
+"""
+
+from dataclasses import asdict, dataclass
+from functools import partial
+from threading import Event
+from typing import Any
+
+import numpy as np
+
+from dem.ground import Ground, ground_of, springs_of
+from dem.laboratory.element_table import element_tests
+from dem.model import DiscModel
+from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
+from dem.search.critical import Search
+from dem.search.equilibrium import Rest, Trial, settle, try_kh, unbalanced_ratio
+from dem.side_by_side import StoppedError, side_by_side
+from dem.slides.slip import compare, cracked_shares, slip_surface
+from dem.springs import LayerSprings
+from workflow.results.journal import Journal
+from workflow.run.errors import NoAnswerError
+from workflow.run.progress import Progress
+from workflow.run.store import Store
+from workflow.settings import Input
+
+JOURNAL = "dem/trials.jsonl"
+STATES = {"before": "before calibration", "after": "calibrated"}
+BRENT = 7  # searches that choosing the parameter and finding the factor takes, more or less
+
+
+@dataclass(frozen=True)
+class Discs:
+    """The discs of a section at rest, with their springs before calibration."""
+
+    ground: Ground
+    layers: list[LayerSprings]
+    settled: DiscModel
+
+
+def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
+    """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
+    fem = store.read_json("fem/critical.json")
+    discs = settled_discs(run, store, progress)
+    calibrator = _calibrator(run, store, discs, progress)
+    base = calibrator.search("", 1.0, run.dem.workers)
+    if base.kc is None:
+        _write(run, store, discs, base, base, None, [], {})
+        raise NoAnswerError(
+            f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
+            "other springs, or another packing in [dem], may have one",
+        )
+    found = _solve(run, calibrator, fem["kc"])
+    parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
+    calibrated = calibrator.settled_with(parameter, value)
+    _save(store, "dem/calibrated.h5", calibrated)
+    progress("states of the discs at the recorded Kh", None)
+    sets = {"before": (discs.settled, base), "after": (calibrated, after)}
+    states, failing = _states(run, store, discs.ground, sets)
+    _write(run, store, discs, base, after, found, states, {**failing, "fem": _fem_surface(fem)})
+    if found is not None and run.dem.element_tests:
+        progress("element tests of the discs of every layer", None)
+        tests = element_tests(
+            run,
+            changed(discs.layers, parameter, value),
+            discs.ground.radius,
+            seed=run.dem.seed,
+            workers=run.dem.workers,
+        )
+        store.write_json("dem/calibration.json", {**found.as_json(), "element_tests": tests})
+    calibrate_pictures(run, store)
+    if found is not None and found.verdict != "calibrated" and run.dem.out_of_reach == "stop":
+        raise NoAnswerError(
+            found.reason, 'choose another parameter, widen its range, or set dem.out_of_reach = "go on" for the closest'
+        )
+
+
+def settled_discs(run: Input, store: Store, progress: Progress) -> Discs:
+    """Discs at rest under their weight, from the checkpoint if there is one."""
+    ground = ground_of(run, run.dem)
+    layers = springs_of(run, run.dem, ground.radius)
+    if store.has("dem/settled.h5"):
+        return Discs(ground, layers, DiscModel.load(store.folder / "dem/settled.h5"))
+    progress(f"{int(ground.packing.free.sum())} discs settle under their weight", None)
+    settled = settle(ground, layers, run.dem)
+    _save(store, "dem/settled.h5", settled)
+    return Discs(ground, layers, settled)
+
+
+def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
+    journal = Journal(store, JOURNAL)
+    wanted = 1 if run.dem.parameter == "none" else 1 + 2 * len(ONE_AT_A_TIME) + BRENT
+
+    def on_trial(trial: Trial, _model: DiscModel) -> None:
+        share = min(0.99, len(calibrator.searches) / wanted)
+        progress(f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share)
+
+    calibrator = Calibrator(
+        discs.ground,
+        discs.layers,
+        discs.settled,
+        run.dem,
+        known=journal.known(),
+        on_trial=on_trial,
+        on_search=journal.add,
+    )
+    return calibrator
+
+
+def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | None:
+    if run.dem.parameter == "none":
+        return None
+    return best(calibrator, target, run.dem.parameter, sensitivities(calibrator))
+
+
+def _states(
+    run: Input, store: Store, ground: Ground, sets: dict[str, tuple[DiscModel, Search]]
+) -> tuple[list[dict[str, Any]], dict[str, np.ndarray]]:
+    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
+    surface of every set at the upper end of its bracket.
+    """
+    recorded = [(name, kh, f"{kh:g}") for name in sets for kh in run.dem.kh]
+    ends = [(name, s.upper, "failing") for name, (_, s) in sets.items() if s.upper is not None and s.flexibility]
+    stop = Event()
+
+    def watch(_: Rest) -> None:
+        if stop.is_set():
+            raise StoppedError
+
+    def reached(name: str, kh: float, label: str) -> dict[str, Any]:
+        start, search = sets[name]
+        model = start.copy()
+        trial = try_kh(model, start, ground, run.dem, 0.0, kh, search.flexibility, watch=watch)
+        file = f"dem/state_{name}_{label}.h5"
+        _save(store, file, model)
+        far = np.hypot(model.x - start.x, model.z - start.z)[~model.fixed]
+        return {
+            "set": name,
+            **trial.as_json(),
+            "file": file,
+            "cracked_share_by_stratum": cracked_shares(model),
+            "slip_surface": slip_surface(model, start, ground).tolist(),
+            "largest_displacement_m": float(far.max()),
+        }
+
+    found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], run.dem.workers, stop)
+    failing = {state["set"]: np.array(state["slip_surface"]).reshape(-1, 2) for state in found[len(recorded) :]}
+    return found[: len(recorded)], failing
+
+
+def _fem_surface(fem: dict[str, Any]) -> np.ndarray:
+    """The slip surface of the continuum at the last state of its path."""
+    surfaces = [state["slip_surface"] for state in fem["states"] if state["slip_surface"]]
+    return np.array(surfaces[-1] if surfaces else []).reshape(-1, 2)
+
+
+def _write(
+    run: Input,
+    store: Store,
+    discs: Discs,
+    base: Search,
+    after: Search,
+    found: Calibration | None,
+    states: list[dict[str, Any]],
+    surfaces: dict[str, np.ndarray],
+) -> None:
+    ground, packing = discs.ground, discs.ground.packing
+    chosen = {"springs": run.dem.springs, "stiffness_scale": run.dem.stiffness_scale, "mean": run.dem.mean}
+    factor = {found.parameter: found.value} if found else {}
+    dem, fem = surfaces.get("after", np.zeros((0, 2))), surfaces.get("fem", np.zeros((0, 2)))
+    agreement = compare(run, dem, fem)
+    answer = {
+        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
+        "model": {
+            "packing": ground.kind,
+            "rows": ground.rows,
+            "radius_m": ground.radius,
+            "elements": int(packing.free.sum()),
+            "boundary_elements": int((~packing.free).sum()),
+            "tilt_deg": float(np.degrees(ground.tilt)),
+            "seed": run.dem.seed if ground.kind == "random" else None,
+            "porosity": 1.0 - float(np.sum(np.pi * packing.radius[packing.free] ** 2) / run.layering.areas().sum()),
+            "unbalanced_ratio": unbalanced_ratio(discs.settled),
+            "settling_seconds": discs.settled.time,
+            "pore_springs": int((discs.settled.pore_length != 0.0).sum()),
+        },
+        "before": {"parameters": chosen, **base.as_json()},
+        "after": {"parameters": {**chosen, **factor}, **after.as_json()},
+        "states": states,
+        "slip_surface": {
+            "dem": dem.tolist(),
+            "dem_before": surfaces.get("before", np.zeros((0, 2))).tolist(),
+            "fem": fem.tolist(),
+            **(asdict(agreement) if agreement else {"mean_distance_m": None, "same_stratum_share": None}),
+        },
+    }
+    store.write_json("dem/critical.json", answer)
+    calibration = found.as_json() if found else {
+        "target_kc": None, "tolerance": run.dem.tolerance, "parameter": "none", "value": 1.0, "range": None,
+        "kc": base.kc, "kc_lower": base.lower, "kc_upper": base.upper, "verdict": "not asked for",
+        "reason": 'dem.parameter = "none"', "sensitivity": [], "trials": [],
+    }  # fmt: skip
+    store.write_json("dem/calibration.json", {**calibration, "element_tests": []})
+
+
+def _save(store: Store, name: str, model: DiscModel) -> None:
+    with store.writing(name) as path:
+        model.save(path)
+
+
+def calibrate_pictures(run: Input, store: Store) -> None:
+    """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
+    from workflow.figures import discs as dem_figures
+
+    ground = ground_of(run, run.dem)
+    start = {"before": "dem/settled.h5", "after": "dem/calibrated.h5"}
+    with store.writing("figures/dem_model.png") as path:
+        settled = dem_figures.in_section(DiscModel.load(store.folder / start["before"]), ground)
+        dem_figures.layers(settled, path, f"{run.title or run.name}: discs by layer, at rest under their weight")
+    for state in store.read_json("dem/critical.json")["states"]:
+        before, model = (
+            dem_figures.in_section(DiscModel.load(store.folder / name), ground)
+            for name in (start[state["set"]], state["file"])
+        )
+        title = f"{run.title or run.name}: discs {STATES[state['set']]}, Kh = {state['kh']:g}: {state['verdict']}"
+        with store.writing(f"figures/dem_{state['set']}_kh_{state['kh']:.2f}.png") as path:
+            dem_figures.state(model, before, path, title)
