@@ -8,6 +8,8 @@ from pathlib import Path
 
 import grimp
 
+from workflow.run.interrupts import postponed
+
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 DRAWING = "workflow.figures"  # the room whose modules draw, and change no result
 DATA = (".csv", ".jinja", ".toml")  # files of a package, beside its modules, that these read
@@ -16,7 +18,8 @@ DATA = (".csv", ".jinja", ".toml")  # files of a package, beside its modules, th
 @cache
 def imports(packages: tuple[str, ...] = PACKAGES) -> Mapping[str, frozenset[str]]:
     """For every module of some packages those that it imports from them, inside functions too."""
-    graph = grimp.build_graph(*packages, cache_dir=None)
+    with postponed():  # else grimp panics
+        graph = grimp.build_graph(*packages, cache_dir=None)
     return {name: frozenset(graph.find_modules_directly_imported_by(name)) for name in graph.modules}
 
 

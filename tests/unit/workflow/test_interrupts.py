@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from workflow.run.interrupts import remembered
+from workflow.run.interrupts import postponed, remembered
 
 
 def swallow() -> None:
@@ -34,3 +34,12 @@ def test_where_it_is_ignored_it_stays_ignored() -> None:
             check()
     finally:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def test_one_that_is_postponed_comes_at_the_end_of_the_block() -> None:
+    reached = False
+    with pytest.raises(KeyboardInterrupt), postponed():
+        os.kill(os.getpid(), signal.SIGINT)
+        reached = True
+    assert reached
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
