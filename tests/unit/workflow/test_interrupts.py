@@ -37,9 +37,14 @@ def test_where_it_is_ignored_it_stays_ignored() -> None:
 
 
 def test_one_that_is_postponed_comes_at_the_end_of_the_block() -> None:
-    reached = False
-    with pytest.raises(KeyboardInterrupt), postponed():
-        os.kill(os.getpid(), signal.SIGINT)
-        reached = True
-    assert reached
+    reached = []
+
+    def interrupted() -> None:
+        with postponed():
+            os.kill(os.getpid(), signal.SIGINT)
+            reached.append("the end")
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert reached == ["the end"]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
