@@ -1,0 +1,101 @@
+"""What this program finds for a published case: finite elements with and without dilation, and strict bounds."""
+
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from fem.critical import critical_coefficient
+from fem.errors import UnstableError
+from fem.limit.bounds import kh_bounds
+from fem.limit.safety_bounds import safety_bounds
+from fem.settings import BoundsSettings, FemSettings
+from fem.strength_reduction import safety_factor
+from meshes.errors import InputError
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import BadMeshError, QuadMesh
+from meshes.settings import MeshSettings
+from workflow.verify.case import Case
+
+Part = Literal["bounds", "associated", "section"]
+PARTS: tuple[Part, ...] = ("bounds", "associated", "section")
+
+# When bounds are close enough, and how many triangles they may take.
+BOUNDS = BoundsSettings(gap=0.02, max_cells=4000)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
+
+    ``associated`` and ``section`` are of the finite elements with ψ = φ and with the dilation of the strata; with each
+    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ.
+    """
+
+    name: str
+    lower: float | None = None
+    upper: float | None = None
+    associated: float | None = None
+    associated_upper: float | None = None
+    section: float | None = None
+    section_upper: float | None = None
+    bounds_seconds: float | None = None
+    associated_seconds: float | None = None
+    section_seconds: float | None = None
+    failures: tuple[str, ...] = ()
+
+
+def answer(case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None) -> Answer:
+    """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``."""
+    found = known or Answer(case.name)
+    kept = tuple(text for text in found.failures if text.split(":")[0] not in parts)
+    found = replace(found, failures=kept)
+    for part in parts:
+        started = time.process_time()
+        try:
+            numbers = _bounds(case, found) if part == "bounds" else _elements(case, part)
+        except (UnstableError, InputError, BadMeshError) as error:
+            numbers = dict.fromkeys(_fields(part))
+            found = replace(found, failures=(*found.failures, f"{part}: {error}"))
+        numbers[f"{part}_seconds"] = round(time.process_time() - started, 1)
+        found = replace(found, **numbers)
+    return found
+
+
+def _fields(part: Part) -> tuple[str, str]:
+    return ("lower", "upper") if part == "bounds" else (part, f"{part}_upper")
+
+
+def _bounds(case: Case, known: Answer) -> dict[str, Any]:
+    if case.fem.sides == "tied":
+        raise UnstableError("a section that repeats has none")
+    if case.published.expected == "kc":
+        found = kh_bounds(case.section, case.fem, BOUNDS)
+        return {"lower": found.stress and found.lower, "upper": found.mechanism and found.upper}
+    guess = known.associated or case.published.values[0].ends[0]
+    factor = safety_bounds(case.section, case.fem, BOUNDS, case.published.kh, guess)
+    return {"lower": factor.lower or None, "upper": factor.upper if factor.upper < float("inf") else None}
+
+
+def _elements(case: Case, part: Part) -> dict[str, Any]:
+    from mpi4py import MPI
+
+    flow: Literal["associated", "section"] = "associated" if part == "associated" else "section"
+    wish = case.fem.model_copy(update={"flow": flow, "kh": ()})
+    mesh = generate(case.section, MeshSettings())
+    run = _kc if case.published.expected == "kc" else _fs
+    factor, upper = run(case, mesh, wish, MPI.COMM_SELF)
+    return {part: factor, f"{part}_upper": upper}
+
+
+Run = Callable[[Case, QuadMesh, FemSettings, Any], tuple[float, float]]
+
+
+def _kc(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
+    found = critical_coefficient(case.section, mesh, wish, comm)
+    return found.kc, found.upper
+
+
+def _fs(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
+    found = safety_factor(case.section, mesh, wish, case.published.kh, comm)
+    return found.factor, found.upper

@@ -1,0 +1,98 @@
+"""A published case: a section as users write it, and in the table [published] what others found for it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from fem.settings import FemSettings
+from meshes.errors import InputError
+from meshes.section.section import Model, Section, read_toml
+
+# Where the cases are in a checkout, seen from its top.
+FOLDER = Path("tests/verification/published")
+
+Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "upper bound", "survey"]
+
+# What a section cannot state yet, with the table of the file that waits for it.
+Need = Literal["water", "surcharge", "strength with depth", "tension crack"]
+TABLES_THAT_WAIT = {"water": "water", "surcharges": "surcharge"}
+
+
+class Value(Model):
+    """What somebody published: one number, or two between which it lies."""
+
+    kind: Kind = Field(description="how it was found: limit equilibrium, finite elements, ...")
+    author: str
+    method: str
+    value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lower and the upper number."""
+        return self.value if isinstance(self.value, tuple) else (self.value, self.value)
+
+
+class Published(Model):
+    """The table [published]."""
+
+    source: str
+    expected: Literal["fs", "kc"] = Field(description='"fs", a factor of safety, or "kc", a critical coefficient')
+    kh: float = Field(default=0.0, ge=0.0, description="the Kh at which the factor of safety is wanted")
+    needs: tuple[Need, ...] = Field(default=(), description="what the program has to learn first")
+    note: str = Field(default="", description="what is uncertain, or where sources disagree")
+    explained: str = Field(default="", description="why what was published differs from what is right")
+    values: tuple[Value, ...] = Field(min_length=1)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A section with what was published on it, and the settings of the finite elements in its file."""
+
+    section: Section
+    fem: FemSettings
+    published: Published
+
+    @property
+    def name(self) -> str:
+        return self.section.name
+
+    @property
+    def waits(self) -> bool:
+        """Whether the program cannot state the case yet."""
+        return bool(self.published.needs)
+
+
+def read_case(path: Path) -> Case:
+    """The case in a file; raises InputError with every problem found."""
+    data = read_toml(path)
+    try:
+        published = TypeAdapter(Published).validate_python(data.pop("published", {}))
+        fem = FemSettings.model_validate(data.pop("fem", {}))
+    except ValidationError as error:
+        problems = [f"{', '.join(map(str, entry['loc']))}: {entry['msg']}" for entry in error.errors()]
+        raise InputError(str(path), problems) from error
+    for table, need in TABLES_THAT_WAIT.items():
+        if need in published.needs and table not in Section.model_fields:
+            data.pop(table, None)
+    case = Case(Section.parse(data, str(path)), fem, published)
+    if case.name != path.stem:
+        raise InputError(str(path), [f'name = "{case.name}": expected that of the file, "{path.stem}"'])
+    return case
+
+
+def read_cases(folder: Path, names: Sequence[str] = ()) -> list[Case]:
+    """The cases of a folder in the order of their names; some only, or those whose names begin with one of ``names``.
+
+    Raises InputError if the folder has none, or one that is asked for is missing.
+    """
+    files = sorted(folder.glob("*.toml"))
+    if not files:
+        raise InputError(str(folder), ["there are no cases in it; run this in a checkout, or name one with --folder"])
+    missing = [name for name in names if not any(path.stem.startswith(name) for path in files)]
+    if missing:
+        raise InputError(str(folder), [f'there is no case "{name}"' for name in missing])
+    wanted = [path for path in files if not names or path.stem.startswith(tuple(names))]
+    return [read_case(path) for path in wanted]

@@ -1,0 +1,117 @@
+"""Whether what this program finds for a published case is right."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from statistics import median
+from typing import Literal
+
+from workflow.verify.answer import Answer
+from workflow.verify.case import Case, Kind, Value
+
+# How far what was published may be from our bracket, as a share of it, by how it was found. Methods of slices that
+# satisfy equilibrium are within 6 % of each other (Duncan 1996); a survey is the mean of such; published elements have
+# coarse meshes and criteria of their own.
+TOLERANCE: dict[Kind, float] = {
+    "closed form": 0.02,
+    "limit analysis": 0.005,
+    "upper bound": 0.04,
+    "equilibrium": 0.05,
+    "survey": 0.05,
+    "elements": 0.06,
+}
+# How far the finite elements with ψ = φ may be outside the bracket, below and above: they come from above as the mesh
+# gets finer.
+BELOW, ABOVE = 0.01, 0.04
+# Without dilation a slope is no stronger; by how much the elements may say otherwise.
+NO_STRONGER = 0.02
+
+Word = Literal["right", "wrong", "explained", "waiting", "not run"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The word, and a sentence for everything that is to be said with it."""
+
+    word: Word
+    remarks: tuple[str, ...]
+
+
+def judge(case: Case, found: Answer | None) -> Verdict:
+    """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
+    if case.waits:
+        return Verdict("waiting", (f"the program cannot state {' and '.join(case.published.needs)} yet",))
+    if found is None:
+        return Verdict("not run", ())
+    faults = [*_contradictions(found), *(f"no answer by {text}" for text in _missing(case, found))]
+    apart = list(_apart(case, found))
+    if faults:
+        return Verdict("wrong", (*faults, *apart))
+    if apart and not case.published.explained:
+        return Verdict("wrong", tuple(apart))
+    if apart:
+        return Verdict("explained", (case.published.explained, *apart))
+    return Verdict("right", tuple(outside(case, found)))
+
+
+def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
+    """Between what our answers lie that a published value of a kind is held against; None without any.
+
+    Published elements mostly do not dilate, so theirs reaches down to our elements without dilation.
+    """
+    ends = [end for end in (found.lower, found.upper) if end is not None]
+    if len(ends) < 2 and found.associated is not None:
+        ends.append(found.associated)
+    if not ends:
+        return None
+    low, high = min(ends), max(ends)
+    if kind == "elements":
+        low = min([low, *(e for e in (found.section, found.associated) if e is not None)])
+    return low, high
+
+
+def outside(case: Case, found: Answer) -> Iterator[str]:
+    """A sentence for every published value that the strict bounds exclude."""
+    for value in case.published.values:
+        low, high = value.ends
+        if found.upper is not None and low > found.upper:
+            yield f"{low:g} ({value.author}, {value.method}) is above what is proven to fail"
+        elif found.lower is not None and high < found.lower:
+            yield f"{high:g} ({value.author}, {value.method}) is below what is proven to stand"
+
+
+def _missing(case: Case, found: Answer) -> Iterator[str]:
+    """What there should be an answer by, and is none."""
+    for text in found.failures:
+        if not (text.startswith("bounds") and case.fem.sides == "tied"):
+            yield text
+
+
+def _contradictions(found: Answer) -> Iterator[str]:
+    """Where our own answers cannot all be right."""
+    elements, lower, upper = found.associated, found.lower, found.upper
+    if elements is not None and lower is not None and elements < (1.0 - BELOW) * lower:
+        yield f"elements with ψ = φ find {elements:.4g}, below the lower bound {lower:.4g}"
+    if elements is not None and upper is not None and elements > (1.0 + ABOVE) * upper:
+        yield f"elements with ψ = φ find {elements:.4g}, {100 * (elements / upper - 1):.0f} % above the upper bound"
+    top = upper if upper is not None else elements
+    if found.section is not None and top is not None and found.section > (1.0 + ABOVE + NO_STRONGER) * top:
+        yield f"elements find {found.section:.4g} with the dilation of the strata, more than with ψ = φ"
+
+
+def _apart(case: Case, found: Answer) -> Iterator[str]:
+    """A sentence for each kind of published value whose median is too far from ours."""
+    kinds = dict.fromkeys(value.kind for value in case.published.values)
+    for kind in kinds:
+        ours = interval(found, kind)
+        if ours is None:
+            continue
+        low, high = _median([value for value in case.published.values if value.kind == kind])
+        off = max(ours[0] - high, low - ours[1], 0.0)
+        if kind == "upper bound" and low > ours[1]:
+            off = 0.0 if low >= ours[0] else off  # a bound that is not the best one is still right
+        if off > TOLERANCE[kind] * 0.5 * sum(ours):
+            yield f"{kind}: {low:g} published, {ours[0]:.4g} to {ours[1]:.4g} here"
+
+
+def _median(values: list[Value]) -> tuple[float, float]:
+    return median(value.ends[0] for value in values), median(value.ends[1] for value in values)
