@@ -16,14 +16,14 @@ import numpy as np
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import (
     GROWTH,
-    NARROW,
+    NARROW_ANGLE,
     proven_lower_bound,
     proven_upper_bound,
     refined,
-    stuck_points,
-    worth_dividing,
+    refinement_indicator,
+    singular_points,
 )
-from fem.limit.bounds import first_mesh, ground_of
+from fem.limit.bounds import body_of, first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
 from fem.settings import BoundsSettings, FemSettings
 from meshes.bisection import fan_out
@@ -102,9 +102,9 @@ class _Search:
     def __init__(
         self, section: Section, mesh: TriMesh, fem: FemSettings, settings: BoundsSettings, sign: int, start: Start
     ) -> None:
-        ground = ground_of(section, mesh, fem, settings.davis)
-        self.ground = replace(ground, live_force=sign * ground.live_force)
-        self.units = units_of(mesh, self.ground)
+        body = body_of(section, mesh, fem, settings.davis)
+        self.body = replace(body, live_force=sign * body.live_force)
+        self.units = units_of(mesh, self.body)
         self.mesh, self.settings = mesh, settings
         self.target, self.factor = sign * start.kh, start.factor
         self.lower, self.upper = 0.0, math.inf
@@ -135,9 +135,9 @@ class _Search:
 
     def problem(self, factor: float) -> LimitProblem:
         weak = replace(
-            self.ground,
-            cohesion=self.ground.cohesion / factor,
-            friction=np.arctan(np.tan(self.ground.friction) / factor),
+            self.body,
+            cohesion=self.body.cohesion / factor,
+            friction=np.arctan(np.tan(self.body.friction) / factor),
         )
         return limit_problem(self.mesh, weak, self.units)
 
@@ -219,10 +219,10 @@ class _Search:
     def refine(self) -> None:
         """Finer triangles where the bounds of the last trial are apart."""
         problem, low, high = self.seen
-        parts = worth_dividing(problem, low, high)
-        mesh, parent = fan_out(problem.mesh_in_metres, stuck_points(problem, low), NARROW)
+        indicator = refinement_indicator(problem, low, high)
+        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         room = self.settings.max_cells / len(problem.mesh.cells)
-        self.mesh = refined(mesh, parts[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(parts))
+        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
 
 
 def _middle(trial: Trial) -> float | None:

@@ -1,0 +1,126 @@
+"""The page of the collection: a table of all cases, what waits, what was left out, and why."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from workflow.run.store import Store
+from workflow.verify.answer import Answer
+from workflow.verify.case import Case, Value
+from workflow.verify.picture import draw
+from workflow.verify.verdict import Verdict, judge
+
+PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
+
+HEAD = """# Published slopes
+
+Slopes on which others have published numbers, with what this program finds: strict bounds by limit analysis (ψ = φ),
+and finite elements with ψ = φ and with the dilation of the strata, which is none unless a file says otherwise. Every
+case is a section as users write it, with a table `[published]`. Made by `make verify`; `noshiro verify acads` runs
+those whose names begin so.
+
+A published number is no truth: where the bounds exclude it, the remarks say so. **Right** is a case whose elements
+agree with its bounds (at most {below:g} % below, {above:g} % above) and in which the median of each kind of published
+value is no further from them than {tolerances}. **Explained** is one that does not, for a reason that stands in its
+file.
+"""
+
+
+def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> Path:
+    """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
+    pictures = folder / PICTURES
+    pictures.mkdir(exist_ok=True)
+    for case in cases:
+        draw(case.section, pictures / f"{case.name}.png")
+    return Store(folder).write_text(PAGE, text(folder, cases, answers))
+
+
+def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> str:
+    """The page."""
+    verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
+    parts = [_head(), _summary(verdicts), "## Cases", _table(cases, answers, verdicts)]
+    waiting = [case for case in cases if case.waits]
+    parts += ["## Waiting", _waiting(waiting), "## Remarks", _remarks(cases, answers, verdicts)]
+    left_out = folder / LEFT_OUT
+    if left_out.exists():
+        parts += ["## Left out", left_out.read_text(encoding="utf-8").strip()]
+    return "\n\n".join(parts) + "\n"
+
+
+def numbers(found: Answer) -> str:
+    """The strict bounds as a range."""
+    if found.lower is None and found.upper is None:
+        return ""
+    low = "?" if found.lower is None else f"{found.lower:.3f}"
+    high = "?" if found.upper is None else f"{found.upper:.3f}"
+    return f"{low} to {high}"
+
+
+def _head() -> str:
+    from workflow.verify.verdict import ABOVE, BELOW, TOLERANCE
+
+    tolerances = ", ".join(f"{kind} {100 * share:g} %" for kind, share in TOLERANCE.items())
+    return HEAD.format(below=100 * BELOW, above=100 * ABOVE, tolerances=tolerances).strip()
+
+
+def _summary(verdicts: Mapping[str, Verdict]) -> str:
+    counted = Counter(verdict.word for verdict in verdicts.values())
+    return ", ".join(f"{count} {word}" for word, count in counted.most_common()) + "."
+
+
+def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
+    rows = [
+        "| | case | published | bounds | elements, ψ = φ | elements | seconds | |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for case in cases:
+        if case.waits:
+            continue
+        found = answers.get(case.name, Answer(case.name))
+        elements = [f"{one:.3f}" if one is not None else "" for one in (found.associated, found.section)]
+        wanted = "kc" if case.published.expected == "kc" else "FS"
+        wanted += f", Kh = {case.published.kh:g}" if case.published.kh else ""
+        cells = [
+            f"![]({PICTURES}/{case.name}.png)",
+            f"[{case.name}]({case.name}.toml)<br>{case.section.title}<br>{wanted}",
+            _published(case.published.values),
+            numbers(found),
+            *elements,
+            seconds(found),
+            verdicts[case.name].word,
+        ]
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
+def seconds(found: Answer) -> str:
+    """Seconds of processor time of bounds and both elements."""
+    spent = (found.bounds_seconds, found.associated_seconds, found.section_seconds)
+    return " + ".join("-" if one is None else f"{one:.0f}" for one in spent)
+
+
+def _published(values: Sequence[Value]) -> str:
+    return "<br>".join(f"{_number(value)} {value.author}, {value.method}" for value in values)
+
+
+def _number(value: Value) -> str:
+    low, high = value.ends
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _waiting(cases: Sequence[Case]) -> str:
+    lines = [
+        f"- [{case.name}]({case.name}.toml) {case.section.title}: {', '.join(case.published.needs)}" for case in cases
+    ]
+    return "What the program cannot state yet; not counted.\n\n" + "\n".join(lines)
+
+
+def _remarks(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
+    lines = []
+    for case in cases:
+        if case.waits:
+            continue
+        remarks = [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]
+        if remarks:
+            lines.append(f"- **{case.name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in remarks))
+    return "\n".join(lines)
