@@ -12,7 +12,7 @@ from workflow.run.interrupts import postponed
 
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 DRAWING = "workflow.figures"  # the room whose modules draw, and change no result
-DATA = (".csv", ".jinja", ".toml")  # files of a package, beside its modules, that these read
+DATA = (".csv", ".jinja", ".toml")  # what a module reads stands beside it, and the module names it
 
 
 @cache
@@ -38,7 +38,7 @@ def closure(module: str, without: str = "", packages: tuple[str, ...] = PACKAGES
 
 @cache
 def fingerprint(modules: frozenset[str]) -> str:
-    """Of the text of some modules, and of the data that lie beside them."""
+    """Of the text of some modules, and of the data that they read."""
     total = hashlib.sha256()
     for path in sorted({file for module in modules for file in _files(module)}):
         total.update(f"{path.parent.name}/{path.name}\n".encode() + path.read_bytes())
@@ -46,6 +46,7 @@ def fingerprint(modules: frozenset[str]) -> str:
 
 
 def _files(module: str) -> Iterator[Path]:
+    """A module's own file, and the data files beside it that it names."""
     top, *inside = module.split(".")
     spec = find_spec(top)  # of the package at the top only: this imports nothing
     assert spec is not None
@@ -54,4 +55,5 @@ def _files(module: str) -> Iterator[Path]:
     package = place / "__init__.py"
     file = package if package.is_file() else place.with_suffix(".py")
     yield file
-    yield from (path for path in file.parent.iterdir() if path.suffix in DATA)
+    text = file.read_text(encoding="utf-8")
+    yield from (path for path in file.parent.iterdir() if path.suffix in DATA and path.name in text)
