@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, StrictBool
 
 from meshes.section.quantity import Length
+from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
 TABLE2_STRATA = 10
@@ -32,7 +33,7 @@ class DemSettings(Model):
     mean: Literal["arithmetic", "harmonic"] = Field(
         default="arithmetic", description="mean of two layers' constants at a contact between them"
     )
-    kh: tuple[float, ...] = Field(default=(0.2, 0.3), description="seismic coefficients whose states are kept")
+    kh: RecordedKh = Field(default=(0.2, 0.3), description="seismic coefficients whose states are kept")
     kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
     resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
     unbalanced: float = Field(

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, StrictBool
 
 from meshes.section.quantity import Length, Quantity
+from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
@@ -32,7 +33,7 @@ class FemSettings(Model):
     flow: Literal["section", "associated"] = Field(
         default="section", description='dilation angle as the strata say, or "associated": equal to the friction angle'
     )
-    kh: tuple[float, ...] = Field(
+    kh: RecordedKh = Field(
         default=(0.2, 0.25, 0.3), description="seismic coefficients whose fields are kept, such as [0.2, 0.3]"
     )
     kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")

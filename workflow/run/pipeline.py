@@ -123,7 +123,7 @@ def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
     stage, store, before = step.stage, job.store, record[step.stage.name]
     goes_on = before is not None and before.inputs == step.inputs and step.why != "asked for"
     if not goes_on:
-        store.remove(stage.leftovers)
+        store.remove((*stage.leftovers, *stage.pictures))
     log.line(f"{stage.name}: begins ({step.why})")
     record.put(stage.name, Entry(step.inputs, "begun"))
     start, failure = time.perf_counter(), None
@@ -142,7 +142,7 @@ def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
         round(seconds, 2),
         datetime.now().isoformat(" ", "seconds"),
         sizes(store, store.matching(stage.results, since)),
-        store.matching(stage.pictures, since),
+        store.matching(stage.pictures),
         drawing(stage),
     )
     if failure is None:
@@ -155,6 +155,7 @@ def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
 def _redraw(stage: Stage, draw: Callable[[Job], None], job: Job, record: Record, progress: Progress) -> None:
     """Draw a stage's pictures again from what is stored."""
     progress("pictures", None)
+    job.store.remove(stage.pictures)
     draw(job)
     pictures = job.store.matching(stage.pictures)
     record.put(stage.name, replace(record.entries[stage.name], pictures=pictures, drawing=drawing(stage)))

@@ -123,7 +123,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     """Why what a stage left cannot be used again, in words; empty if it can."""
     entry = record[stage.name]
     if entry is None:
-        return "it has not run yet"
+        return "another version of noshiro made it" if stage.name in record.outdated else "it has not run yet"
     changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
     if changed:
         return f"changed: {', '.join(changed)}"

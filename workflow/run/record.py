@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field
 from typing import Literal
 
 from workflow.run.store import Store
@@ -47,16 +47,15 @@ class Record:
     def __init__(self, store: Store) -> None:
         self.store = store
         self.entries: dict[str, Entry] = {}
+        self.outdated: frozenset[str] = frozenset()  # stages of which another version of noshiro kept an entry
         try:
             data = json.loads((store.folder / NAME).read_text(encoding="utf-8"))
-            known = {f.name for f in fields(Entry)}
             if data["version"] == VERSION:
-                self.entries = {
-                    name: Entry(**{key: value for key, value in entry.items() if key in known})
-                    for name, entry in data["stages"].items()
-                }
+                self.entries = {name: Entry(**entry) for name, entry in data["stages"].items()}
+            else:
+                self.outdated = frozenset(data["stages"])
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            self.entries = {}  # not there, or of another making: every stage runs
+            self.entries = {}  # not there, or nothing that noshiro wrote: every stage runs
 
     def __getitem__(self, name: str) -> Entry | None:
         return self.entries.get(name)
@@ -64,6 +63,7 @@ class Record:
     def put(self, name: str, entry: Entry) -> None:
         """Keep an entry; on disk before this returns."""
         self.entries[name] = entry
+        self.outdated -= {name}
         stages: Mapping[str, object] = {key: asdict(value) for key, value in self.entries.items()}
         self.store.write_json(NAME, {"version": VERSION, "stages": stages})
 

@@ -25,6 +25,11 @@ def _finite(data: Any) -> Any:
     return [_finite(value) for value in data] if isinstance(data, list | tuple) else data
 
 
+def _by_numbers(name: str) -> list[str | int]:
+    """A key by which case2 stands before case10."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", name)]
+
+
 # What `writing` calls a file that is not whole yet: its writer's number, then its name.
 BESIDE = re.compile(r"\.(\d+)-.+")
 
@@ -39,7 +44,8 @@ class Store:
     def writing(self, name: str) -> Iterator[Path]:
         """A path to write to; what stands there at the end becomes ``name``, at once and whole.
 
-        Raises InputError if the folder cannot be written to. On any error nothing is left behind.
+        Raises InputError if it cannot be written, or if another file cannot be read meanwhile. On any error nothing is
+        left behind.
         """
         target = self.folder / name
         beside = target.with_name(f".{os.getpid()}-{target.name}")
@@ -48,7 +54,11 @@ class Store:
             yield beside
             beside.replace(target)
         except OSError as error:
-            raise InputError(str(target), [f"cannot be written: {error.strerror or error}"]) from error
+            reason = error.strerror or error
+            other = Path(str(error.filename or target))
+            if other != beside and not target.is_relative_to(other):
+                raise InputError(str(other), [f"cannot be read: {reason}"]) from error
+            raise InputError(str(target), [f"cannot be written: {reason}"]) from error
         finally:
             with suppress(OSError):
                 beside.unlink()
@@ -95,16 +105,17 @@ class Store:
         return (self.folder / name).is_file()
 
     def matching(self, patterns: Sequence[str], since: float = 0.0) -> list[str]:
-        """Names of the whole files that match any of some patterns, in order; only those written ``since`` a time."""
+        """Names of the whole files that match any of some patterns, in the order of the numbers in them.
+
+        Only those that were written ``since`` a time, in seconds of the file system's clock.
+        """
         found = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
         found = {path for path in found if path.stat().st_mtime >= since}
-        return sorted(str(path.relative_to(self.folder)) for path in found if not BESIDE.fullmatch(path.name))
+        names = [str(path.relative_to(self.folder)) for path in found if not BESIDE.fullmatch(path.name)]
+        return sorted(names, key=_by_numbers)
 
     def remove(self, patterns: Sequence[str]) -> None:
-        """Remove the files that match, and the folders among them that are then empty.
-
-        Raises InputError if one cannot be removed.
-        """
+        """Remove the files that match; folders stay. Raises InputError if one cannot be removed."""
         for name in self.matching(patterns):
             try:
                 (self.folder / name).unlink()

@@ -16,7 +16,7 @@ import pytest
 from meshes.errors import InputError
 from tests.support.command_line import TOP
 from tests.support.sections import slope
-from workflow.run import pipeline
+from workflow.run import pipeline, source
 from workflow.run.errors import NoAnswerError
 from workflow.run.lock import locked
 from workflow.run.plan import Choice, Step, plan
@@ -153,6 +153,45 @@ def test_missing_pictures_are_drawn_without_computing(toys: Toys, tmp_path: Path
     assert (tmp_path / "mesh.txt").read_text() == "RESULT"
 
 
+def test_pictures_of_other_inputs_go(toys: Toys, tmp_path: Path) -> None:
+    def work(job: Job) -> None:
+        for kh in job.given.fem.kh:
+            job.store.write_text(f"fem_kh_{kh}.png", "picture")
+
+    toys.change("fem", work=work, draw=work, leftovers=("dem/*",))  # goes on where it was stopped
+    toys.go(tmp_path, fem={"kh": [0.2, 0.3]})
+    toys.go(tmp_path, fem={"kh": [0.25]})
+    entry = Record(Store(tmp_path))["fem"]
+    assert entry is not None
+    assert entry.pictures == ["fem_kh_0.25.png"]
+    assert [path.name for path in tmp_path.glob("*.png")] == ["fem_kh_0.25.png"]
+
+
+def test_pictures_that_are_drawn_in_another_way_are_drawn_again_without_computing(
+    toys: Toys, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def work(job: Job) -> None:
+        job.store.write_text("mesh.txt", "result")
+        job.store.write_text("mesh_old.png", "picture")
+
+    toys.change("mesh", work=work, draw=lambda job: job.store.write_text("mesh_new.png", "picture"))
+    toys.go(tmp_path)
+    plain = source.closure
+
+    def closure(module: str, without: str = "", **options: Any) -> frozenset[str]:
+        return plain(module, without, **options) | (set() if without else {"workflow.figures.canvas"})
+
+    monkeypatch.setattr("workflow.run.source.closure", closure)
+    (tmp_path / "mesh.txt").write_text("RESULT")  # as long as before: nobody computes it again
+    toys.change("fem", draw=lambda job: None)  # so that its code without what draws is as before
+    toys.change("slide", draw=lambda job: None)
+    again = toys.go(tmp_path)
+    assert (tmp_path / "mesh.txt").read_text() == "RESULT"
+    assert [path.name for path in tmp_path.glob("*.png")] == ["mesh_new.png"]
+    assert again.ran == ["mesh", "report"]
+    assert toys.go(tmp_path).ran == []
+
+
 def test_force_from_and_only(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     assert toys.go(tmp_path, toys.choose(force=True)).ran == ALL_OF_THEM
@@ -162,6 +201,17 @@ def test_force_from_and_only(toys: Toys, tmp_path: Path) -> None:
     assert toys.go(tmp_path, Choice.up_to(tuple(toys.values()), "fem", force=True)).ran == ["fem"]
     with pytest.raises(InputError, match="expected a stage, one of mesh, fem, slide, report"):
         toys.choose(only=("mehs",))
+
+
+def test_what_is_asked_for_by_name_runs_in_whatever_order_it_is_named(toys: Toys, tmp_path: Path) -> None:
+    toys.change("slide", wanted=lambda given: False)
+    for number, options in enumerate(
+        ({"only": ("slide", "report")}, {"only": ("report", "slide")}, {"start": "slide"})
+    ):
+        folder = tmp_path / str(number)
+        toys.go(folder, toys.choose(start="fem"))
+        assert not (folder / "slide.txt").exists()
+        assert toys.go(folder, toys.choose(**options)).ran == ["slide", "report"]
 
 
 def test_only_does_not_work_on_what_others_made(toys: Toys, tmp_path: Path) -> None:
@@ -265,11 +315,21 @@ def test_a_fault_of_the_program_keeps_what_is_done(toys: Toys, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", '{"version": 99, "stages": {}}', '{"version": 1, "stages": {"fem": {}}}', "[]"]
+    "text", ["", "{", '{"version": 99, "stages": {}}', '{"version": 2, "stages": {"fem": {}}}', "[]"]
 )
 def test_a_record_that_cannot_be_read_is_forgotten(text: str, toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     (tmp_path / ".noshiro/stages.json").write_text(text)
+    assert toys.go(tmp_path).ran == ALL_OF_THEM
+
+
+def test_results_of_an_older_version_are_computed_anew_and_told_so(toys: Toys, tmp_path: Path) -> None:
+    toys.go(tmp_path)
+    record = tmp_path / ".noshiro/stages.json"
+    record.write_text(record.read_text().replace('"version": 2', '"version": 1').replace('"drawing"', '"redraw"'))
+    job = toys.job(tmp_path)
+    whys = {step.why for step in plan(job, Record(job.store), toys.choose())}
+    assert whys == {"another version of noshiro made it"}
     assert toys.go(tmp_path).ran == ALL_OF_THEM
 
 

@@ -8,6 +8,7 @@ import pytest
 import tomli_w
 
 from meshes.errors import InputError
+from meshes.section.recorded_kh import in_name
 from tests.support.sections import slope
 from workflow.example import example
 from workflow.settings import Input, dotted, merged
@@ -95,3 +96,31 @@ def test_the_commented_settings_of_the_example_exist() -> None:
     assert run.dem == plain.dem
     assert run.variants == plain.variants
     assert run.figures == plain.figures
+
+
+@pytest.mark.parametrize("table", ["fem", "dem"])
+@pytest.mark.parametrize(
+    ("kh", "told"),
+    [
+        ([0.2, 0.2], "kh: [0.2, 0.2]: expected every seismic coefficient once"),
+        ([0.2, 0.3, 0.2004], "those that agree in their first 3 decimals would share a picture"),
+        ([-0.1], "kh 1 = -0.1: input should be greater than or equal to 0"),
+    ],
+)
+def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: list[float], told: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Input.parse({**slope(), table: {"kh": kh}})
+    assert f"{table}, kh" in str(caught.value)
+    assert told in str(caught.value)
+    assert Input.parse({**slope(), table: {"kh": [0.2, 0.3, 0.255]}})
+
+
+def test_every_kh_that_is_kept_has_a_name_of_its_own() -> None:
+    assert [in_name(kh) for kh in (0.0, 0.2, 0.25, 0.255, 0.3, 5.0)] == [
+        "0.00",
+        "0.20",
+        "0.25",
+        "0.255",
+        "0.30",
+        "5.00",
+    ]

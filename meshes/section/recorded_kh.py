@@ -1,0 +1,24 @@
+"""Seismic coefficients at which a computation keeps its state, in files and pictures that are called by them."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+DECIMALS = 3  # of a seismic coefficient in the name of a file
+
+
+def in_name(kh: float) -> str:
+    """A seismic coefficient as it stands in the name of a file: 0.20, 0.255."""
+    return f"{kh:.{DECIMALS}f}".removesuffix("0")
+
+
+def _each_once(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len({in_name(value) for value in values}) < len(values):
+        raise ValueError(
+            f"{list(values)}: expected every seismic coefficient once; those that agree in their first {DECIMALS} "
+            "decimals would share a picture"
+        )
+    return values
+
+
+RecordedKh = Annotated[tuple[Annotated[float, Field(ge=0.0)], ...], AfterValidator(_each_once)]
