@@ -1,9 +1,12 @@
 """The order of the house: what a kernel may import, and what stands at the top level."""
 
 import ast
+import re
+import shutil
 import subprocess
 import sys
 from graphlib import TopologicalSorter
+from pathlib import Path
 
 import grimp
 import pytest
@@ -65,6 +68,51 @@ def test_kernels_import_only_numpy_numba_the_standard_library_and_each_other(ker
 )
 def test_the_check_itself_sees_every_kind_of_import(line: str, foreign: set[str]) -> None:
     assert foreign_imports(line, "fem/kernels/mohr_coulomb.py") == foreign
+
+
+# Imports that must not be, and the contract in pyproject.toml that each breaks.
+BREACHES = [
+    ("fem/loads.py", "import dem.springs", "Data flows one way"),
+    ("meshes/triangles.py", "import workflow.settings", "Data flows one way"),
+    ("dem/springs.py", "def f():\n    import dem.ground", "in no circle"),
+    ("workflow/run/store.py", "import workflow.run.log", "in no circle"),
+    ("dem/kernels/contact.py", "from dem import model", "Kernels know"),
+    ("dem/kernels/contact.py", "import dem.engine.engine", "Kernels know"),
+    ("fem/kernels/mohr_coulomb.py", "from fem.loads import DOWNHILL", "Kernels know"),
+    ("fem/limit/bounds.py", "import fem.discretisation", "Limit analysis does without dolfinx"),
+    ("fem/loads.py", "import fem.limit.bounds", "do without limit analysis"),
+    ("dem/engine/engine.py", "import dem.search.critical", "The rooms of the discs"),
+    ("workflow/run/plan.py", "import workflow.stages", "The floors of the workflow"),
+    ("workflow/attic.py", "", "The floors of the workflow"),
+]
+LINT = """
+import sys
+from importlinter.cli import lint_imports
+for number in range(0, len(sys.argv) - 1, 2):
+    name, line = sys.argv[1 + number : 3 + number]
+    with open(name, "a+b") as file:
+        before = file.tell()
+        file.write(b"\\n" + line.encode())
+        file.flush()
+        print("BREACH", flush=True)
+        lint_imports(no_cache=True)
+        file.truncate(before)
+"""
+
+
+def test_every_contract_breaks_where_it_should(tmp_path: Path) -> None:
+    for name in (*PACKAGES, "pyproject.toml"):
+        copy = shutil.copytree if (TOP / name).is_dir() else shutil.copy
+        copy(TOP / name, tmp_path / name)
+    breaches = [word for name, line, _ in BREACHES for word in (name, line)]
+    done = subprocess.run(
+        [sys.executable, "-c", LINT, "pyproject.toml", "", *breaches], cwd=tmp_path, capture_output=True, text=True,
+        check=True, env={"PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    kept, *found = done.stdout.split("BREACH")[1:]
+    assert "BROKEN" not in kept
+    for (name, line, contract), told in zip(BREACHES, found, strict=True):
+        assert re.search(rf"{contract}[^\n]*(\n[^\n]*)?BROKEN", told), (name, line, told)
 
 
 def test_nothing_else_stands_at_the_top_level() -> None:
