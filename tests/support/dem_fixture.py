@@ -3,8 +3,6 @@
 The numbers are those of no computation; they are chosen so that sums can be checked by eye.
 """
 
-import csv
-import io
 from dataclasses import replace
 from typing import Any
 
@@ -13,80 +11,125 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import workflow.stages
+from workflow.results.answer import SectionLabel
+from workflow.results.calibration import (
+    AssemblyProperties,
+    CalibrationAnswer,
+    FactorTrial,
+    LayerTest,
+    Sensitivity,
+    SoilProperties,
+)
+from workflow.results.cases import CaseAnswer, CasesAnswer, RandomCase, RandomPackings, Seed, Spread
+from workflow.results.continuum import FemAnswer
+from workflow.results.discs import (
+    DiscModelAnswer,
+    DiscsAnswer,
+    DiscSearch,
+    DiscState,
+    KhTrial,
+    Parameters,
+    SetOfSprings,
+    SlipSurfaces,
+)
+from workflow.results.history import write_histories
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
 
-SPRINGS = {"springs": "table2", "stiffness_scale": 0.01}
+SPRINGS = Parameters(springs="table2", stiffness_scale=0.01, mean="arithmetic")
 
 
-def search(kc: float, largest: float = 0.4) -> dict[str, Any]:
-    trials = [
-        {"kh": kc - 0.005, "verdict": "stands", "reason": "at rest", "unbalanced_ratio": 1e-5, "kinetic_ratio": 1e-9,
-         "displacement_m": 0.05, "elastic_displacement_m": 0.04, "seconds": 3.0},
-        {"kh": kc + 0.005, "verdict": "fails", "reason": "keeps moving", "unbalanced_ratio": 0.1, "kinetic_ratio": 0.01,
-         "displacement_m": largest, "elastic_displacement_m": 0.04, "seconds": 5.0},
-    ]  # fmt: skip
-    return {
-        "parameters": SPRINGS, "kc": kc, "kc_lower": kc - 0.005, "kc_upper": kc + 0.005, "verdict": "bracketed",
-        "reason": "between a state that stands and one that fails", "trials": trials,
-        "curve": [[0.0, 0.0], [0.5 * kc, 0.02], [kc - 0.005, 0.05], [kc + 0.005, largest]],
-    }  # fmt: skip
+def search(kc: float, largest: float = 0.4) -> DiscSearch:
+    """A search that ended in a bracket of 0.01 round kc."""
+    stood = KhTrial(
+        kh=kc - 0.005, verdict="stands", reason="at rest", unbalanced_ratio=1e-5, kinetic_ratio=1e-9,
+        displacement_m=0.05, elastic_displacement_m=0.04, seconds=3.0,
+    )  # fmt: skip
+    failed = KhTrial(
+        kh=kc + 0.005, verdict="fails", reason="keeps moving", unbalanced_ratio=0.1, kinetic_ratio=0.01,
+        displacement_m=largest, elastic_displacement_m=0.04, seconds=5.0,
+    )  # fmt: skip
+    return DiscSearch(
+        parameters=SPRINGS, kc=kc, kc_lower=kc - 0.005, kc_upper=kc + 0.005, verdict="bracketed",
+        reason="between a state that stands and one that fails", flexibility_m=0.2, trials=(stood, failed),
+        curve=((0.0, 0.0), (0.5 * kc, 0.02), (kc - 0.005, 0.05), (kc + 0.005, largest)),
+    )  # fmt: skip
 
 
-def critical(run: Input, kc: float) -> dict[str, Any]:
-    names = [stratum.name for stratum in run.strata]
+def critical(run: Input, kc: float, cracked_elsewhere: dict[str, float] | None = None) -> DiscsAnswer:
+    """Discs that stand at Kh = 0.2 without a crack, and fail at 0.3 with a third of the pore springs cracked."""
     left, right = run.extent
     level = run.surface[-1][1] - 4.0
-    surface = [[left, level], [right, level]]
-    states = [
-        {"set": which, "kh": kh, "verdict": verdict, "reason": "at rest" if verdict == "stands" else "keeps moving",
-         "cracked_share_by_stratum": dict.fromkeys(names, share), "slip_surface": surface,
-         "largest_displacement_m": 10 * share}
-        for which in ("before", "after")
-        for kh, verdict, share in ((0.2, "stands", 0.0), (0.3, "fails", 0.3))
-    ]  # fmt: skip
-    return {
-        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
-        "model": {"packing": "box", "rows": 8, "radius_m": 0.75, "elements": 320, "boundary_elements": 50,
-                  "tilt_deg": 2.6, "seed": None, "unbalanced_ratio": 9e-5, "settling_seconds": 1.5},
-        "before": search(0.31), "after": search(kc), "states": states,
-        "slip_surface": {"dem": surface, "fem": surface, "mean_distance_m": 1.25, "same_stratum_share": 0.75},
-    }  # fmt: skip
+    surface = ((left, level), (right, level))
+    sets: tuple[SetOfSprings, ...] = ("before", "after")
+    states = tuple(
+        DiscState(
+            set=which, kh=kh, verdict="stands" if share == 0.0 else "fails", reason="by hand", unbalanced_ratio=1e-5,
+            kinetic_ratio=1e-9, displacement_m=0.05, elastic_displacement_m=None, seconds=3.0, file="dem/none.h5",
+            cracked_share_by_stratum={s.name: share for s in run.strata} | (cracked_elsewhere or {}),
+            slip_surface=surface, largest_displacement_m=10 * share,
+        )
+        for which in sets
+        for kh, share in ((0.2, 0.0), (0.3, 0.3))
+    )  # fmt: skip
+    return DiscsAnswer(
+        section=SectionLabel.of(run),
+        model=DiscModelAnswer(
+            packing="box", rows=8, radius_m=0.75, elements=320, boundary_elements=50, tilt_deg=2.6, seed=None,
+            porosity=0.1, unbalanced_ratio=9e-5, settling_seconds=1.5, pore_springs=900,
+        ),
+        before=search(0.31), after=search(kc), states=states,
+        slip_surface=SlipSurfaces(
+            dem=surface, dem_before=surface, fem=surface, mean_distance_m=1.25, same_stratum_share=0.75, columns=20
+        ),
+    )  # fmt: skip
 
 
-def calibration(kc: float, reached: bool) -> dict[str, Any]:
-    return {
-        "target_kc": kc, "tolerance": 0.005, "parameter": "stiffness", "value": 0.0075, "range": [0.002, 0.05],
-        "kc": kc, "kc_lower": kc - 0.005, "kc_upper": kc + 0.005,
-        "verdict": "calibrated" if reached else "out of reach", "reason": "within 0.005 of the target",
-        "sensitivity": [
-            {"parameter": name, "value": value, "kc": at, "kc_lower": at - 0.005, "kc_upper": at + 0.005,
-             "verdict": "bracketed"}
+def bracket(kc: float) -> dict[str, Any]:
+    return {"kc": kc, "kc_lower": kc - 0.005, "kc_upper": kc + 0.005, "verdict": "bracketed", "reason": "by hand",
+            "seconds": 4.0}  # fmt: skip
+
+
+def calibration(kc: float, reached: bool) -> CalibrationAnswer:
+    """A factor on the stiffness; one element test went well, and one could not be done."""
+    tested = LayerTest(
+        stratum="upper", packing="lattice",
+        soil=SoilProperties(E_Pa=3e7, nu=0.3, c_Pa=15e3, phi_deg=25.0),
+        assembly=AssemblyProperties(
+            E_Pa=2.9e7, nu=0.26, c_Pa=None, phi_deg=41.0, c_last_Pa=None, phi_last_deg=None, dilation_deg=20.0,
+            G_Pa=1e7, c_shear_Pa=None, phi_shear_deg=None, E_2d_Pa=3e7, nu_2d=0.3,
+        ),
+    )  # fmt: skip
+    failed = LayerTest(stratum="upper", packing="random", soil=None, assembly=None, reason="did not come to rest")
+    return CalibrationAnswer(
+        target_kc=kc, tolerance=0.005, parameter="stiffness", value=0.0075, range=(0.002, 0.05),
+        kc=kc, kc_lower=kc - 0.005, kc_upper=kc + 0.005,
+        verdict="calibrated" if reached else "out of reach", reason="within 0.005 of the target",
+        sensitivity=tuple(
+            Sensitivity(parameter=name, value=value, **bracket(at))
             for name, value, at in (("stiffness", 0.5, 0.27), ("stiffness", 2.0, 0.4), ("friction", 0.5, 0.3))
-        ],
-        "trials": [{"value": value, "kc": at, "kc_lower": at - 0.005, "kc_upper": at + 0.005, "seconds": 4.0}
-                   for value, at in ((0.005, 0.2), (0.01, 0.31), (0.0075, kc))],
-        "element_tests": [
-            {"stratum": "upper", "packing": "lattice",
-             "soil": {"E_Pa": 3e7, "nu": 0.3, "c_Pa": 15e3, "phi_deg": 25.0},
-             "assembly": {"E_Pa": 2.9e7, "nu": 0.26, "c_Pa": None, "phi_deg": 41.0}},
-        ],
-    }  # fmt: skip
+        ),
+        trials=tuple(
+            FactorTrial(value=value, **bracket(at)) for value, at in ((0.005, 0.2), (0.01, 0.31), (0.0075, kc))
+        ),
+        element_tests=(tested, failed),
+    )  # fmt: skip
 
 
-def case(stiffness: float, slide: float) -> dict[str, Any]:
-    return {
-        "stiffness": stiffness, "settlement_uphill_m": 0.01 / stiffness, "settlement_middle_m": 0.005 / stiffness,
-        "settlement_downhill_m": 0.0, "slide_max_m": slide, "slide_max_at_x_m": 30.0, "slides_over_share": slide / 5.9,
-        "settled": slide < 4.0, "reason": "at rest" if slide < 4.0 else "the time is over", "escaped": 0,
-        "cracked_pore_springs": 12, "crack_opening_m": 0.3, "seconds_simulated": 20.0,
-        "surface_before": [[0.0, 20.0], [100.0, 10.0]], "surface_after": [[0.0, 19.5], [100.0, 10.0]],
-    }  # fmt: skip
+def case(stiffness: float, slide: float) -> CaseAnswer:
+    return CaseAnswer(
+        stiffness=stiffness, settlement_uphill_m=0.01 / stiffness, settlement_middle_m=0.005 / stiffness,
+        settlement_downhill_m=0.0, slide_uphill_m=slide, slide_middle_m=0.5 * slide, slide_downhill_m=0.0,
+        slide_max_m=slide, slide_max_at_x_m=30.0, slides_over_share=slide / 5.9, slides_over_share_uphill=slide / 5.9,
+        slides_over_share_downhill=0.0, settled=slide < 4.0, reason="at rest" if slide < 4.0 else "the time is over",
+        escaped=0, cracked_pore_springs=12, crack_opening_m=0.3, seconds_simulated=20.0, step_share=0.3,
+        surface_before=((0.0, 20.0), (100.0, 10.0)), surface_after=((0.0, 19.5), (100.0, 10.0)),
+    )  # fmt: skip
 
 
-CASES = {"1": case(0.1, 0.6), "2": case(0.02, 3.0), "3": case(0.01, 4.8)}
+CASES = {1: case(0.1, 0.6), 2: case(0.02, 3.0), 3: case(0.01, 4.8)}
 
 
 def draw(store: Store, name: str, title: str) -> None:
@@ -99,15 +142,15 @@ def draw(store: Store, name: str, title: str) -> None:
 
 def calibrate_stage(run: Input, store: Store, progress: Progress, reached: bool = True) -> None:
     """As if calibrated: a journal that grows, then the answer."""
-    kc = store.read_json("fem/critical.json")["kc"]
+    kc = FemAnswer.read(store).kc
     journal = store.folder / "dem/trials.jsonl"
     journal.parent.mkdir(exist_ok=True)
     with journal.open("a", encoding="utf-8") as file:
         file.write("{}\n")
     progress("Kh = 0.25, unbalanced ratio 3e-3", 0.5)
     store.write_text("dem/settled.h5", "settled")
-    store.write_json("dem/critical.json", critical(run, kc))
-    store.write_json("dem/calibration.json", calibration(kc, reached))
+    critical(run, kc).write(store)
+    calibration(kc, reached).write(store)
     for name in ("dem_model", "dem_before_kh_0.20", "dem_after_kh_0.20"):
         draw(store, f"figures/{name}.png", name)
     if not reached:
@@ -121,8 +164,8 @@ def out_of_reach(run: Input, store: Store, progress: Progress) -> None:
 
 def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
     """As if the cases had been computed."""
-    store.read_json("dem/calibration.json")
-    wanted = {number: CASES[number] for number in CASES if cases is None or int(number) in cases}
+    CalibrationAnswer.read(store)
+    wanted = {number: CASES[number] for number in CASES if cases is None or number in cases}
     for number in wanted:
         progress(f"case {number}: slide 1.2 m", 0.5)
         store.write_text(f"dem/case{number}.pvd", "<VTKFile/>")
@@ -130,23 +173,12 @@ def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, 
         draw(store, f"figures/case{number}.png", f"case {number}")
         with store.writing(f"figures/case{number}.gif") as path:
             Image.new("RGB", (40, 20), "white").save(path, format="GIF")
-    table = io.StringIO()
-    csv.writer(table).writerow(["set", "case", "time_s"])
-    store.write_text("dem/history.csv", table.getvalue())
-    spread = {"mean": 0.5, "spread": 0.1, "values": [0.4, 0.6]}
-    seeds = [
-        {
-            "seed": 1,
-            "kc_before": 0.4,
-            "parameter": "stiffness",
-            "value": 0.5,
-            "kc": 0.3,
-            "verdict": "calibrated",
-            "reason": "",
-        }
-    ]
-    random = {"seeds": seeds, "cases": {"1": {"slide_max_m": spread, "settlement_uphill_m": spread}}}
-    store.write_json("dem/cases.json", {"sets": {"calibrated": wanted}, "random": random})
+    write_histories(store, [])
+    seed = Seed(seed=1, kc_before=0.4, parameter="stiffness", value=0.5, kc=0.3, verdict="calibrated", reason="")
+    spread = Spread(mean=0.5, spread=0.1, values=(0.4, 0.6))
+    first = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
+    random = RandomPackings(seeds=(seed,), cases={1: first})
+    CasesAnswer(sets={"calibrated": wanted}, random=random).write(store)
     draw(store, "figures/history.png", "history")
 
 

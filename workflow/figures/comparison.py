@@ -11,6 +11,7 @@ from workflow.estimates import accelerogram
 from workflow.estimates.sliding_block import GRAVITY, newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.results.discs import DiscSearch
 from workflow.results.results import Results
 
 CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
@@ -42,20 +43,20 @@ def _curves(results: Results, name: str) -> bool:
         return False
     sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.run), legend_rows=2)
     axes = sheet.plot(0, "displacement (m)", "seismic coefficient Kh (-)")
-    path = [step for step in answer["curve"] if not step["at_rest"]]
-    x = [0.0, *(step["displacement"] for step in path)]
-    axes.plot(x, [0.0, *(step["factor"] for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
+    path = [step for step in answer.curve if not step.at_rest]
+    x = [0.0, *(step.displacement for step in path)]
+    axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
     handles = [_handle(CONTINUUM, "o", "FEM: mean horizontal displacement, weighted by seismic mass")]
     widest = x[-1]
     if results.kc is not None:
-        axes.axhspan(answer["kc_lower"], answer["kc_upper"], color=CONTINUUM, alpha=0.15, linewidth=0)
+        axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
-        for key, colour, marker in (("before", PALE, "s"), ("after", DISCS, "D")):
-            widest = max(widest, _discs(axes, discs[key], colour, marker))
+        for key, search, colour, marker in (("before", discs.before, PALE, "s"), ("after", discs.after, DISCS, "D")):
+            widest = max(widest, _discs(axes, search, colour, marker))
             handles.append(_handle(colour, marker, f"discs, {key} calibration: displacement at the end of each trial"))
-        after = discs["after"]
-        if after["kc"] is not None:
-            axes.axhspan(after["kc_lower"], after["kc_upper"], color=DISCS, alpha=0.15, linewidth=0)
+        after = discs.after
+        if after.kc is not None and after.kc_upper is not None:
+            axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
@@ -65,21 +66,21 @@ def _curves(results: Results, name: str) -> bool:
     return True
 
 
-def _discs(axes: Any, search: dict[str, Any], colour: str, marker: str) -> float:
+def _discs(axes: Any, search: DiscSearch, colour: str, marker: str) -> float:
     """The trials of a search; returns a little more than the largest displacement of those that stood (m)."""
-    curve = np.array(sorted(search["curve"])).reshape(-1, 2)
+    curve = np.array(sorted(search.curve)).reshape(-1, 2)
     axes.plot(curve[:, 1], curve[:, 0], color=colour, marker=marker, markersize=3, linewidth=0.9)
-    stood = [trial["displacement_m"] for trial in search["trials"] if trial["verdict"] == "stands"]
+    stood = [trial.displacement_m for trial in search.trials if trial.verdict == "stands"]
     return 1.3 * max(stood, default=0.0)
 
 
 def _brackets(results: Results) -> str:
     told = []
     if results.fem is not None and results.kc is not None:
-        told.append(f"FEM: critical Kh = {results.kc:.3f}, at most {results.fem['kc_upper']:.3f}")
-    after = results.dem["after"] if results.dem else None
-    if after is not None and after["kc"] is not None:
-        told.append(f"discs: {after['kc']:.3f} ({after['kc_lower']:.3f} to {after['kc_upper']:.3f})")
+        told.append(f"FEM: critical Kh = {results.kc:.3f}, at most {results.fem.kc_upper:.3f}")
+    after = results.dem.after if results.dem is not None else None
+    if after is not None and after.kc is not None:
+        told.append(f"discs: {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f})")
     return "; ".join(told)
 
 
@@ -90,22 +91,22 @@ def _handle(colour: str, marker: str, label: str) -> Line2D:
 def _surfaces(results: Results, name: str) -> bool:
     """The slip surfaces of the continuum and of the discs on the section."""
     lines = []
-    both = results.dem["slip_surface"] if results.dem else {}
+    both = results.dem.slip_surface if results.dem is not None else None
     if results.fem is not None:
-        end = next((state for state in reversed(results.fem["states"]) if not state["past_equilibrium"]), None)
-        if end is not None and end["slip_surface"]:
-            label = f"FEM: largest shear strain along x, {end['label']}"
-            lines.append(Overlay(np.array(end["slip_surface"]), CONTINUUM, SOLID, label))
-    if both.get("dem"):
+        end = results.fem.last_in_equilibrium()
+        if end is not None and end.slip_surface:
+            label = f"FEM: largest shear strain along x, {end.label}"
+            lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
+    if both is not None and both.dem:
         label = "discs: largest jump of displacement along each column"
-        lines.append(Overlay(np.array(both["dem"]), DISCS, DASHED, label))
+        lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
         return False
     title = "slip surfaces"
-    if both.get("mean_distance_m") is not None:
+    if both is not None and both.mean_distance_m is not None and both.same_stratum_share is not None:
         title += (
-            f", {both['mean_distance_m']:.1f} m apart on average, in the same layer along "
-            f"{100 * both['same_stratum_share']:.0f} % of the length"
+            f", {both.mean_distance_m:.1f} m apart on average, in the same layer along "
+            f"{100 * both.same_stratum_share:.0f} % of the length"
         )
     with results.store.writing(name) as file:
         draw_section(results.run, file, title, lines)
@@ -115,36 +116,34 @@ def _surfaces(results: Results, name: str) -> bool:
 def _calibration(results: Results, name: str) -> bool:
     """Which parameter moves the critical Kh of the discs, and the trials of the one that was solved for."""
     answer = results.calibration
-    if answer is None or answer["target_kc"] is None:
+    if answer is None or answer.target_kc is None:
         return False
     sheet = Sheet(f"{_title(results)}: calibration of the discs", [0.34, 0.34], foot(results.run), legend_rows=1)
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
-    parameters = list(dict.fromkeys(row["parameter"] for row in answer["sensitivity"]))
+    parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
     handles = []
     for k, parameter in enumerate(parameters):
-        rows = sorted((r["value"], r["kc"]) for r in answer["sensitivity"] if r["parameter"] == parameter if r["kc"])
+        rows = sorted((r.value, r.kc) for r in answer.sensitivity if r.parameter == parameter if r.kc)
         colour, marker = shades[k % len(shades)], "osD^v<>p"[k % 8]
         axes.plot(*np.array(rows).reshape(-1, 2).T, color=colour, marker=marker, markersize=4, linewidth=1.1)
         handles.append(_handle(colour, marker, parameter.replace("_", " ")))
-    highest = max((row["kc"] for row in answer["sensitivity"] if row["kc"]), default=1.0)
+    highest = max((row.kc for row in answer.sensitivity if row.kc), default=1.0)
     axes.set_ylim(0.0, 1.1 * highest)
     _factors(axes)
-    across = f"factor on {answer['parameter'].replace('_', ' ')} (-)"
-    axes = sheet.plot(1, across, "critical Kh (-)", f"{answer['verdict']}: {answer['reason']}")
-    for trial in answer["trials"]:
-        if trial["kc"] is not None:
-            low, high = trial["kc"] - trial["kc_lower"], trial["kc_upper"] - trial["kc"]
-            axes.errorbar(
-                trial["value"], trial["kc"], [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2
-            )
+    across = f"factor on {answer.parameter.replace('_', ' ')} (-)"
+    axes = sheet.plot(1, across, "critical Kh (-)", f"{answer.verdict}: {answer.reason}")
+    for trial in answer.trials:
+        if trial.kc is not None and trial.kc_upper is not None:
+            low, high = trial.kc - trial.kc_lower, trial.kc_upper - trial.kc
+            axes.errorbar(trial.value, trial.kc, [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2)
     _factors(axes)
-    target, within = answer["target_kc"], answer["tolerance"]
+    target, within = answer.target_kc, answer.tolerance
     axes.axhspan(target - within, target + within, color=CRITICAL, alpha=0.15, linewidth=0)
     axes.axhline(target, color=CRITICAL, linewidth=1.0)
-    if answer["value"] is not None:
-        axes.axvline(answer["value"], color=DISCS, linewidth=0.8, linestyle=DASHED)
-        taken = f"factor taken, {answer['value']:.3g}"
+    if answer.value is not None:
+        axes.axvline(answer.value, color=DISCS, linewidth=0.8, linestyle=DASHED)
+        taken = f"factor taken, {answer.value:.3g}"
         handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
     handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh of the FEM, and tolerance"))
     sheet.legend(handles, 5)

@@ -1,7 +1,7 @@
 """Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
 
 import textwrap
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pyvista as pv
@@ -13,6 +13,7 @@ from fem.fields import State, slip_surface
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
 from workflow.figures.ground import foot
+from workflow.results.continuum import FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
@@ -35,7 +36,7 @@ def draw_all(run: Input, results: FemResults, store: Store) -> None:
             drawn[same] = _views(results.mesh, state)
         names.append(picture_of(run, state))
         with store.writing(names[-1]) as path:
-            _state_sheet(run, results.answer["element"], state, drawn[same]).save(path)
+            _state_sheet(run, results.answer.element, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
         _curve_sheet(run, results.answer).save(path)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
@@ -45,7 +46,7 @@ def draw_state(run: Input, results: FemResults, state: State, store: Store) -> s
     """Draw one state again; returns the name of its picture."""
     name = picture_of(run, state)
     with store.writing(name) as path:
-        _state_sheet(run, results.answer["element"], state, _views(results.mesh, state)).save(path)
+        _state_sheet(run, results.answer.element, state, _views(results.mesh, state)).save(path)
     return name
 
 
@@ -136,26 +137,24 @@ def nice_number(value: float) -> float:
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 
 
-def _curve_sheet(run: Input, answer: dict[str, Any]) -> Sheet:
+def _curve_sheet(run: Input, answer: FemAnswer) -> Sheet:
     sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
     axes = sheet.plot(
         0,
         "mean horizontal displacement, weighted by seismic mass (cm)",
         "seismic coefficient Kh (-)",
-        f"critical Kh = {answer['kc']:.3f}, at most {answer['kc_upper']:.3f}: {answer['verdict']}; "
-        f"{conditions(run, answer['element'])}",
+        f"critical Kh = {answer.kc:.3f}, at most {answer.kc_upper:.3f}: {answer.verdict}; "
+        f"{conditions(run, answer.element)}",
     )
-    moving = [step for step in answer["curve"] if not step["at_rest"]]
-    resting = [step for step in answer["curve"] if step["balanced"]]
+    moving = [step for step in answer.curve if not step.at_rest]
+    resting = [step for step in answer.curve if step.balanced]
     axes.plot(
-        [0.0, *(100 * s["displacement"] for s in moving)], [0.0, *(s["factor"] for s in moving)],
+        [0.0, *(100 * s.displacement for s in moving)], [0.0, *(s.factor for s in moving)],
         color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2,
     )  # fmt: skip
-    axes.plot(
-        [100 * s["displacement"] for s in resting], [s["factor"] for s in resting], "s", color=INK, markersize=3.5
-    )
-    axes.axhspan(answer["kc_lower"], answer["kc_upper"], color=CRITICAL, alpha=0.15, linewidth=0)
-    axes.axhline(answer["kc"], color=CRITICAL, linewidth=1.0)
+    axes.plot([100 * s.displacement for s in resting], [s.factor for s in resting], "s", color=INK, markersize=3.5)
+    axes.axhspan(answer.kc_lower, answer.kc_upper, color=CRITICAL, alpha=0.15, linewidth=0)
+    axes.axhline(answer.kc, color=CRITICAL, linewidth=1.0)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     handles = [

@@ -1,6 +1,6 @@
 """Pictures of the slides: where the discs came to lie, an animation, settlement and slide in time."""
 
-import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,8 @@ from PIL import Image, ImageDraw, ImageFont
 from meshes.section.section import Section
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
 from workflow.figures.discs import BOUNDARY, colour_bar, discs, draw_values, nice, window_of
+from workflow.results.cases import CaseAnswer
+from workflow.results.history import SlideHistory
 
 SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
 FRAME_WIDTH = 1000  # px
@@ -58,11 +60,11 @@ def name_of(run: Section, springs: str, case: int) -> str:
     return f"{run.title or run.name}: case {case}, {SPRINGS.get(springs, springs)}"
 
 
-def end(run: Section, path: Path, case: dict[str, Any], springs: str, number: int, out: Path) -> None:
+def end(run: Section, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     window, norm = window_of(frame), frame.scale()
-    before, after = np.array(case["surface_before"]), np.array(case["surface_after"])
+    before, after = np.array(case.surface_before), np.array(case.surface_after)
 
     def strata(plotter: pv.Plotter) -> None:
         for k in range(-1, len(run.strata)):
@@ -71,12 +73,10 @@ def end(run: Section, path: Path, case: dict[str, Any], springs: str, number: in
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = (
-        f"{name_of(run, springs, number)}: slides at most {case['slide_max_m']:.2f} m, settles "
-        f"{case['settlement_uphill_m']:.2f} m uphill"
+        f"{name_of(run, springs, number)}: slides at most {case.slide_max_m:.2f} m, settles "
+        f"{case.settlement_uphill_m:.2f} m uphill"
     )
-    foot = (
-        f"after {frame.seconds:.1f} s: {case['reason']}. Stiffness of the liquefied layers times {case['stiffness']:g}."
-    )
+    foot = f"after {frame.seconds:.1f} s: {case.reason}. Stiffness of the liquefied layers times {case.stiffness:g}."
     sheet = Sheet(title, [window.proportion] * 2, foot, 2)
     axes = sheet.show(
         0,
@@ -125,29 +125,24 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
-def history(run: Section, table: Path, out: Path) -> None:
+def history(run: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     """Settlement uphill and largest slide against time, a line for each case."""
-    with table.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
     sheet = Sheet(f"{run.title or run.name}: slides in time", [0.26, 0.26], "", 2)
+    largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
+    settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
     handles = []
-    curves = (
-        ("slide_max_m", "largest slide of the surface (m)"),
-        ("settlement_uphill_m", "settlement, uphill third (m)"),
-    )
-    for view, (key, label) in enumerate(curves):
-        axes = sheet.plot(view, "time since the onset (s)", label)
-        for springs, case in sorted({(row["set"], int(row["case"])) for row in rows}):
-            mine = [row for row in rows if row["set"] == springs and int(row["case"]) == case]
-            style: dict[str, Any] = {
-                "color": COLOURS.get(case, INK),
-                "linestyle": "-" if springs == "calibrated" else (0, (4, 2)),
-                "linewidth": 1.2,
-            }
-            axes.plot([float(r["time_s"]) for r in mine], [float(r[key]) for r in mine], **style)
-            if view == 0:
-                what = f"case {case}" if case else "Kh alone"
-                handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(springs, springs)}", **style))
+    for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
+        style: dict[str, Any] = {
+            "color": COLOURS.get(slide.case, INK),
+            "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),
+            "linewidth": 1.2,
+        }
+        time = [row.time_s for row in slide.rows]
+        largest.plot(time, [row.slide_max_m for row in slide.rows], **style)
+        settlement.plot(time, [row.settlement_uphill_m for row in slide.rows], **style)
+        what = f"case {slide.case}" if slide.case else "Kh alone"
+        handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(slide.springs, slide.springs)}", **style))
+    for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
     sheet.legend(handles, 4)
     sheet.save(out)

@@ -1,8 +1,11 @@
 """What the stages found, in sentences: told after each command and at the top of the report."""
 
 from collections.abc import Iterator
-from typing import Any
 
+from workflow.results.bounds import BoundsAnswer
+from workflow.results.calibration import CalibrationAnswer
+from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import FemAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -20,70 +23,64 @@ def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
     )
 
 
-def fem_sentences(answer: dict[str, Any]) -> Iterator[str]:
+def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
-    yield (
-        f"Critical Kh = {answer['kc']:.4f}, at most {answer['kc_upper']:.4f}: {answer['verdict']}, {answer['reason']}."
-    )
-    if answer["remedy"]:
-        yield f"To improve on this: {answer['remedy']}."
-    for factor in answer["safety_factors"]:
+    yield (f"Critical Kh = {answer.kc:.4f}, at most {answer.kc_upper:.4f}: {answer.verdict}, {answer.reason}.")
+    if answer.remedy:
+        yield f"To improve on this: {answer.remedy}."
+    for factor in answer.safety_factors:
         yield (
-            f"Factor of safety at Kh = {factor['kh']:g}: {factor['factor']:.3f}, at most {factor['upper']:.3f}: "
-            f"{factor['verdict']}, {factor['reason']}."
+            f"Factor of safety at Kh = {factor.kh:g}: {factor.factor:.3f}, at most {factor.upper:.3f}: "
+            f"{factor.verdict}, {factor.reason}."
         )
 
 
-def bounds_sentences(answer: dict[str, Any]) -> Iterator[str]:
+def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The bracket of fem/bounds.json."""
-    yield f"Strict bounds: {answer['words']}"
+    yield f"Strict bounds: {answer.words}"
 
 
-def calibrate_sentences(answer: dict[str, Any]) -> Iterator[str]:
+def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     """How the discs were calibrated, from dem/calibration.json."""
-    if answer["kc"] is None:
-        yield f"Discs: no critical Kh: {answer['verdict']}, {answer['reason']}."
-    elif answer["range"] is None:
+    if answer.kc is None:
+        yield f"Discs: no critical Kh: {answer.verdict}, {answer.reason}."
+    elif answer.range is None or answer.target_kc is None:
         yield (
-            f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}), not "
-            f"calibrated: {answer['reason']}."
+            f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}), not "
+            f"calibrated: {answer.reason}."
         )
-    elif answer["verdict"] == "calibrated":
+    elif answer.verdict == "calibrated":
         yield (
-            f"Discs: critical Kh = {answer['kc']:.4f} ({answer['kc_lower']:.4f} to {answer['kc_upper']:.4f}) for "
-            f"{answer['target_kc']:.4f} asked, with {answer['parameter']} = {answer['value']:.4g}."
+            f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
+            f"{answer.target_kc:.4f} asked, with {answer.parameter} = {answer.value:.4g}."
         )
     else:
-        low, high = answer["range"]
+        low, high = answer.range
         yield (
-            f"Discs: {answer['parameter']} from {low:g} to {high:g} does not reach critical Kh = "
-            f"{answer['target_kc']:.4f}; nearest {answer['kc']:.4f} at {answer['value']:.4g}: {answer['reason']}."
+            f"Discs: {answer.parameter} from {low:g} to {high:g} does not reach critical Kh = "
+            f"{answer.target_kc:.4f}; nearest {answer.kc:.4f} at {answer.value:.4g}: {answer.reason}."
         )
 
 
-def slide_sentences(answer: dict[str, Any]) -> Iterator[str]:
+def slide_sentences(answer: CasesAnswer) -> Iterator[str]:
     """How far each case slides, from dem/cases.json."""
-    for name, cases in answer["sets"].items():
-        for number, case in sorted(cases.items()):
-            settled = "" if case["settled"] else f"; it has not come to rest: {case['reason']}"
-            yield (
-                f"Case {number} ({name}): slides at most {case['slide_max_m']:.2f} m at x = "
-                f"{case['slide_max_at_x_m']:.0f} m, settles {case['settlement_uphill_m']:.2f} m uphill{settled}."
-            )
+    for name, number, case in answer.each():
+        settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
+        yield (
+            f"Case {number} ({name}): slides at most {case.slide_max_m:.2f} m at x = {case.slide_max_at_x_m:.0f} m, "
+            f"settles {case.settlement_uphill_m:.2f} m uphill{settled}."
+        )
 
 
 def sentences(name: str, run: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     if name == "mesh":
         yield from mesh_sentences(run, store)
-    elif name in FROM_JSON:
-        file, tell = FROM_JSON[name]
-        yield from tell(store.read_json(file))
-
-
-FROM_JSON = {
-    "fem": ("fem/critical.json", fem_sentences),
-    "bounds": ("fem/bounds.json", bounds_sentences),
-    "calibrate": ("dem/calibration.json", calibrate_sentences),
-    "slide": ("dem/cases.json", slide_sentences),
-}
+    elif name == "fem":
+        yield from fem_sentences(FemAnswer.read(store))
+    elif name == "bounds":
+        yield from bounds_sentences(BoundsAnswer.read(store))
+    elif name == "calibrate":
+        yield from calibrate_sentences(CalibrationAnswer.read(store))
+    elif name == "slide":
+        yield from slide_sentences(CasesAnswer.read(store))

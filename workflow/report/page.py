@@ -12,13 +12,12 @@ from workflow.report.captions import collect
 from workflow.report.paper import is_s13, rows
 from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
+from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 
-STAGE_OF_PART = {"mesh": "ground", "fem": "fem", "bounds": "bounds", "calibrate": "dem", "slide": "slide"}
 
-
-def page(results: Results, summary: dict[str, Any]) -> str:
+def page(results: Results, summary: Summary) -> str:
     """The report as HTML; nothing in it is fetched from anywhere."""
     environment = Environment(
         loader=PackageLoader("workflow.report", "."),
@@ -27,7 +26,7 @@ def page(results: Results, summary: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "metres": metres, "duration": duration}
+    environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
     return environment.get_template("template.html.jinja").render(
         run=results.run,
         results=results,
@@ -36,7 +35,7 @@ def page(results: Results, summary: dict[str, Any]) -> str:
         written=datetime.now().isoformat(" ", "minutes"),
         strata_heads=[head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
         strata=list(tables.strata_rows(results.run)),
-        conditions=conditions(results.run, results.fem["element"]) if results.fem else "",
+        conditions=conditions(results.run, results.fem.element) if results.fem is not None else "",
         doubts=list(doubts(results)),
         estimates=estimates(results.run, results.kc),
         kh=constant_kh(results.run),
@@ -66,6 +65,11 @@ def _pictures(results: Results) -> dict[str, list[Any]]:
 def number(value: float | None, digits: int = 3) -> str:
     """A number to so many places, or a dash."""
     return "–" if value is None else f"{value:.{digits}f}"
+
+
+def scaled(value: float | None, unit: float) -> float | None:
+    """A value in multiples of a unit, where there is one."""
+    return None if value is None else value / unit
 
 
 def metres(value: float | None) -> str:

@@ -4,12 +4,15 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from meshes.section.section import Section
 from workflow.estimates.sliding_block import SmoothPlane
+from workflow.results.answer import Line
+from workflow.results.cases import CaseAnswer
+from workflow.results.continuum import KeptState
+from workflow.results.discs import SetOfSprings
 from workflow.results.results import Results
 
 STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
@@ -18,13 +21,16 @@ ASD_BELOW_WATER = ("4 Asd", "5 Asd")
 
 KC = 0.25  # Sec. 4(1): "about 0.25 g"
 KC_WITHIN = 0.025  # half of the paper's steps of Kh, 0.2, 0.25, 0.3
-SETTLEMENT = {"1": 0.1, "2": 0.5, "3": 1.0}  # m, Sec. 4(3)
-SLIDE = {"2": 3.3, "3": 4.9}  # m, Sec. 4(3)
+SETTLEMENT = {1: 0.1, 2: 0.5, 3: 1.0}  # m, Sec. 4(3)
+SLIDE = {2: 3.3, 3: 4.9}  # m, Sec. 4(3)
 MEASURED = 3.0  # m, Figs 4 and 5
 WITHIN = 0.3  # the share by which settlements and slides of a reconstructed section may differ
 AT_FAILURE = 0.25  # the share of a layer's cells that makes it "at failure"
 ALMOST_ALL = 0.8  # the share of the surface that is "the whole but for the right side"
 SLOPE_DEG = 2.6
+
+# A case in words, and whether it agrees with the paper.
+Judge = Callable[[CaseAnswer], tuple[str, bool]]
 
 SECTION = "the depths of the interfaces are a reconstruction"
 
@@ -64,11 +70,6 @@ def _absent(results: Results, stage: str) -> str:
     return f"no answer: {entry.reason}" if entry else "not computed"
 
 
-def _state(results: Results, kh: float) -> dict[str, Any] | None:
-    states = results.fem["states"] if results.fem else []
-    return next((state for state in states if abs(state["kh"] - kh) < 1e-9), None)
-
-
 def _fem(results: Results) -> Iterator[Row]:
     at_02 = Row(
         "FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", _absent(results, "fem"), None
@@ -80,36 +81,36 @@ def _fem(results: Results) -> Iterator[Row]:
     if results.fem is None or results.kc is None:
         yield from (at_02, kc, surface, at_03)
         return
-    conditions = f"sides {results.run.fem.sides}, {results.fem['element']} elements"
-    state = _state(results, 0.2)
+    conditions = f"sides {results.run.fem.sides}, {results.fem.element} elements"
+    state = results.fem.state_at(0.2)
     yield at_02 if state is None else _stands(at_02, state)
     yield Row(
-        kc.quantity, kc.paper, kc.where, f"{results.kc:.3f} (at most {results.fem['kc_upper']:.3f}), {conditions}",
+        kc.quantity, kc.paper, kc.where, f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
         abs(results.kc - KC) <= KC_WITHIN,
         f"{SECTION}, and sides, dilation and element move it: the paper names neither dilation nor mesh convergence",
     )  # fmt: skip
-    end = next((s for s in reversed(results.fem["states"]) if not s["past_equilibrium"]), None)
+    end = results.fem.last_in_equilibrium()
     if end is not None:
-        share = share_of_surface(results.run, end["slip_surface"], ASD)
+        share = share_of_surface(results.run, end.slip_surface, ASD)
         yield Row(surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
                   f"{SECTION}; it is drawn where the shear strain is largest along x")  # fmt: skip
-    state = _state(results, 0.3)
+    state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
 
 
-def _stands(row: Row, state: dict[str, Any]) -> Row:
-    shares = {name: state["failed_share_by_stratum"].get(name, 0.0) for name in ASD_BELOW_WATER}
-    stands = not state["past_equilibrium"]
+def _stands(row: Row, state: KeptState) -> Row:
+    shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
+    stands = not state.past_equilibrium
     told = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
     return Row(row.quantity, row.paper, row.where, told, stands and max(shares.values()) >= AT_FAILURE,
                f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on")  # fmt: skip
 
 
-def _past(row: Row, state: dict[str, Any]) -> Row:
-    shares = {name: state["failed_share_by_stratum"].get(name, 0.0) for name in ("1 Ts", *ASD)}
-    told = ("past equilibrium; " if state["past_equilibrium"] else "stands; ") + _shares(shares) + " at failure"
+def _past(row: Row, state: KeptState) -> Row:
+    shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
+    told = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    return Row(row.quantity, row.paper, row.where, told, state["past_equilibrium"] and reaches,
+    return Row(row.quantity, row.paper, row.where, told, state.past_equilibrium and reaches,
                f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure")  # fmt: skip
 
 
@@ -117,7 +118,7 @@ def _shares(shares: dict[str, float]) -> str:
     return ", ".join(f"{100 * share:.0f} % of {name}" for name, share in shares.items())
 
 
-def share_of_surface(run: Section, line: list[list[float]], names: tuple[str, ...]) -> float:
+def share_of_surface(run: Section, line: Line, names: tuple[str, ...]) -> float:
     """The share of the points [x, z] of a slip surface that lie in the strata with these names."""
     if not line:
         return 0.0
@@ -127,78 +128,87 @@ def share_of_surface(run: Section, line: list[list[float]], names: tuple[str, ..
     return float(np.isin(inside, wanted).mean())
 
 
-def _dem(results: Results, name: str) -> Iterator[Row]:
+def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
     """States at the paper's two Kh, "before" calibration or "after" it."""
-    springs = {"before": ", before calibration", "after": ", calibrated"}[name]
+    springs = {"before": ", before calibration", "after": ", calibrated"}[which]
     stands = Row(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
     broken = Row(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
                  _absent(results, "calibrate"), None)  # fmt: skip
-    states = {round(s["kh"], 6): s for s in results.dem["states"] if s.get("set", name) == name} if results.dem else {}
+    states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
-        verdict = states[0.2]["verdict"]
+        verdict = states[0.2].verdict
         stands = Row(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",
-                     f"{states[0.2]['reason']}; {SECTION}")  # fmt: skip
+                     f"{states[0.2].reason}; {SECTION}")  # fmt: skip
     if 0.3 in states:
-        cracked = states[0.3]["cracked_share_by_stratum"]
-        shares = {name: cracked.get(name, 0.0) for name in ASD}
-        rest = {name: share for name, share in cracked.items() if name not in ASD}
-        most = max(shares.values())
-        others = {name: share for name, share in rest.items() if share > most}
-        why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
-        broken = Row(broken.quantity, broken.paper, broken.where, _shares(shares) + " broken",
-                     most >= AT_FAILURE and not others, f"{why}; {SECTION}")  # fmt: skip
+        broken = _broken(broken, states[0.3].cracked_share_by_stratum)
     yield from (stands, broken)
 
 
+def _broken(row: Row, cracked: dict[str, float]) -> Row:
+    """Whether pore springs break in the Asd layers, and nowhere more."""
+    shares = {name: cracked.get(name, 0.0) for name in ASD}
+    most = max(shares.values())
+    others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
+    why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
+    return Row(row.quantity, row.paper, row.where, _shares(shares) + " broken", most >= AT_FAILURE and not others,
+               f"{why}; {SECTION}")  # fmt: skip
+
+
 def _sets(results: Results) -> list[str]:
-    return list(results.cases["sets"]) if results.cases else [""]
+    return list(results.cases.sets) if results.cases is not None else [""]
 
 
 def _slides(results: Results, name: str) -> Iterator[Row]:
-    cases = results.cases["sets"][name] if results.cases else {}
+    cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
     why = f"{SECTION}; the text leaves open how contacts are averaged and how fast layers liquefy (see dem/README.md)"
 
-    def row(number: str, what: str, paper: str, where: str, ours: Callable[[dict[str, Any]], tuple[str, bool]]) -> Row:
+    def row(number: int, what: str, paper: str, where: str, judge: Judge) -> Row:
         quantity = f"{what}, case {number}{springs}"
         case = cases.get(number)
         if case is None:
             return Row(quantity, paper, where, _absent(results, "slide"), None)
-        told, agrees = ours(case)
-        moving = "" if case["settled"] else f"; {case['reason']}"
+        told, agrees = judge(case)
+        moving = "" if case.settled else f"; {case.reason}"
         return Row(quantity, paper, where, told, agrees, why + moving)
 
-    for number, paper in SETTLEMENT.items():
-        yield row(number, "settlement uphill", f"{paper:g} m", "Sec. 4(3)",
-                  partial(near, "settlement_uphill_m", paper))  # fmt: skip
-    yield row("1", "slide", "uphill half only", "Fig. 14", lambda case: _uphill_only(results.run, case))
-    for number, paper in SLIDE.items():
-        yield row(number, "largest slide", f"{paper:g} m", "Sec. 4(3)",
-                  partial(near, "slide_max_m", paper))  # fmt: skip
-    yield row("3", "slide", "whole surface but for the right side", "Fig. 16", _almost_all)
+    for number, metres in SETTLEMENT.items():
+        yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", partial(_settles, metres))
+    yield row(1, "slide", "uphill half only", "Fig. 14", partial(_uphill_only, results.run))
+    for number, metres in SLIDE.items():
+        yield row(number, "largest slide", f"{metres:g} m", "Sec. 4(3)", partial(_slides_by, metres))
+    yield row(3, "slide", "whole surface but for the right side", "Fig. 16", _almost_all)
 
 
-def near(key: str, paper: float, case: dict[str, Any]) -> tuple[str, bool]:
-    """A length (m) of a case in words, and whether it is within 30 % of the paper's."""
-    return f"{case[key]:.2f} m", abs(case[key] - paper) <= WITHIN * paper
+def _settles(paper: float, case: CaseAnswer) -> tuple[str, bool]:
+    return near(case.settlement_uphill_m, paper)
 
 
-def _almost_all(case: dict[str, Any]) -> tuple[str, bool]:
-    share = case["slides_over_share"]
+def _slides_by(paper: float, case: CaseAnswer) -> tuple[str, bool]:
+    return near(case.slide_max_m, paper)
+
+
+def near(ours: float, paper: float) -> tuple[str, bool]:
+    """A length (m) in words, and whether it is within 30 % of the paper's."""
+    return f"{ours:.2f} m", abs(ours - paper) <= WITHIN * paper
+
+
+def _almost_all(case: CaseAnswer) -> tuple[str, bool]:
+    share = case.slides_over_share
     return f"{100 * share:.0f} % of the surface", share >= ALMOST_ALL
 
 
-def _uphill_only(run: Section, case: dict[str, Any]) -> tuple[str, bool]:
+def _uphill_only(run: Section, case: CaseAnswer) -> tuple[str, bool]:
     left, right = run.extent
     middle = 0.5 * (left + right)
-    at = case["slide_max_at_x_m"]
-    told = f"{100 * case['slides_over_share']:.0f} % of the surface, most at x = {at:.0f} m"
-    return told, at <= middle and case["slides_over_share"] <= 0.5
+    at = case.slide_max_at_x_m
+    told = f"{100 * case.slides_over_share:.0f} % of the surface, most at x = {at:.0f} m"
+    return told, at <= middle and case.slides_over_share <= 0.5
 
 
 def _measured(results: Results) -> Row:
     _, cases = results.case_set()
-    slides = [case["slide_max_m"] for number, case in sorted(cases.items()) if number in SLIDE]
+    slides = [case.slide_max_m for number, case in sorted(cases.items()) if number in SLIDE]
     row = Row("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
     if not slides:
         return row

@@ -1,107 +1,107 @@
-"""summary.json: the numbers of a run, units in their names."""
-
-from dataclasses import asdict
-from typing import Any
+"""The numbers of a run for summary.json, gathered from what the stages found."""
 
 from workflow.estimates.comparison import estimates
 from workflow.report.paper import rows
+from workflow.results.answer import SectionLabel
+from workflow.results.cases import CaseAnswer, CaseNumbers
+from workflow.results.continuum import MeshCount
 from workflow.results.results import Results
+from workflow.results.stored_mesh import stored_mesh
+from workflow.results.summary import (
+    BoundsSummary,
+    DemSummary,
+    EstimateSummary,
+    Factor,
+    FemSummary,
+    MadeWith,
+    NoAnswer,
+    PaperSummary,
+    Summary,
+    VariantSummary,
+)
 from workflow.run.log import machine, versions
 
 
-def summary(results: Results, report_seconds: float) -> dict[str, Any]:
-    """What summary.json holds. Stages without an answer stand under ``no_answer`` with their reason."""
+def summary(results: Results, report_seconds: float) -> Summary:
+    """What summary.json holds; ``report_seconds`` is the computing time of the report so far."""
     run = results.run
-    data: dict[str, Any] = {
-        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
-        "mesh": _mesh(results),
-        "fem": _fem(results),
-    }
-    if results.variants is not None:
-        kept = ("change", "kc", "kc_upper", "verdict")
-        data["fem_variants"] = {v["name"]: {key: v[key] for key in kept} for v in results.variants["variants"]}
-    if results.bounds is not None:
-        data["bounds"] = {"lower": results.bounds["lower"], "upper": results.bounds["upper"]}
-    if results.dem is not None:
-        data["dem"] = _dem(results)
-    name, cases = results.case_set()
-    if cases:
-        data["cases"] = {number: _case(case) for number, case in sorted(cases.items())}
-        data["cases_springs"] = name
-        others = {key: value for key, value in results.cases["sets"].items() if key != name} if results.cases else {}
-        data |= {f"cases_{key}": {n: _case(c) for n, c in sorted(value.items())} for key, value in others.items()}
-        if results.cases and results.cases.get("random"):
-            data["cases_random"] = results.cases["random"]
-    data["comparison"] = [asdict(estimate) for estimate in estimates(run, results.kc)]
-    paper = rows(results)
-    if paper:
-        data["paper"] = [asdict(row) for row in paper]
-    data["no_answer"] = {
-        stage: {"reason": entry.reason, "remedy": entry.remedy}
-        for stage in results.ends
-        if (entry := results.no_answer(stage)) is not None
-    }
-    data["seconds"] = {name: entry.seconds for name, entry in results.ends.items()} | {
-        "report": round(report_seconds, 2)
-    }
-    data["made_with"] = {"versions": versions(), **machine()}
-    return data
+    springs, cases = results.case_set()
+    printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
+    paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
+    return Summary(
+        section=SectionLabel.of(run),
+        mesh=_mesh(results),
+        fem=_fem(results),
+        fem_variants=_variants(results),
+        bounds=None
+        if results.bounds is None
+        else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
+        dem=_dem(results),
+        cases=_numbers(cases) or None,
+        cases_springs=springs if cases else None,
+        cases_table2=_numbers(printed) or None,
+        cases_random=results.cases.random if results.cases is not None else None,
+        comparison=tuple(EstimateSummary.model_validate(one) for one in estimates(run, results.kc)),
+        paper=paper or None,
+        no_answer={
+            stage: NoAnswer(reason=entry.reason, remedy=entry.remedy)
+            for stage in results.ends
+            if (entry := results.no_answer(stage)) is not None
+        },
+        seconds={name: entry.seconds for name, entry in results.ends.items()} | {"report": round(report_seconds, 2)},
+        made_with=MadeWith(versions=versions(), **machine()),
+    )
 
 
-def _mesh(results: Results) -> dict[str, Any] | None:
+def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
+    return {number: cases[number].numbers for number in sorted(cases)}
+
+
+def _mesh(results: Results) -> MeshCount | None:
     if results.fem is not None:
-        return {key: results.fem["mesh"][key] for key in ("quadrilaterals", "nodes", "method")}
+        return results.fem.mesh
     if "mesh" not in results.ends or results.no_answer("mesh"):
         return None
-    from workflow.results.stored_mesh import stored_mesh
-
-    mesh = stored_mesh(results.run, results.store)
-    return {"quadrilaterals": len(mesh.cells), "nodes": len(mesh.points), "method": mesh.method}
+    return MeshCount.of(stored_mesh(results.run, results.store))
 
 
-def _fem(results: Results) -> dict[str, Any] | None:
+def _fem(results: Results) -> FemSummary | None:
     """Without a verdict there is no critical Kh, only the largest at which it was seen to stand."""
     answer = results.fem
     if answer is None:
         return None
     found = results.kc is not None
-    flow = results.run.fem.flow
-    return {
-        "kc": answer["kc"] if found else None,
-        "kc_lower": answer["kc_lower"],
-        "kc_upper": answer["kc_upper"] if found else None,
-        "verdict": answer["verdict"],
-        "reason": answer["reason"],
-        "dilation": "psi = phi" if flow == "associated" else answer["dilation_deg"],
-        "sides": answer["settings"]["sides"],
-        "element": answer["element"],
-    }
+    return FemSummary(
+        kc=answer.kc if found else None,
+        kc_lower=answer.kc_lower,
+        kc_upper=answer.kc_upper if found else None,
+        verdict=answer.verdict,
+        reason=answer.reason,
+        dilation="psi = phi" if answer.settings.flow == "associated" else answer.dilation_deg,
+        sides=answer.settings.sides,
+        element=answer.element,
+    )
 
 
-def _dem(results: Results) -> dict[str, Any]:
-    critical, calibration = results.dem, results.calibration
-    assert critical is not None
-    data = {
-        "elements": critical["model"]["elements"],
-        "boundary_elements": critical["model"]["boundary_elements"],
-        "kc_table2": _springs_of_table2(critical),
-        "kc": critical["after"]["kc"],
-        "kc_lower": critical["after"]["kc_lower"],
-        "kc_upper": critical["after"]["kc_upper"],
-        "calibrated": None,
-        "verdict": critical["after"]["verdict"],
-    }
-    if calibration is not None:
-        data["calibrated"] = {"parameter": calibration["parameter"], "value": calibration["value"]}
-        data["verdict"] = calibration["verdict"]
-    return data
+def _variants(results: Results) -> dict[str, VariantSummary] | None:
+    if results.variants is None:
+        return None
+    return {variant.name: VariantSummary.model_validate(variant) for variant in results.variants.variants}
 
 
-def _springs_of_table2(critical: dict[str, Any]) -> float | None:
-    springs = critical["before"]["parameters"].get("springs")
-    return critical["before"]["kc"] if springs == "table2" else None
-
-
-def _case(case: dict[str, Any]) -> dict[str, Any]:
-    lines = ("surface_before", "surface_after")
-    return {key: value for key, value in case.items() if key not in lines}
+def _dem(results: Results) -> DemSummary | None:
+    """The verdict is that of the calibration where there was one, elsewhere that of the search for a critical Kh."""
+    discs, calibration = results.dem, results.calibration
+    if discs is None:
+        return None
+    calibrated = None if calibration is None else Factor(parameter=calibration.parameter, value=calibration.value)
+    return DemSummary(
+        elements=discs.model.elements,
+        boundary_elements=discs.model.boundary_elements,
+        kc_table2=discs.kc_table2,
+        kc=discs.after.kc,
+        kc_lower=discs.after.kc_lower,
+        kc_upper=discs.after.kc_upper,
+        calibrated=calibrated,
+        verdict=discs.after.verdict if calibration is None else calibration.verdict,
+    )

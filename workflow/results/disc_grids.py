@@ -51,6 +51,11 @@ def write_collection(store: Store, name: str) -> None:
         store.write_collection(f"dem/{name}.pvd", states)
 
 
+def case_name(springs: str, number: int) -> str:
+    """What the files of a case are called: those of calibrated discs have the plain names."""
+    return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
+
+
 def frame_file(name: str, number: int) -> str:
     """The file of a state of a case."""
     return f"dem/{name}/frame_{number:03d}.vtp"

@@ -1,18 +1,18 @@
 """What the stage `fem` left, read back for pictures and report: nothing is computed again."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import pyvista as pv
 
 from fem.fields import State
 from meshes.quad_mesh import QuadMesh
+from workflow.results.continuum import FemAnswer
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
 
-ANSWER, COLLECTION = "fem/critical.json", "fem/fields.pvd"
+COLLECTION = "fem/fields.pvd"
 
 
 def fields_file(number: int) -> str:
@@ -25,21 +25,21 @@ class FemResults:
     """The mesh, the ``answer`` as fem/critical.json holds it, and a state for each of the answer's states."""
 
     mesh: QuadMesh
-    answer: dict[str, Any]
+    answer: FemAnswer
     states: list[State]
 
     @classmethod
     def load(cls, run: Input, store: Store) -> "FemResults":
         """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
-        answer = store.read_json(ANSWER)
+        answer = FemAnswer.read(store)
         states: list[State] = []
-        for told in answer["states"]:
-            if told["past_equilibrium"]:  # the answer shows the last state of the path in its place
+        for told in answer.states:
+            if told.past_equilibrium:  # the answer shows the last state of the path in its place
                 last = next(state for state in reversed(states) if not state.past_equilibrium)
-                states.append(replace(last, label=told["label"], kh=told["kh"], past_equilibrium=True))
+                states.append(replace(last, label=told.label, kh=told.kh, past_equilibrium=True))
             else:
                 grid = pv.read(store.folder / "fem" / fields_file(len(states)))
-                states.append(_state(grid, told["label"], told["kh"]))
+                states.append(_state(grid, told.label, told.kh))
         return cls(stored_mesh(run, store), answer, states)
 
 

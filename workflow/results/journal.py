@@ -1,10 +1,44 @@
 """The journal of searches for a critical Kh: a line of JSON for each, from which a stopped run goes on."""
 
-import json
+import math
+from typing import Any
+
+from pydantic import ValidationError
 
 from dem.search.calibration import Key
 from dem.search.critical import Search
+from dem.search.equilibrium import Trial
+from workflow.results.answer import Part
+from workflow.results.discs import DiscSearch, KhTrial
 from workflow.run.store import Store
+
+
+class Entry(Part):
+    """One search: which factor was on which parameter, and what it came to."""
+
+    parameter: str
+    factor: float
+    search: DiscSearch
+
+    @property
+    def found(self) -> Search:
+        """The search again, to go on from."""
+        kept = self.search
+        return Search(
+            lower=kept.kc_lower,
+            upper=kept.kc_upper,
+            verdict=kept.verdict,
+            reason=kept.reason,
+            flexibility=kept.flexibility_m,
+            trials=[_trial(trial) for trial in kept.trials],
+            curve=list(kept.curve),
+        )
+
+
+def _trial(kept: KhTrial) -> Trial:
+    """The trial again, with infinity for what is not known."""
+    values: dict[str, Any] = {name: math.inf if value is None else value for name, value in kept}
+    return Trial(**values)
 
 
 class Journal:
@@ -20,15 +54,15 @@ class Journal:
             return found
         for line in self.path.read_text(encoding="utf-8").splitlines():
             try:
-                entry = json.loads(line)
-                found[entry["parameter"], entry["factor"]] = Search.from_json(entry["search"])
-            except (ValueError, KeyError):
+                entry = Entry.model_validate_json(line)
+            except ValidationError:
                 continue
+            found[entry.parameter, entry.factor] = entry.found
         return found
 
     def add(self, parameter: str, factor: float, search: Search) -> None:
         """One more."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        line = json.dumps({"parameter": parameter, "factor": factor, "search": search.as_json()})
+        line = Entry(parameter=parameter, factor=factor, search=DiscSearch.of(search)).model_dump_json()
         with self.path.open("a", encoding="utf-8") as file:
             file.write("\n" + line)

@@ -1,22 +1,22 @@
 """All that a folder holds for one input: what the stages found, and how each of them ended."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
+from workflow.results.answer import Answer
+from workflow.results.bounds import BoundsAnswer
+from workflow.results.calibration import CalibrationAnswer
+from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.continuum import FemAnswer
+from workflow.results.discs import DiscsAnswer
+from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, made_from
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
 
-FILES = {
-    "fem": ("fem", "fem/critical.json"),
-    "variants": ("variants", "fem/variants.json"),
-    "bounds": ("bounds", "fem/bounds.json"),
-    "dem": ("calibrate", "dem/critical.json"),
-    "calibration": ("calibrate", "dem/calibration.json"),
-    "cases": ("slide", "dem/cases.json"),
-}
+Found = TypeVar("Found", bound=Answer)
 
 
 @dataclass(frozen=True)
@@ -24,20 +24,19 @@ class Results:
     """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show;
     ``stages`` are those that the report tells of.
 
-    The answers are those of the files, None where there is none: ``fem`` of fem/critical.json, ``variants``,
-    ``bounds``, ``dem`` of dem/critical.json, ``calibration`` and ``cases``.
+    The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
     """
 
     run: Input
     store: Store
     ends: dict[str, Entry]
     missing: dict[str, str]
-    fem: dict[str, Any] | None
-    variants: dict[str, Any] | None
-    bounds: dict[str, Any] | None
-    dem: dict[str, Any] | None
-    calibration: dict[str, Any] | None
-    cases: dict[str, Any] | None
+    fem: FemAnswer | None = None
+    variants: VariantsAnswer | None = None
+    bounds: BoundsAnswer | None = None
+    dem: DiscsAnswer | None = None
+    calibration: CalibrationAnswer | None = None
+    cases: CasesAnswer | None = None
     stages: tuple[Stage, ...] = ()
 
     @classmethod
@@ -51,13 +50,26 @@ class Results:
                 ends[stage.name] = entry
             else:
                 missing[stage.name] = why
-        answers = {
-            key: job.store.read_json(file) if stage in ends and file in ends[stage].files else None
-            for key, (stage, file) in FILES.items()
-        }
-        if answers["bounds"] is not None and answers["bounds"]["verdict"] == "no bracket":
-            answers["bounds"] = None
-        return cls(job.given, job.store, ends, missing, **answers, stages=told)
+
+        def left(stage: str, kind: type[Found]) -> Found | None:
+            """The answer of a stage that ran for this input and wrote one."""
+            written = stage in ends and kind.FILE in ends[stage].files
+            return kind.read(job.store) if written else None
+
+        bounds = left("bounds", BoundsAnswer)
+        return cls(
+            job.given,
+            job.store,
+            ends,
+            missing,
+            fem=left("fem", FemAnswer),
+            variants=left("variants", VariantsAnswer),
+            bounds=None if bounds is None or bounds.verdict == "no bracket" else bounds,
+            dem=left("calibrate", DiscsAnswer),
+            calibration=left("calibrate", CalibrationAnswer),
+            cases=left("slide", CasesAnswer),
+            stages=told,
+        )
 
     def no_answer(self, stage: str) -> Entry | None:
         """How a stage ended if it ended without an answer."""
@@ -67,14 +79,13 @@ class Results:
     @property
     def kc(self) -> float | None:
         """The critical Kh of the FEM, if it has one."""
-        if self.fem is None or self.no_answer("fem") or self.fem["verdict"] not in ("plateau", "peak"):
+        if self.fem is None or self.no_answer("fem") or not self.fem.has_kc:
             return None
-        return float(self.fem["kc"])
+        return self.fem.kc
 
-    def case_set(self) -> tuple[str, dict[str, Any]]:
-        """The name of the set of cases that counts, the calibrated one if there is one, and its cases."""
-        sets = self.cases["sets"] if self.cases else {}
-        for name in ("calibrated", *sets):
-            if name in sets:
-                return name, sets[name]
-        return "", {}
+    def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
+        """The name of the set of cases that counts, the calibrated one if there is one, and its cases by number."""
+        if self.cases is None:
+            return "", {}
+        name = self.cases.first_set
+        return name, self.cases.sets.get(name, {})

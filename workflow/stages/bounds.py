@@ -2,9 +2,10 @@
 
 import math
 import time
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from workflow.results.answer import SectionLabel
+from workflow.results.bounds import BoundsAnswer, MeshRound, Residuals, StressResiduals, VelocityResiduals, Verdict
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
@@ -32,41 +33,41 @@ def work(job: Job) -> None:
     started = time.perf_counter()
     job.progress("first mesh", None)
     found = kh_bounds(run, run.fem, run.bounds, lambda so_far: job.progress(in_words(so_far), None))
-    answer = as_json(run, found, time.perf_counter() - started)
-    job.store.write_json("fem/bounds.json", answer)
+    answer = answer_of(run, found, time.perf_counter() - started)
+    answer.write(job.store)
     draw_all(run, found, job.store)
-    if answer["verdict"] == "no bracket":
-        raise NoAnswerError(answer["reason"], "allow more triangles: max_cells in the table [bounds]")
+    if answer.verdict == "no bracket":
+        raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
 
 
-def as_json(run: Input, found: "Bracket", seconds: float) -> dict[str, Any]:
-    """What fem/bounds.json holds: the bracket first, then how far each bound was checked, then every mesh."""
+def answer_of(run: Input, found: "Bracket", seconds: float) -> BoundsAnswer:
+    """The bracket of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
     verdict, reason = _verdict(run, found)
-    return {
-        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
-        "lower": found.stress.multiplier if found.stress else None,
-        "upper": found.mechanism.multiplier if found.mechanism else None,
-        "gap": found.gap if math.isfinite(found.gap) else None,
-        "verdict": verdict,
-        "reason": reason,
-        "words": in_words(found),
-        "flow": PROXY if run.bounds.davis else "associated, ψ = φ.",
-        "davis": run.bounds.davis,
-        "sides": run.fem.sides,
-        "direction": run.fem.direction,
-        "vertical": run.fem.vertical,
-        "cells": found.meshes[-1].cells,
-        "seconds": round(seconds, 2),
-        "residuals": {
-            "lower": asdict(found.stress.check) if found.stress else None,
-            "upper": asdict(found.mechanism.check) if found.mechanism else None,
-        },
-        "history": [asdict(one) for one in found.meshes],
-        "settings": run.bounds.model_dump(mode="json"),
-    }
+    return BoundsAnswer(
+        section=SectionLabel.of(run),
+        lower=found.stress.multiplier if found.stress else None,
+        upper=found.mechanism.multiplier if found.mechanism else None,
+        gap=found.gap if math.isfinite(found.gap) else None,
+        verdict=verdict,
+        reason=reason,
+        words=in_words(found),
+        flow=PROXY if run.bounds.davis else "associated, ψ = φ.",
+        davis=run.bounds.davis,
+        sides=run.fem.sides,
+        direction=run.fem.direction,
+        vertical=run.fem.vertical,
+        cells=found.meshes[-1].cells,
+        seconds=round(seconds, 2),
+        residuals=Residuals(
+            lower=StressResiduals.model_validate(found.stress.check) if found.stress else None,
+            upper=VelocityResiduals.model_validate(found.mechanism.check) if found.mechanism else None,
+        ),
+        history=tuple(MeshRound.model_validate(one) for one in found.meshes),
+        settings=run.bounds,
+    )
 
 
-def _verdict(run: Input, found: "Bracket") -> tuple[str, str]:
+def _verdict(run: Input, found: "Bracket") -> tuple[Verdict, str]:
     last = "; ".join(found.meshes[-1].notes)
     if not math.isfinite(found.gap):
         missing = " and ".join(
@@ -96,7 +97,7 @@ STAGE = Stage(
     work=work,
     tables=("fem", "bounds"),
     ignores=("bounds.run",),
-    results=("fem/bounds.json",),
+    results=(BoundsAnswer.FILE,),
     pictures=("figures/bounds_*.png",),
     wanted=lambda given: given.bounds.run,
 )

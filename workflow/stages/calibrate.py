@@ -1,5 +1,8 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh that the finite elements found."""
 
+from workflow.results.calibration import CalibrationAnswer
+from workflow.results.continuum import FemAnswer
+from workflow.results.discs import DiscsAnswer
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 
@@ -8,10 +11,10 @@ def work(job: Job) -> None:
     """Calibrate the discs, if there is a critical Kh to calibrate them to; raises NoAnswerError if there is none."""
     from workflow.stages.calibrated_discs import calibrate_stage
 
-    fem = job.store.read_json("fem/critical.json")
-    if fem["verdict"] == "no failure":
+    fem = FemAnswer.read(job.store)
+    if fem.verdict == "no failure":
         raise NoAnswerError(
-            f"the section does not fail ({fem['reason']}), so there is no critical Kh to calibrate the discs to",
+            f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
             "raise fem.kh_limit, or look at a weaker section",
         )
     calibrate_stage(job.given, job.store, job.progress)
@@ -32,7 +35,7 @@ STAGE = Stage(
     draw=draw,
     needs=("fem",),
     tables=("dem",),
-    results=("dem/critical.json", "dem/calibration.json", "dem/trials.jsonl", "dem/*.h5"),
+    results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, "dem/trials.jsonl", "dem/*.h5"),
     pictures=("figures/dem_*.png",),
     leftovers=("dem/**/*",),
 )

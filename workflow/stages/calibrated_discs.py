@@ -4,10 +4,9 @@ It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), tri
 a critical Kh, from which a stopped run goes on), critical.json, calibration.json and the states that are drawn.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from threading import Event
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,18 @@ from dem.search.equilibrium import Rest, Trial, settle, try_kh, unbalanced_ratio
 from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.springs import LayerSprings
+from workflow.results.answer import SectionLabel, line
+from workflow.results.calibration import CalibrationAnswer, LayerTest
+from workflow.results.continuum import FemAnswer
+from workflow.results.discs import (
+    DiscModelAnswer,
+    DiscsAnswer,
+    DiscSearch,
+    DiscState,
+    Parameters,
+    SetOfSprings,
+    SlipSurfaces,
+)
 from workflow.results.journal import Journal
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
@@ -42,34 +53,32 @@ class Discs:
 
 def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
-    fem = store.read_json("fem/critical.json")
+    fem = FemAnswer.read(store)
     discs = settled_discs(run, store, progress)
     calibrator = _calibrator(run, store, discs, progress)
     base = calibrator.search("", 1.0, run.dem.workers)
     if base.kc is None:
-        _write(run, store, discs, base, base, None, [], {})
+        discs_answer(run, discs, base, base, {}, Kept(), fem).write(store)
+        CalibrationAnswer.not_asked_for(base, run.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
-    found = _solve(run, calibrator, fem["kc"])
+    found = _solve(run, calibrator, fem.kc)
     parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
     calibrated = calibrator.settled_with(parameter, value)
     _save(store, "dem/calibrated.h5", calibrated)
     progress("states of the discs at the recorded Kh", None)
-    sets = {"before": (discs.settled, base), "after": (calibrated, after)}
-    states, failing = _states(run, store, discs.ground, sets)
-    _write(run, store, discs, base, after, found, states, {**failing, "fem": _fem_surface(fem)})
-    if found is not None and run.dem.element_tests:
-        progress("element tests of the discs of every layer", None)
-        tests = element_tests(
-            run,
-            changed(discs.layers, parameter, value),
-            discs.ground.radius,
-            seed=run.dem.seed,
-            workers=run.dem.workers,
-        )
-        store.write_json("dem/calibration.json", {**found.as_json(), "element_tests": tests})
+    kept = _keep_states(run, store, discs.ground, {"before": (discs.settled, base), "after": (calibrated, after)})
+    factor = {parameter: value} if found else {}
+    discs_answer(run, discs, base, after, factor, kept, fem).write(store)
+    if found is None:
+        CalibrationAnswer.not_asked_for(base, run.dem.tolerance).write(store)
+    else:
+        CalibrationAnswer.of(found).write(store)
+        if run.dem.element_tests:
+            progress("element tests of the discs of every layer", None)
+            CalibrationAnswer.of(found, _layer_tests(run, discs, parameter, value)).write(store)
     calibrate_pictures(run, store)
     if found is not None and found.verdict != "calibrated" and run.dem.out_of_reach == "stop":
         raise NoAnswerError(
@@ -115,94 +124,110 @@ def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | N
     return best(calibrator, target, run.dem.parameter, sensitivities(calibrator))
 
 
-def _states(
-    run: Input, store: Store, ground: Ground, sets: dict[str, tuple[DiscModel, Search]]
-) -> tuple[list[dict[str, Any]], dict[str, np.ndarray]]:
+def _layer_tests(run: Input, discs: Discs, parameter: str, value: float) -> tuple[LayerTest, ...]:
+    """Patches of the calibrated discs of every layer, tested as soil samples are."""
+    springs = changed(discs.layers, parameter, value)
+    tests = element_tests(run, springs, discs.ground.radius, seed=run.dem.seed, workers=run.dem.workers)
+    return tuple(LayerTest.model_validate(test) for test in tests)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The states that are kept, and for each set of springs the slip surface where it is seen to fail (k, 2), in m."""
+
+    states: tuple[DiscState, ...] = ()
+    surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
+
+    def surface(self, which: SetOfSprings) -> np.ndarray:
+        """The slip surface of one set; without points where there is none."""
+        return self.surfaces.get(which, np.zeros((0, 2)))
+
+
+def _keep_states(run: Input, store: Store, ground: Ground, sets: dict[SetOfSprings, tuple[DiscModel, Search]]) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
-    recorded = [(name, kh, f"{kh:g}") for name in sets for kh in run.dem.kh]
-    ends = [(name, s.upper, "failing") for name, (_, s) in sets.items() if s.upper is not None and s.flexibility]
+    recorded = [(which, kh, f"{kh:g}") for which in sets for kh in run.dem.kh]
+    ends = [(which, s.upper, "failing") for which, (_, s) in sets.items() if s.upper is not None and s.flexibility]
     stop = Event()
 
     def watch(_: Rest) -> None:
         if stop.is_set():
             raise StoppedError
 
-    def reached(name: str, kh: float, label: str) -> dict[str, Any]:
-        start, search = sets[name]
+    def reached(which: SetOfSprings, kh: float, label: str) -> DiscState:
+        start, search = sets[which]
         model = start.copy()
         trial = try_kh(model, start, ground, run.dem, 0.0, kh, search.flexibility, watch=watch)
-        file = f"dem/state_{name}_{label}.h5"
+        file = f"dem/state_{which}_{label}.h5"
         _save(store, file, model)
         far = np.hypot(model.x - start.x, model.z - start.z)[~model.fixed]
-        return {
-            "set": name,
-            **trial.as_json(),
-            "file": file,
-            "cracked_share_by_stratum": cracked_shares(model),
-            "slip_surface": slip_surface(model, start, ground).tolist(),
-            "largest_displacement_m": float(far.max()),
-        }
+        return DiscState.of(
+            trial,
+            set=which,
+            file=file,
+            cracked_share_by_stratum=cracked_shares(model),
+            slip_surface=line(slip_surface(model, start, ground)),
+            largest_displacement_m=float(far.max()),
+        )
 
     found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], run.dem.workers, stop)
-    failing = {state["set"]: np.array(state["slip_surface"]).reshape(-1, 2) for state in found[len(recorded) :]}
-    return found[: len(recorded)], failing
+    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
+    return Kept(tuple(found[: len(recorded)]), failing)
 
 
-def _fem_surface(fem: dict[str, Any]) -> np.ndarray:
-    """The slip surface of the continuum at the last state of its path."""
-    surfaces = [state["slip_surface"] for state in fem["states"] if state["slip_surface"]]
-    return np.array(surfaces[-1] if surfaces else []).reshape(-1, 2)
-
-
-def _write(
+def discs_answer(
     run: Input,
-    store: Store,
     discs: Discs,
     base: Search,
     after: Search,
-    found: Calibration | None,
-    states: list[dict[str, Any]],
-    surfaces: dict[str, np.ndarray],
-) -> None:
-    ground, packing = discs.ground, discs.ground.packing
+    factor: dict[str, float],
+    kept: Kept,
+    fem: FemAnswer,
+) -> DiscsAnswer:
+    """What dem/critical.json holds; ``base`` is the search before calibration, ``after`` that with the ``factor``."""
     chosen = {"springs": run.dem.springs, "stiffness_scale": run.dem.stiffness_scale, "mean": run.dem.mean}
-    factor = {found.parameter: found.value} if found else {}
-    dem, fem = surfaces.get("after", np.zeros((0, 2))), surfaces.get("fem", np.zeros((0, 2)))
-    agreement = compare(run, dem, fem)
-    answer = {
-        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
-        "model": {
-            "packing": ground.kind,
-            "rows": ground.rows,
-            "radius_m": ground.radius,
-            "elements": int(packing.free.sum()),
-            "boundary_elements": int((~packing.free).sum()),
-            "tilt_deg": float(np.degrees(ground.tilt)),
-            "seed": run.dem.seed if ground.kind == "random" else None,
-            "porosity": 1.0 - float(np.sum(np.pi * packing.radius[packing.free] ** 2) / run.layering.areas().sum()),
-            "unbalanced_ratio": unbalanced_ratio(discs.settled),
-            "settling_seconds": discs.settled.time,
-            "pore_springs": int((discs.settled.pore_length != 0.0).sum()),
-        },
-        "before": {"parameters": chosen, **base.as_json()},
-        "after": {"parameters": {**chosen, **factor}, **after.as_json()},
-        "states": states,
-        "slip_surface": {
-            "dem": dem.tolist(),
-            "dem_before": surfaces.get("before", np.zeros((0, 2))).tolist(),
-            "fem": fem.tolist(),
-            **(asdict(agreement) if agreement else {"mean_distance_m": None, "same_stratum_share": None}),
-        },
-    }
-    store.write_json("dem/critical.json", answer)
-    calibration = found.as_json() if found else {
-        "target_kc": None, "tolerance": run.dem.tolerance, "parameter": "none", "value": 1.0, "range": None,
-        "kc": base.kc, "kc_lower": base.lower, "kc_upper": base.upper, "verdict": "not asked for",
-        "reason": 'dem.parameter = "none"', "sensitivity": [], "trials": [],
-    }  # fmt: skip
-    store.write_json("dem/calibration.json", {**calibration, "element_tests": []})
+    return DiscsAnswer(
+        section=SectionLabel.of(run),
+        model=_model_answer(run, discs),
+        before=DiscSearch.of(base, Parameters.model_validate(chosen)),
+        after=DiscSearch.of(after, Parameters.model_validate({**chosen, **factor})),
+        states=kept.states,
+        slip_surface=_slip_surfaces(run, kept, fem),
+    )
+
+
+def _model_answer(run: Input, discs: Discs) -> DiscModelAnswer:
+    ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
+    solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
+    return DiscModelAnswer(
+        packing=ground.kind,
+        rows=ground.rows,
+        radius_m=ground.radius,
+        elements=int(packing.free.sum()),
+        boundary_elements=int((~packing.free).sum()),
+        tilt_deg=float(np.degrees(ground.tilt)),
+        seed=run.dem.seed if ground.kind == "random" else None,
+        porosity=1.0 - solid / float(run.layering.areas().sum()),
+        unbalanced_ratio=unbalanced_ratio(settled),
+        settling_seconds=settled.time,
+        pore_springs=int((settled.pore_length != 0.0).sum()),
+    )
+
+
+def _slip_surfaces(run: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
+    """The slip surfaces of the discs, and of the continuum at the last state of its path."""
+    of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
+    continuum = np.array(of_fem[-1] if of_fem else ()).reshape(-1, 2)
+    agreement = compare(run, kept.surface("after"), continuum)
+    return SlipSurfaces(
+        dem=line(kept.surface("after")),
+        dem_before=line(kept.surface("before")),
+        fem=line(continuum),
+        mean_distance_m=agreement.mean_distance_m if agreement else None,
+        same_stratum_share=agreement.same_stratum_share if agreement else None,
+        columns=agreement.columns if agreement else None,
+    )
 
 
 def _save(store: Store, name: str, model: DiscModel) -> None:
@@ -215,15 +240,15 @@ def calibrate_pictures(run: Input, store: Store) -> None:
     from workflow.figures import discs as dem_figures
 
     ground = ground_of(run, run.dem)
-    start = {"before": "dem/settled.h5", "after": "dem/calibrated.h5"}
+    start: dict[SetOfSprings, str] = {"before": "dem/settled.h5", "after": "dem/calibrated.h5"}
     with store.writing("figures/dem_model.png") as path:
         settled = dem_figures.in_section(DiscModel.load(store.folder / start["before"]), ground)
         dem_figures.layers(settled, path, f"{run.title or run.name}: discs by layer, at rest under their weight")
-    for state in store.read_json("dem/critical.json")["states"]:
+    for state in DiscsAnswer.read(store).states:
         before, model = (
             dem_figures.in_section(DiscModel.load(store.folder / name), ground)
-            for name in (start[state["set"]], state["file"])
+            for name in (start[state.set], state.file)
         )
-        title = f"{run.title or run.name}: discs {STATES[state['set']]}, Kh = {state['kh']:g}: {state['verdict']}"
-        with store.writing(f"figures/dem_{state['set']}_kh_{state['kh']:.2f}.png") as path:
+        title = f"{run.title or run.name}: discs {STATES[state.set]}, Kh = {state.kh:g}: {state.verdict}"
+        with store.writing(f"figures/dem_{state.set}_kh_{state.kh:.2f}.png") as path:
             dem_figures.state(model, before, path, title)

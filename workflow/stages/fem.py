@@ -1,10 +1,11 @@
 """The stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from workflow.results.answer import SectionLabel, line
+from workflow.results.continuum import FactorOfSafety, FemAnswer, Gravity, KeptState, MeshCount, PathStep
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
@@ -55,7 +56,7 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
     from fem.critical import critical_coefficient
     from fem.strength_reduction import safety_factor
     from workflow.figures.fem import draw_all
-    from workflow.results.fem_states import ANSWER, FemResults
+    from workflow.results.fem_states import FemResults
 
     def tell(what: str, path: "EquilibriumPath") -> None:
         step = path.steps[-1]
@@ -72,7 +73,7 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         for kh in run.fem.safety_factor_at
     ]
     if store is not None:
-        store.write_json(ANSWER, as_json(run, mesh, result, factors))
+        answer_of(run, mesh, result, factors).write(store)
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
         draw_all(run, FemResults.load(run, store), store)
@@ -80,50 +81,51 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def as_json(run: Input, mesh: "QuadMesh", result: "CriticalResult", factors: list["SafetyFactor"]) -> dict[str, Any]:
-    """What fem/critical.json holds: the answer with its bracket first, then how it was found."""
+def answer_of(run: Input, mesh: "QuadMesh", result: "CriticalResult", factors: list["SafetyFactor"]) -> FemAnswer:
+    """The critical Kh with its bracket, the path to it, the states that are kept, and the factors of safety."""
+    angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
+    return FemAnswer(
+        section=SectionLabel.of(run),
+        kc=result.kc,
+        kc_lower=result.lower,
+        kc_upper=result.upper,
+        verdict=result.verdict,
+        reason=result.reason,
+        remedy=result.remedy,
+        element=result.element,
+        settings=run.fem,
+        dilation_deg=angles if run.fem.flow == "section" else "equal to the friction angle",
+        mesh=MeshCount.of(mesh),
+        gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
+        linear_solves=result.solves,
+        curve=tuple(PathStep.model_validate(step) for step in result.steps),
+        states=tuple(_kept(mesh, state) for state in result.states),
+        safety_factors=tuple(_factor_of_safety(factor) for factor in factors),
+    )
+
+
+def _kept(mesh: "QuadMesh", state: "State") -> KeptState:
     from fem.fields import slip_surface
 
-    return {
-        "section": {"name": run.name, "sha256": run.sha256(), "reconstruction": run.reconstruction},
-        "kc": result.kc,
-        "kc_lower": result.lower,
-        "kc_upper": result.upper,
-        "verdict": result.verdict,
-        "reason": result.reason,
-        "remedy": result.remedy,
-        "element": result.element,
-        "settings": run.fem.model_dump(mode="json"),
-        "dilation_deg": {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
-        if run.fem.flow == "section"
-        else "equal to the friction angle",
-        "mesh": {"quadrilaterals": len(mesh.cells), "nodes": len(mesh.points), "method": mesh.method},
-        "gravity": {"iterations": result.gravity_iterations, "plastic_share": result.gravity_plastic_share},
-        "linear_solves": result.solves,
-        "curve": [asdict(step) for step in result.steps],
-        "states": [
-            {
-                "label": state.label,
-                "kh": state.kh,
-                "past_equilibrium": state.past_equilibrium,
-                "largest_displacement_m": float(np.hypot(*state.displacement.T).max()),
-                "failed_share_by_stratum": failed_shares(mesh, state),
-                "slip_surface": slip_surface(mesh, state).tolist(),
-            }
-            for state in result.states
-        ],
-        "safety_factors": [
-            {
-                "kh": f.kh,
-                "factor": f.factor,
-                "upper": f.upper,
-                "verdict": f.verdict,
-                "reason": f.reason,
-                "curve": [asdict(step) for step in f.steps],
-            }
-            for f in factors
-        ],
-    }
+    return KeptState(
+        label=state.label,
+        kh=state.kh,
+        past_equilibrium=state.past_equilibrium,
+        largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
+        failed_share_by_stratum=failed_shares(mesh, state),
+        slip_surface=line(slip_surface(mesh, state)),
+    )
+
+
+def _factor_of_safety(found: "SafetyFactor") -> FactorOfSafety:
+    return FactorOfSafety(
+        kh=found.kh,
+        factor=found.factor,
+        upper=found.upper,
+        verdict=found.verdict,
+        reason=found.reason,
+        curve=tuple(PathStep.model_validate(step) for step in found.steps),
+    )
 
 
 def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
@@ -160,6 +162,6 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     tables=("fem",),
-    results=("fem/critical.json", "fem/fields.pvd", "fem/fields_*.vtu"),
+    results=(FemAnswer.FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     pictures=("figures/fem_*.png",),
 )

@@ -2,107 +2,91 @@
 
 from collections.abc import Callable
 from functools import partial
-from threading import Event
-from typing import Any
-
-import numpy as np
 
 from dem.ground import Ground, ground_of, springs_of
 from dem.model import DiscModel
-from dem.search.calibration import Calibrator, best, sensitivities
+from dem.search.calibration import Calibration, Calibrator, best, sensitivities
 from dem.search.equilibrium import Trial, settle
-from dem.side_by_side import StoppedError, side_by_side
-from dem.slides.liquefaction import Row, Slide, Slider
+from dem.settings import DemSettings
+from dem.slides.liquefaction import Slide
+from workflow.results.cases import RandomCase, RandomPackings, Seed, Spread
 from workflow.results.journal import Journal
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.sliding import slide_all, task
 
-MEASURES = ("slide_max_m", "settlement_uphill_m", "settlement_middle_m")
 
+def random_packings(run: Input, store: Store, progress: Progress, target: float, wanted: list[int]) -> RandomPackings:
+    """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
 
-def random_table(
-    run: Input, store: Store, progress: Progress, target: float, strata: dict[int, list[int]]
-) -> dict[str, Any]:
-    """Mean, spread (standard deviation) and every value of slide and settlement over the seeds, for each case.
-
-    Seeds whose packing does not come to the target are named with the reason, and not counted.
+    ``target`` is the critical Kh of the continuum. A seed whose packing cannot be brought to it is named with the
+    reason, and not counted. The first seed chooses the parameter, all others take the same.
     """
-    seeds: list[dict[str, Any]] = []
-    values: dict[int, dict[str, list[float]]] = {n: {name: [] for name in MEASURES} for n in strata}
+    seeds: list[Seed] = []
+    slides: dict[int, list[Slide]] = {number: [] for number in wanted}
     parameter: str = "auto" if run.dem.parameter == "none" else run.dem.parameter
-    for number, seed in enumerate(run.slide.seeds):
-        share = number / len(run.slide.seeds)
-        told = partial(_told, progress, seed, share)
-        told("settles")
+    for place, seed in enumerate(run.slide.seeds):
+        tell = partial(_tell, progress, seed, place / len(run.slide.seeds))
         dem = run.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
         ground = ground_of(run, dem)
-        layers = springs_of(run, dem, ground.radius)
-        settled = _kept(store, f"dem/slide_seed{seed}_settled.h5", partial(settle, ground, layers, dem))
-        journal = Journal(store, f"dem/slide_seed{seed}_trials.jsonl")
-        calibrator = Calibrator(
-            ground, layers, settled, dem, known=journal.known(), on_search=journal.add,
-            on_trial=partial(_tried, told),
-        )  # fmt: skip
-        table = sensitivities(calibrator) if parameter == "auto" else [("", 1.0, calibrator.search("", 1.0))]
-        found = best(calibrator, target, parameter, table)
+        calibrator = _calibrator(run, store, dem, ground, tell)
+        found = _calibrated(calibrator, target, parameter)
         parameter = found.parameter
-        seeds.append(
-            {
-                "seed": seed,
-                "kc_before": calibrator.searches["", 1.0].kc,
-                "parameter": parameter,
-                "value": found.value,
-                "kc": found.search.kc,
-                "verdict": found.verdict,
-                "reason": found.reason,
-            }
-        )
-        if found.verdict != "calibrated":
-            continue
-        start = calibrator.settled_with(parameter, found.value)
-        told("slides")
-        for n, slide in _slides(run, store, ground, start, strata, seed).items():
-            for name in MEASURES:
-                values[n][name].append(slide.as_json()[name])
-    return {"seeds": seeds, "cases": {str(n): {k: _spread(v) for k, v in found.items()} for n, found in values.items()}}
+        seeds.append(_seed(seed, calibrator, found))
+        if found.verdict == "calibrated":
+            tell("slides")
+            start = calibrator.settled_with(parameter, found.value)
+            tasks = [task(run, f"seed{seed}", number, start, ground) for number in wanted]
+            for number, slide in zip(wanted, slide_all(run, store, tasks), strict=True):
+                slides[number].append(slide)
+    return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
 
 
-def _told(progress: Progress, seed: int, share: float, what: str) -> None:
+def _tell(progress: Progress, seed: int, share: float, what: str) -> None:
     progress(f"random packing, seed {seed}: {what}", share)
 
 
-def _tried(told: Callable[[str], None], trial: Trial, _model: DiscModel) -> None:
-    told(f"Kh = {trial.kh:.4f} {trial.verdict}")
+def _calibrator(run: Input, store: Store, dem: DemSettings, ground: Ground, tell: Callable[[str], None]) -> Calibrator:
+    """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
+    layers = springs_of(run, dem, ground.radius)
+    file = f"dem/slide_seed{dem.seed}_settled.h5"
+    if not store.has(file):
+        tell("settles")
+        with store.writing(file) as path:
+            settle(ground, layers, dem).save(path)
+
+    def on_trial(trial: Trial, _model: DiscModel) -> None:
+        tell(f"Kh = {trial.kh:.4f} {trial.verdict}")
+
+    journal = Journal(store, f"dem/slide_seed{dem.seed}_trials.jsonl")
+    settled = DiscModel.load(store.folder / file)
+    return Calibrator(ground, layers, settled, dem, known=journal.known(), on_search=journal.add, on_trial=on_trial)
 
 
-def _slides(
-    run: Input, store: Store, ground: Ground, start: DiscModel, strata: dict[int, list[int]], seed: int
-) -> dict[int, Slide]:
-    stop = Event()
-
-    def look(_model: DiscModel, _row: Row, _frame: bool) -> None:
-        if stop.is_set():
-            raise StoppedError
-
-    def work(n: int) -> Slide:
-        folder = store.folder / "dem" / f"slide_seed{seed}_{n}"
-        return Slider(start, ground, strata[n], run.slide.cases[n - 1], run.slide, folder).run(look)
-
-    slides = side_by_side([partial(work, n) for n in strata], run.dem.workers, stop)
-    return dict(zip(strata, slides, strict=True))
+def _calibrated(calibrator: Calibrator, target: float, parameter: str) -> Calibration:
+    """The factor that meets the target; "auto" looks first which parameter moves the critical Kh."""
+    base = ("", 1.0, calibrator.search("", 1.0))
+    return best(calibrator, target, parameter, sensitivities(calibrator) if parameter == "auto" else [base])
 
 
-def _kept(store: Store, name: str, make: Callable[[], DiscModel]) -> DiscModel:
-    if not store.has(name):
-        model = make()
-        with store.writing(name) as path:
-            model.save(path)
-    return DiscModel.load(store.folder / name)
+def _seed(seed: int, calibrator: Calibrator, found: Calibration) -> Seed:
+    return Seed(
+        seed=seed,
+        kc_before=calibrator.searches["", 1.0].kc,
+        parameter=found.parameter,
+        value=found.value,
+        kc=found.search.kc,
+        verdict=found.verdict,
+        reason=found.reason,
+    )
 
 
-def _spread(values: list[float]) -> dict[str, Any]:
-    if not values:
-        return {"mean": None, "spread": None, "values": []}
-    spread = float(np.std(values, ddof=1)) if len(values) > 1 else None
-    return {"mean": float(np.mean(values)), "spread": spread, "values": values}
+def _case(slides: list[Slide]) -> RandomCase:
+    """One case over all packings that were calibrated."""
+    last = [slide.rows[-1] for slide in slides]
+    return RandomCase(
+        slide_max_m=Spread.of([row.slide_max_m for row in last]),
+        settlement_uphill_m=Spread.of([row.settlement_uphill_m for row in last]),
+        settlement_middle_m=Spread.of([row.settlement_middle_m for row in last]),
+    )

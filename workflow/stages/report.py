@@ -4,9 +4,10 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
 
-SUMMARY, REPORT = "summary.json", "report.html"
+REPORT = "report.html"
 
 
 def work(job: Job) -> None:
@@ -23,7 +24,7 @@ def work(job: Job) -> None:
     job.progress("report", 0.5)
     data = summary(results, time.perf_counter() - start)
     text = page(results, data)
-    job.store.write_json(SUMMARY, data)
+    data.write(job.store)
     job.store.write_text(REPORT, text)
 
 
@@ -51,7 +52,7 @@ STAGE = Stage(
     tables=("sliding_block", "figures"),
     ignores=("sliding_block.accelerogram",),
     files=accelerogram,
-    results=(SUMMARY, REPORT),
+    results=(Summary.FILE, REPORT),
     pictures=(
         "figures/curves.png",
         "figures/slip_surfaces.png",

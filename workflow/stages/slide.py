@@ -1,5 +1,6 @@
 """The stage `slide`: how far the calibrated discs slide once layers have liquefied."""
 
+from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
 
 
@@ -25,7 +26,7 @@ STAGE = Stage(
     draw=draw,
     needs=("calibrate",),
     tables=("dem", "slide"),
-    results=("dem/cases.json", "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
+    results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     pictures=("figures/case*.png", "figures/case*.gif", "figures/history.png"),
     leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     partial=lambda job: job.cases is not None,

@@ -4,6 +4,8 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from fem.errors import UnstableError
+from workflow.results.continuum import FemAnswer
+from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.progress import Progress
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
@@ -12,7 +14,6 @@ if TYPE_CHECKING:
     from fem.path import EquilibriumPath
     from meshes.quad_mesh import QuadMesh
 
-ANSWER = "fem/variants.json"
 LARGEST_STEP = 0.1
 
 
@@ -21,14 +22,14 @@ def work(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     run, store, progress = job.given, job.store, job.progress
-    element = store.read_json("fem/critical.json")["element"]
+    element = FemAnswer.read(store).element
     mesh = stored_mesh(run, store)
     asked = [change for name in run.variants.which if (change := changed(run, name, element))]
     found = []
     for number, (name, words, other) in enumerate(asked):
         progress(words, number / len(asked))
-        found.append({"name": name, "change": words, **_answer(run, other, mesh, progress, words, number / len(asked))})
-    store.write_json(ANSWER, {"variants": found})
+        found.append(_variant(run, name, words, other, mesh, progress, number / len(asked)))
+    VariantsAnswer(variants=tuple(found)).write(store)
 
 
 def changed(run: Input, name: str, element: str) -> tuple[str, str, Input] | None:
@@ -61,8 +62,11 @@ def _with(run: Input, table: str, **values: Any) -> Input:
     return run.model_copy(update={table: settings})
 
 
-def _answer(run: Input, other: Input, mesh: "QuadMesh", progress: Progress, words: str, share: float) -> dict[str, Any]:
+def _variant(
+    run: Input, name: str, words: str, other: Input, mesh: "QuadMesh", progress: Progress, share: float
+) -> Variant:
     """The critical Kh of a variant; none where the path has none."""
+
     from mpi4py import MPI
 
     from fem.critical import critical_coefficient
@@ -76,16 +80,19 @@ def _answer(run: Input, other: Input, mesh: "QuadMesh", progress: Progress, word
         its_mesh = mesh if other.mesh == run.mesh else generate(other, other.mesh)
         result = critical_coefficient(other, its_mesh, other.fem, MPI.COMM_SELF, tell)
     except UnstableError as error:
-        return {"kc": None, "kc_upper": None, "verdict": "no answer", "reason": str(error), "seconds": 0.0}
-    seconds = round(time.perf_counter() - start, 2)
+        return Variant(
+            name=name, change=words, kc=None, kc_upper=None, verdict="no answer", reason=str(error), seconds=0.0
+        )
     stands = result.verdict in ("plateau", "peak")
-    return {
-        "kc": result.kc if stands else None,
-        "kc_upper": result.upper if stands else None,
-        "verdict": result.verdict,
-        "reason": result.reason,
-        "seconds": seconds,
-    }
+    return Variant(
+        name=name,
+        change=words,
+        kc=result.kc if stands else None,
+        kc_upper=result.upper if stands else None,
+        verdict=result.verdict,
+        reason=result.reason,
+        seconds=round(time.perf_counter() - start, 2),
+    )
 
 
 STAGE = Stage(
@@ -95,6 +102,6 @@ STAGE = Stage(
     work=work,
     needs=("fem",),
     tables=("mesh", "fem", "variants"),
-    results=("fem/variants.json",),
+    results=(VariantsAnswer.FILE,),
     wanted=lambda given: bool(given.variants.which),
 )

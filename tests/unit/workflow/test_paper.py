@@ -8,7 +8,12 @@ from tests.support import SECTIONS, dem_fixture
 from tests.support.sections import slope
 from workflow.report.paper import Row, is_s13, rows
 from workflow.report.uncertainty import doubts
+from workflow.results.answer import SectionLabel
+from workflow.results.bounds import BoundsAnswer, Residuals
+from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
 from workflow.results.results import Results
+from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
 from workflow.settings import Input
@@ -16,27 +21,35 @@ from workflow.settings import Input
 S13 = SECTIONS / "s13.toml"
 
 
-def state(run: Input, kh: float, past: bool, failed: float) -> dict[str, Any]:
-    depth = [[x, 9.08 - 0.0454 * x - 6.0] for x in range(5, 200, 10)]  # 6 m deep: in layers 4 and 5
-    return {
-        "label": f"Kh = {kh}", "kh": kh, "past_equilibrium": past, "largest_displacement_m": 0.1,
-        "failed_share_by_stratum": {stratum.name: failed for stratum in run.strata}, "slip_surface": depth,
-    }  # fmt: skip
+def state(run: Input, kh: float, past: bool, failed: float) -> KeptState:
+    return KeptState(
+        label=f"Kh = {kh}", kh=kh, past_equilibrium=past, largest_displacement_m=0.1,
+        failed_share_by_stratum={stratum.name: failed for stratum in run.strata},
+        slip_surface=tuple((float(x), 9.08 - 0.0454 * x - 6.0) for x in range(5, 200, 10)),  # in layers 4 and 5
+    )  # fmt: skip
 
 
-def fem(run: Input, kc: float = 0.24) -> dict[str, Any]:
-    return {
-        "kc": kc, "kc_lower": kc, "kc_upper": kc + 0.004, "verdict": "plateau", "reason": "it is flat",
-        "element": "quadratic", "mesh": {"quadrilaterals": 611, "nodes": 672, "method": "mapped"},
-        "settings": run.fem.model_dump(mode="json"),
-        "states": [state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)],
-    }  # fmt: skip
+def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
+    return FemAnswer(
+        section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
+        remedy="", element="quadratic", settings=run.fem, dilation_deg={},
+        mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
+        gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),
+        states=(state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)),
+    )  # fmt: skip
+
+
+def bounds(run: Input, lower: float, upper: float) -> BoundsAnswer:
+    return BoundsAnswer(
+        section=SectionLabel.of(run), lower=lower, upper=upper, gap=0.1, verdict="bracketed", reason="",
+        words="so much", flow="associated, ψ = φ.", davis=False, sides="roller", direction="downhill", vertical=0.0,
+        cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
+    )  # fmt: skip
 
 
 def results(run: Input, **answers: Any) -> Results:
     """Results as if the stages had left these answers."""
-    none = dict.fromkeys(("fem", "variants", "bounds", "dem", "calibration", "cases"))
-    return Results(run, Store("nowhere"), {}, {}, **{**none, **answers})
+    return Results(run, Store("nowhere"), {}, {}, **answers)
 
 
 def table(found: Results) -> dict[str, Row]:
@@ -80,15 +93,14 @@ def test_the_continuum(s13: Input) -> None:
 
 
 def test_an_undecided_path_is_no_critical_kh(s13: Input) -> None:
-    answer = {**fem(s13), "verdict": "undecided"}
-    found = results(s13, fem=answer)
+    found = results(s13, fem=fem(s13, verdict="undecided"))
     assert found.kc is None
     assert table(found)["FEM: critical Kh"].agrees is None
 
 
 def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
     """The hand-made cases: settlements 0.1, 0.5, 1.0 m; slides 0.6, 3.0, 4.8 m, over 10, 51, 81 % of the surface."""
-    cases = {"sets": {"calibrated": dem_fixture.CASES}, "random": None}
+    cases = CasesAnswer(sets={"calibrated": dem_fixture.CASES}, random=None)
     found = table(results(s13, fem=fem(s13), cases=cases))
     springs = ", calibrated springs"
     for number in "123":
@@ -98,8 +110,8 @@ def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
     assert found[f"slide, case 1{springs}"].agrees is True
     assert found[f"slide, case 3{springs}"].agrees is True
     assert found["slide measured in the field"].ours == "3.0 to 4.8 m in cases 2 and 3"
-    wrong = {**dem_fixture.CASES, "2": dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
-    found = table(results(s13, fem=fem(s13), cases={"sets": {"calibrated": wrong}, "random": None}))
+    wrong = {**dem_fixture.CASES, 2: dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
+    found = table(results(s13, fem=fem(s13), cases=CasesAnswer(sets={"calibrated": wrong}, random=None)))
     assert found[f"largest slide, case 2{springs}"].agrees is False
     assert "dem/README.md" in found[f"largest slide, case 2{springs}"].why
 
@@ -110,8 +122,7 @@ def test_states_of_the_discs(s13: Input) -> None:
     for springs in (", before calibration", ", calibrated"):
         assert found[f"DEM: stands at Kh = 0.2{springs}"].agrees is True
         assert found[f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}"].agrees is True
-    for each in critical["states"]:
-        each["cracked_share_by_stratum"]["8 As1"] = 0.9
+    critical = dem_fixture.critical(s13, 0.24, {"8 As1": 0.9})
     found = table(results(s13, fem=fem(s13), dem=critical))
     row = found["DEM: pore springs broken along the Asd layers at Kh = 0.3, calibrated"]
     assert row.agrees is False
@@ -119,38 +130,31 @@ def test_states_of_the_discs(s13: Input) -> None:
 
 
 @pytest.mark.parametrize(
-    ("bounds", "flow", "words"),
+    ("lower", "upper", "flow", "words"),
     [
-        ((0.22, 0.26), "associated", "lies inside"),
-        ((0.25, 0.26), "associated", "below the lower bound"),
-        ((0.22, 0.23), "associated", "above the upper bound"),
-        ((0.22, 0.26), "section", "is not judged by it"),
+        (0.22, 0.26, "associated", "lies inside"),
+        (0.25, 0.26, "associated", "below the lower bound"),
+        (0.22, 0.23, "associated", "above the upper bound"),
+        (0.22, 0.26, "section", "is not judged by it"),
     ],
 )
-def test_bounds_judge_only_their_like(bounds: tuple[float, float], flow: str, words: str) -> None:
+def test_bounds_judge_only_their_like(lower: float, upper: float, flow: str, words: str) -> None:
     run = Input.parse({**slope(), "fem": {"flow": flow}})
-    answer = {"lower": bounds[0], "upper": bounds[1], "words": "so much", "sides": "roller", "flow": "", "davis": False}
-    told = dict(doubts(results(run, fem=fem(run), bounds=answer)))
+    told = dict(doubts(results(run, fem=fem(run), bounds=bounds(run, lower, upper))))
     assert words in told["Strict bounds"]
 
 
 def test_variants_stand_beside_what_they_show(s13: Input) -> None:
-    variant = {
-        "name": "sides",
-        "change": "sides fixed instead of roller",
-        "kc": 0.3,
-        "verdict": "plateau",
-        "reason": "",
-    }
-    told = dict(doubts(results(s13, fem=fem(s13), variants={"variants": [variant]})))
+    change = "sides fixed instead of roller"
+    found = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
+    told = dict(doubts(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
     assert "sides fixed instead of roller: critical Kh = 0.3000 (+25.0 %)" in told["Side condition"]
-    silent = dict(
-        doubts(results(s13, fem=fem(s13), variants={"variants": [{**variant, "kc": None, "reason": "slow"}]}))
-    )
-    assert "plateau, slow" in silent["Side condition"]
+    none = Variant(name="sides", change=change, kc=None, kc_upper=None, verdict="undecided", reason="slow", seconds=1.0)
+    silent = dict(doubts(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
+    assert "undecided, slow" in silent["Side condition"]
 
 
 def test_no_answer_is_told_as_such(s13: Input) -> None:
     ended = Entry({}, "no answer", reason="it fails under its own weight")
-    found = Results(s13, Store("nowhere"), {"fem": ended}, {}, *[None] * 6)
+    found = Results(s13, Store("nowhere"), {"fem": ended}, {})
     assert table(found)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"

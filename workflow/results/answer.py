@@ -1,0 +1,113 @@
+"""What the answers of all stages have in common: they are read and written here, and nowhere else.
+
+An answer is a pydantic model whose fields are the keys of its JSON file, so that mypy, the tests and a reader all know
+them. Units stand in the names (``settlement_uphill_m``, ``E_Pa``) or in a field's description; what has neither is a
+number without a unit.
+"""
+
+import math
+from typing import Annotated, Any, ClassVar, Self
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+)
+
+from meshes.errors import InputError
+from workflow.run.store import Store
+from workflow.settings import Input
+
+Point = tuple[float, float]
+Line = tuple[Point, ...]
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+# A number, or None where it is not known; what is not finite is not known.
+Known = Annotated[float | None, BeforeValidator(_finite)]
+
+
+class OtherVersionError(InputError):
+    """A file that this version of the program did not write: a key is missing, or unknown, or of another kind."""
+
+
+class Part(BaseModel):
+    """A part of an answer. It cannot change, knows no other keys than its own, and can be made from any object with
+    attributes of the same names (``model_validate``).
+
+    A field without a default stands in the file always, with null where there is nothing. A field with the default None
+    stands there only where there is something to say.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, from_attributes=True)
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not_there(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        written: dict[str, Any] = serialise(self)
+        required = {name for name, field in type(self).model_fields.items() if field.is_required()}
+        return {name: value for name, value in written.items() if value is not None or name in required}
+
+
+class Answer(Part):
+    """What a stage leaves in its JSON file.
+
+    ``FILE`` is the name of the file within the folder of a run. ``VERSION`` counts the meanings that the keys have had:
+    raise it when one changes its meaning while its name stays. A new key without a default needs no new version, since
+    a file without that key is recognised as an older one.
+    """
+
+    FILE: ClassVar[str]
+    VERSION: ClassVar[int] = 1
+
+    @classmethod
+    def read(cls, store: Store) -> Self:
+        """The answer that stands in a folder.
+
+        Raises InputError if there is none or if it is no JSON, OtherVersionError if another version wrote it.
+        """
+        data = store.read_json(cls.FILE)
+        found = data.pop("version", None) if isinstance(data, dict) else None
+        try:
+            answer = cls.model_validate(data)
+        except ValidationError as error:
+            raise OtherVersionError(str(store.folder / cls.FILE), _problems(error)) from None
+        if found != cls.VERSION:
+            told = f"version {found} of this file; expected version {cls.VERSION}; run the stage that writes it again"
+            raise OtherVersionError(str(store.folder / cls.FILE), [told])
+        return answer
+
+    def write(self, store: Store) -> None:
+        """Write the answer into a folder; numbers that are not finite become null."""
+        store.write_json(self.FILE, {"version": self.VERSION, **self.model_dump(mode="json")})
+
+
+class SectionLabel(Part):
+    """Which section an answer belongs to."""
+
+    name: str
+    sha256: str = Field(description="fingerprint of the section without the settings")
+    reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
+
+    @classmethod
+    def of(cls, run: Input) -> Self:
+        """The label of the section of an input."""
+        return cls(name=run.name, sha256=run.sha256(), reconstruction=run.reconstruction)
+
+
+def line(points: np.ndarray) -> Line:
+    """Points (n, 2) of a line, as an answer holds them."""
+    return tuple((float(x), float(z)) for x, z in points)
+
+
+def _problems(error: ValidationError) -> list[str]:
+    """The first few keys that do not fit, each with what was expected."""
+    told = [f"{'.'.join(map(str, one['loc'])) or 'the file'}: {one['msg']}" for one in error.errors()]
+    return [*told[:3], "it was written by another version of the program; run the stage that writes it again"]

@@ -1,0 +1,69 @@
+"""fem/bounds.json: strict bounds of the critical seismic coefficient by limit analysis."""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from fem.settings import BoundsSettings, Sides
+from workflow.results.answer import Answer, Part, SectionLabel
+
+Verdict = Literal["bracketed", "wide", "no bracket"]
+
+
+class StressResiduals(Part):
+    """What the check of the lower bound found: how far the stress is from equilibrium and from the yield surface."""
+
+    imbalance: float = Field(description="largest body force left over in a cell times its size, over the stress")
+    traction_jump: float = Field(description="largest difference of traction across an edge, over the stress")
+    yield_slack: float = Field(description="smallest distance of a corner to the yield surface, negative past it")
+
+
+class VelocityResiduals(Part):
+    """What the check of the upper bound found: how far the velocities are from what the flow rule and the sides ask."""
+
+    multiplier: float = Field(description="the bound, computed from the velocities alone")
+    flow_slack: float = Field(description="smallest volume rate beyond what the flow rule asks for, where φ > 0")
+    volume: float = Field(description="largest volume rate where φ = 0, over the strain rate")
+    boundary: float = Field(description="largest velocity of a component that is held, over the largest velocity")
+    jump: float = Field(description="largest difference of velocity at a common node, over the largest velocity")
+
+
+class Residuals(Part):
+    """What the checks of both bounds left over; None where there is no such bound."""
+
+    lower: StressResiduals | None
+    upper: VelocityResiduals | None
+
+
+class MeshRound(Part):
+    """The bounds on one of the meshes, each finer than the one before."""
+
+    cells: int
+    lower: float | None
+    upper: float | None
+    notes: tuple[str, ...]
+    seconds: float = Field(description="computing time")
+
+
+class BoundsAnswer(Answer):
+    """Both bounds, how far each of them was checked, and every mesh on the way."""
+
+    FILE: ClassVar[str] = "fem/bounds.json"
+
+    section: SectionLabel
+    lower: float | None = Field(description="the section stands at every Kh below this one")
+    upper: float | None = Field(description="the section fails at every Kh above this one")
+    gap: float | None = Field(description="(upper - lower) over their mean")
+    verdict: Verdict
+    reason: str
+    words: str = Field(description="the bracket as a person reads it")
+    flow: str = Field(description="which flow rule the bounds are for, in words")
+    davis: bool = Field(description="whether they are those of Davis's substitute, a proxy")
+    sides: Sides
+    direction: Literal["downhill", "uphill"]
+    vertical: float = Field(description="vertical seismic coefficient, positive upwards")
+    cells: int = Field(description="triangles of the last mesh")
+    seconds: float = Field(description="computing time")
+    residuals: Residuals
+    history: tuple[MeshRound, ...]
+    settings: BoundsSettings

@@ -1,0 +1,191 @@
+"""dem/calibration.json: which parameter of the discs was changed, by how much, and every trial of it."""
+
+# ruff: noqa: N815 (units are written as they are)
+
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from workflow.results.answer import Answer, Known, Part
+from workflow.results.discs import SearchVerdict
+
+if TYPE_CHECKING:
+    from dem.search.calibration import Calibration
+    from dem.search.critical import Search
+
+
+class SearchBracket(Part):
+    """The bracket that one search for the critical Kh ended with."""
+
+    kc: float | None
+    kc_lower: float
+    kc_upper: float | None
+    verdict: SearchVerdict
+    reason: str
+    seconds: float = Field(description="time of the model, all trials together")
+
+
+class FactorTrial(SearchBracket):
+    """The critical Kh with one value of the factor."""
+
+    value: float
+
+    @classmethod
+    def of(cls, value: float, search: "Search", **more: str) -> Self:
+        """The bracket of a search; ``more`` are fields beyond it."""
+        return cls(
+            value=value,
+            kc=search.kc,
+            kc_lower=search.lower,
+            kc_upper=search.upper,
+            verdict=search.verdict,
+            reason=search.reason,
+            seconds=round(sum(trial.seconds for trial in search.trials), 3),
+            **more,
+        )
+
+
+class Sensitivity(FactorTrial):
+    """The critical Kh with a factor on one parameter, all others as they were."""
+
+    parameter: str
+
+
+class SoilProperties(Part):
+    """The soil of a stratum as the section gives it."""
+
+    E_Pa: float
+    nu: float
+    c_Pa: float
+    phi_deg: float
+
+
+class AssemblyProperties(Part):
+    """A patch of discs tested as a soil sample is; None for what could not be had."""
+
+    E_Pa: Known
+    nu: Known
+    c_Pa: Known
+    phi_deg: Known
+    c_last_Pa: Known = Field(description="at the end of the test, past the peak")
+    phi_last_deg: Known
+    dilation_deg: Known
+    G_Pa: Known
+    c_shear_Pa: Known = Field(description="in simple shear")
+    phi_shear_deg: Known
+    E_2d_Pa: Known
+    nu_2d: Known
+
+
+class Biaxial(Part):
+    """The strength in biaxial compression at one pressure."""
+
+    verdict: str
+    strain: Known
+    sigma_1_Pa: Known
+    sigma_3_Pa: Known
+
+
+class SimpleShear(Part):
+    """The strength in simple shear at one pressure."""
+
+    verdict: str
+    strain: Known
+    tau_Pa: Known
+    sigma_Pa: Known
+
+
+class PressureAnswer(Part):
+    """Both tests at one confining pressure."""
+
+    pressure_Pa: Known
+    biaxial: Biaxial
+    simple_shear: SimpleShear
+
+
+class ElementTestQuality(Part):
+    """How near to rest the tests were up to their peaks."""
+
+    unbalanced_largest: Known
+    unbalanced_median: Known
+    inertial_number_largest: Known
+    rate_per_s_largest: Known
+    pressure_error_rms: Known = Field(description="error of the pressure that was kept, as a share")
+
+
+class LayerTest(Part):
+    """The discs of one stratum in one packing beside the soil; without numbers where the test could not be done."""
+
+    stratum: str
+    packing: str
+    soil: SoilProperties | None
+    assembly: AssemblyProperties | None
+    tests: tuple[PressureAnswer, ...] | None = None
+    verdicts: tuple[str, ...] | None = Field(default=None, description="what keeps a strength from being a peak")
+    quality: ElementTestQuality | None = None
+    reason: str | None = Field(default=None, description="why the test could not be done")
+
+
+class CalibrationAnswer(Answer):
+    """The factor that brings the discs to the critical Kh of the continuum, or the closest that there is."""
+
+    FILE: ClassVar[str] = "dem/calibration.json"
+
+    target_kc: float | None = Field(description="the critical Kh of the continuum; None where none was asked for")
+    tolerance: float
+    parameter: str
+    value: float
+    range: tuple[float, float] | None
+    kc: float | None
+    kc_lower: float
+    kc_upper: float | None
+    verdict: Literal["calibrated", "out of reach", "not asked for"]
+    reason: str
+    sensitivity: tuple[Sensitivity, ...]
+    trials: tuple[FactorTrial, ...]
+    element_tests: tuple[LayerTest, ...]
+
+    @classmethod
+    def of(cls, found: "Calibration", element_tests: tuple[LayerTest, ...] = ()) -> Self:
+        """The calibration as an answer holds it; sensitivities by parameter, then by factor."""
+        parameters = dict.fromkeys(name for name, _, _ in found.sensitivity if name)
+        by_factor = sorted(found.sensitivity, key=lambda row: row[1])
+        return cls(
+            target_kc=found.target,
+            tolerance=found.tolerance,
+            parameter=found.parameter,
+            value=found.value,
+            range=found.range,
+            kc=found.search.kc,
+            kc_lower=found.search.lower,
+            kc_upper=found.search.upper,
+            verdict=found.verdict,
+            reason=found.reason,
+            sensitivity=tuple(
+                Sensitivity.of(factor, search, parameter=name)
+                for name in parameters
+                for changed, factor, search in by_factor
+                if changed in ("", name)
+            ),
+            trials=tuple(FactorTrial.of(factor, search) for factor, search in found.trials),
+            element_tests=element_tests,
+        )
+
+    @classmethod
+    def not_asked_for(cls, search: "Search", tolerance: float) -> Self:
+        """The answer where no calibration was asked for: the discs as they are, and their critical Kh."""
+        return cls(
+            target_kc=None,
+            tolerance=tolerance,
+            parameter="none",
+            value=1.0,
+            range=None,
+            kc=search.kc,
+            kc_lower=search.lower,
+            kc_upper=search.upper,
+            verdict="not asked for",
+            reason='dem.parameter = "none"',
+            sensitivity=(),
+            trials=(),
+            element_tests=(),
+        )

@@ -1,0 +1,120 @@
+"""dem/cases.json: how far each case of liquefaction slides."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import numpy as np
+from pydantic import Field
+
+from workflow.results.answer import Answer, Line, Part
+
+if TYPE_CHECKING:
+    from dem.slides.liquefaction import Slide
+
+
+class CaseNumbers(Part):
+    """One case of liquefaction in numbers. Lengths in m, downhill and down positive."""
+
+    stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
+    settlement_uphill_m: float = Field(description="mean over the uphill third of the surface")
+    settlement_middle_m: float
+    settlement_downhill_m: float
+    slide_uphill_m: float = Field(description="mean over the uphill third of the surface")
+    slide_middle_m: float
+    slide_downhill_m: float
+    slide_max_m: float = Field(description="largest slide of the surface")
+    slide_max_at_x_m: float = Field(description="where that is")
+    crack_opening_m: float = Field(description="widest gap between neighbours of the surface")
+    settled: bool = Field(description="whether the ground has come to rest")
+    reason: str
+    escaped: int = Field(description="discs that left the section")
+    cracked_pore_springs: int
+    seconds_simulated: float = Field(description="since the onset")
+    step_share: float = Field(description="time step over the stable one")
+    slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
+    slides_over_share_uphill: float = Field(description="the same of its uphill half")
+    slides_over_share_downhill: float = Field(description="the same of its downhill half")
+
+
+class CaseAnswer(CaseNumbers):
+    """One case of liquefaction: the numbers, and where the ground lay and came to lie, points [x, elevation] in m."""
+
+    surface_before: Line
+    surface_after: Line
+
+    @classmethod
+    def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
+        """A slide as an answer holds it.
+
+        ``alone`` is the same ground under Kh without liquefaction, which tells sliding from giving way elastically.
+        """
+        return cls(stiffness=stiffness, **slide.as_json(alone))
+
+    @property
+    def numbers(self) -> CaseNumbers:
+        """The numbers alone."""
+        return CaseNumbers(**{name: getattr(self, name) for name in CaseNumbers.model_fields})
+
+
+class Spread(Part):
+    """A number on several random packings: mean, standard deviation, and one by one; None where there are too few."""
+
+    mean: float | None
+    spread: float | None
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Self:
+        """The spread of some values; the standard deviation is that of a sample."""
+        return cls(
+            mean=float(np.mean(values)) if values else None,
+            spread=float(np.std(values, ddof=1)) if len(values) > 1 else None,
+            values=tuple(values),
+        )
+
+
+class RandomCase(Part):
+    """One case on random packings that fail at the same Kh."""
+
+    slide_max_m: Spread
+    settlement_uphill_m: Spread
+    settlement_middle_m: Spread
+
+
+class Seed(Part):
+    """The calibration of one random packing."""
+
+    seed: int
+    kc_before: float | None
+    parameter: str
+    value: float
+    kc: float | None
+    verdict: str
+    reason: str
+
+
+class RandomPackings(Part):
+    """The cases once more on random packings; a seed that could not be calibrated is named, and not counted."""
+
+    seeds: tuple[Seed, ...]
+    cases: dict[int, RandomCase]
+
+
+class CasesAnswer(Answer):
+    """All cases by number, for each set of springs; "calibrated" is the one that counts where it is there."""
+
+    FILE: ClassVar[str] = "dem/cases.json"
+
+    sets: dict[str, dict[int, CaseAnswer]]
+    random: RandomPackings | None
+
+    def each(self) -> Iterator[tuple[str, int, CaseAnswer]]:
+        """Every set, number and case, in the order of sets and numbers."""
+        for name, cases in self.sets.items():
+            for number in sorted(cases):
+                yield name, number, cases[number]
+
+    @property
+    def first_set(self) -> str:
+        """The name of the set that counts; empty without any."""
+        return next((name for name in ("calibrated", *self.sets) if name in self.sets), "")

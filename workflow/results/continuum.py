@@ -1,0 +1,105 @@
+"""fem/critical.json: the critical seismic coefficient of the continuum, and how it was found."""
+
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from fem.settings import Element, FemSettings
+from workflow.results.answer import Answer, Line, Part, SectionLabel
+
+if TYPE_CHECKING:
+    from meshes.quad_mesh import QuadMesh
+
+Verdict = Literal["plateau", "peak", "no failure", "undecided"]
+
+
+class MeshCount(Part):
+    """The mesh that an answer was found on."""
+
+    quadrilaterals: int
+    nodes: int
+    method: str = Field(description='"mapped", "free", or "given" where the mesh came from elsewhere')
+
+    @classmethod
+    def of(cls, mesh: "QuadMesh") -> Self:
+        """The count of a mesh."""
+        return cls(quadrilaterals=len(mesh.cells), nodes=len(mesh.points), method=mesh.method)
+
+
+class Gravity(Part):
+    """How the weight was brought on, before Kh."""
+
+    iterations: int = Field(description="Newton iterations")
+    plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
+
+
+class PathStep(Part):
+    """One converged step of the path of rising Kh, or of falling strength."""
+
+    length: float = Field(description="arc length from the start of the path, in reference displacements")
+    displacement: float = Field(description="mean horizontal displacement weighted by the seismic mass (m)")
+    factor: float = Field(description="Kh, or the divisor of c and tan φ")
+    iterations: int = Field(description="Newton iterations of the step")
+    residual: float = Field(description="unbalanced force over the weight")
+    plastic_share: float = Field(description="share of the points that yield, 0 to 1")
+    cutbacks: int = Field(description="how often the step was halved before it converged")
+    at_rest: bool = Field(description="whether the step let overstress relax while the load was held")
+    balanced: bool = Field(description="whether the forces balanced afterwards without any overstress")
+
+
+class KeptState(Part):
+    """The continuum at one Kh whose fields were kept."""
+
+    label: str
+    kh: float
+    past_equilibrium: bool = Field(description="whether there is no equilibrium at this Kh")
+    largest_displacement_m: float = Field(description="since gravity")
+    failed_share_by_stratum: dict[str, float] = Field(description="share of the cells at failure, 0 to 1")
+    slip_surface: Line = Field(description="points [x, elevation] of the largest shear strain along x (m)")
+
+
+class FactorOfSafety(Part):
+    """By how much c and tan φ can be divided at one Kh until the section fails."""
+
+    kh: float
+    factor: float = Field(description="the largest divisor at which an equilibrium was found")
+    upper: float = Field(description="what it may be at most")
+    verdict: Verdict
+    reason: str
+    curve: tuple[PathStep, ...]
+
+
+class FemAnswer(Answer):
+    """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
+
+    FILE: ClassVar[str] = "fem/critical.json"
+
+    section: SectionLabel
+    kc: float = Field(description="the largest Kh at which an equilibrium was found")
+    kc_lower: float = Field(description="the same: the lower end of the bracket")
+    kc_upper: float = Field(description="what the critical Kh may be at most")
+    verdict: Verdict
+    reason: str
+    remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
+    element: Element
+    settings: FemSettings
+    dilation_deg: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")
+    mesh: MeshCount
+    gravity: Gravity
+    linear_solves: int
+    curve: tuple[PathStep, ...]
+    states: tuple[KeptState, ...]
+    safety_factors: tuple[FactorOfSafety, ...]
+
+    @property
+    def has_kc(self) -> bool:
+        """Whether the path came to a plateau or a peak, so that there is a critical Kh."""
+        return self.verdict in ("plateau", "peak")
+
+    def state_at(self, kh: float) -> KeptState | None:
+        """The kept state at a Kh, if there is one."""
+        return next((state for state in self.states if abs(state.kh - kh) < 1e-9), None)
+
+    def last_in_equilibrium(self) -> KeptState | None:
+        """The last state of the path, which shows the failure mechanism."""
+        return next((state for state in reversed(self.states) if not state.past_equilibrium), None)

@@ -1,0 +1,135 @@
+"""dem/critical.json: the critical seismic coefficient of the discs, before and after calibration."""
+
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from workflow.results.answer import Answer, Known, Line, Part, Point, SectionLabel
+
+if TYPE_CHECKING:
+    from dem.search.critical import Search
+    from dem.search.equilibrium import Trial
+
+TrialVerdict = Literal["stands", "fails", "undecided"]
+SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
+SetOfSprings = Literal["before", "after"]
+
+
+class DiscModelAnswer(Part):
+    """The discs at rest under their weight."""
+
+    packing: str
+    rows: int
+    radius_m: float
+    elements: int = Field(description="discs that can move")
+    boundary_elements: int = Field(description="discs that cannot")
+    tilt_deg: float = Field(description="by which gravity is tilted, the mean slope of the ground with its sign")
+    seed: int | None = Field(description="of a random packing")
+    porosity: float = Field(description="voids over the area of the section")
+    unbalanced_ratio: float = Field(description="mean unbalanced force over mean contact force")
+    settling_seconds: float = Field(description="time of the model")
+    pore_springs: int
+
+
+class Parameters(Part):
+    """The springs of the discs, and the factor of the calibration on one of their parameters."""
+
+    springs: Literal["soil", "table2"]
+    stiffness_scale: float
+    mean: Literal["arithmetic", "harmonic"]
+    stiffness: float | None = None
+    friction: float | None = None
+    pore_strength: float | None = None
+    strength: float | None = None
+    all: float | None = None
+
+
+class KhTrial(Part):
+    """Whether the discs stand at one Kh, and what that verdict rests on; None for a number that is not known."""
+
+    kh: float
+    verdict: TrialVerdict
+    reason: str
+    unbalanced_ratio: Known = Field(description="mean unbalanced force over mean contact force")
+    kinetic_ratio: Known = Field(description="kinetic over stored energy")
+    displacement_m: float = Field(description="mean displacement downhill, weighted by mass")
+    elastic_displacement_m: Known = Field(description="what it would be if the ground were elastic")
+    seconds: float = Field(description="time of the model")
+
+
+class DiscSearch(Part):
+    """The bracket of the critical Kh of the discs, and every trial on the way."""
+
+    parameters: Parameters | None = Field(default=None, description="the springs it was found with")
+    kc: float | None = Field(description="the middle of the bracket; None without one")
+    kc_lower: float = Field(description="the largest Kh at which they stood")
+    kc_upper: float | None = Field(description="the least Kh at which they did not")
+    verdict: SearchVerdict
+    reason: str
+    flexibility_m: float = Field(description="elastic displacement over Kh")
+    trials: tuple[KhTrial, ...]
+    curve: tuple[Point, ...] = Field(description="[Kh, displacement in m] of the states that stood")
+
+    @classmethod
+    def of(cls, search: "Search", parameters: Parameters | None = None) -> Self:
+        """A search as an answer holds it."""
+        return cls(
+            parameters=parameters,
+            kc=search.kc,
+            kc_lower=search.lower,
+            kc_upper=search.upper,
+            verdict=search.verdict,
+            reason=search.reason,
+            flexibility_m=search.flexibility,
+            trials=tuple(KhTrial.model_validate(trial) for trial in search.trials),
+            curve=tuple(search.curve),
+        )
+
+
+class DiscState(KhTrial):
+    """The discs at one Kh whose state was kept, before or after calibration."""
+
+    set: SetOfSprings
+    file: str = Field(description="the discs, within the folder of the run")
+    cracked_share_by_stratum: dict[str, float] = Field(description="share of the pore springs that are cracked")
+    slip_surface: Line = Field(description="points [x, elevation] of the largest jump of displacement (m)")
+    largest_displacement_m: float = Field(description="of any disc, since rest under its weight")
+
+    @classmethod
+    def of(cls, trial: "Trial", **more: Any) -> Self:
+        """The state that a trial ended in; ``more`` are the fields that a trial does not have."""
+        return cls(**dict(KhTrial.model_validate(trial)), **more)
+
+
+class SlipSurfaces(Part):
+    """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and how far apart they are."""
+
+    dem: Line = Field(description="calibrated discs")
+    dem_before: Line = Field(description="discs before calibration")
+    fem: Line = Field(description="the continuum at the last state of its path")
+    mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
+    same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
+    columns: int | None = Field(default=None, description="columns of discs that were compared")
+
+
+class DiscsAnswer(Answer):
+    """The discs, their critical Kh with both sets of springs, and the states that are drawn."""
+
+    FILE: ClassVar[str] = "dem/critical.json"
+
+    section: SectionLabel
+    model: DiscModelAnswer
+    before: DiscSearch
+    after: DiscSearch
+    states: tuple[DiscState, ...]
+    slip_surface: SlipSurfaces
+
+    @property
+    def kc_table2(self) -> float | None:
+        """The critical Kh with the springs of the paper's Table 2 as printed, where those were asked for."""
+        asked = self.before.parameters is not None and self.before.parameters.springs == "table2"
+        return self.before.kc if asked else None
+
+    def states_of(self, which: SetOfSprings) -> dict[float, DiscState]:
+        """The kept states of one set of springs, by their Kh."""
+        return {round(state.kh, 6): state for state in self.states if state.set == which}

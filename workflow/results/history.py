@@ -1,0 +1,61 @@
+"""dem/history.csv: settlement, slide, energies and cracks of every slide in time."""
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, fields
+
+from pydantic import TypeAdapter
+
+from dem.slides.liquefaction import Row
+from meshes.errors import InputError
+from workflow.results.answer import OtherVersionError
+from workflow.run.store import Store
+
+FILE = "dem/history.csv"
+COLUMNS = ["set", "case", *(field.name for field in fields(Row))]
+
+
+@dataclass(frozen=True)
+class SlideHistory:
+    """One slide in time: which set of springs, which case (0: Kh alone), and a row for every look at it."""
+
+    springs: str
+    case: int
+    rows: tuple[Row, ...]
+
+
+def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
+    """Write a line for every look at every slide, by set of springs, then by number of the case."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
+        for row in slide.rows:
+            numbers = (str(v) if isinstance(v, int) else f"{v:.6g}" for v in asdict(row).values())
+            table.writerow([slide.springs, slide.case, *numbers])
+    store.write_text(FILE, text.getvalue())
+
+
+def read_histories(store: Store) -> list[SlideHistory]:
+    """The slides of a folder in the order of the file.
+
+    Raises InputError if there is none, OtherVersionError if another version of the program wrote it.
+    """
+    path = store.folder / FILE
+    row_of = TypeAdapter(Row)
+    found: dict[tuple[str, int], list[Row]] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            table = csv.DictReader(file)
+            if table.fieldnames != COLUMNS:
+                raise OtherVersionError(str(path), [f"expected the columns {', '.join(COLUMNS)}"])
+            for line in table:
+                found.setdefault((line["set"], int(line["case"])), []).append(row_of.validate_python(line))
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror}; run the stage slide"]) from None
+    except ValueError as error:
+        if isinstance(error, OtherVersionError):
+            raise
+        raise OtherVersionError(str(path), [f"line {table.line_num} is none of this version: {error}"]) from None
+    return [SlideHistory(springs, case, tuple(rows)) for (springs, case), rows in found.items()]

@@ -1,0 +1,118 @@
+"""summary.json: the numbers of a run, units in their names."""
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from fem.settings import Element, Sides
+from workflow.results.answer import Answer, Part, SectionLabel
+from workflow.results.cases import CaseNumbers, RandomPackings
+from workflow.results.continuum import MeshCount, Verdict
+
+
+class FemSummary(Part):
+    """The continuum. Without a critical Kh only ``kc_lower``, the largest Kh at which it was seen to stand."""
+
+    kc: float | None
+    kc_lower: float
+    kc_upper: float | None
+    verdict: Verdict
+    reason: str
+    dilation: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")
+    sides: Sides
+    element: Element
+
+
+class VariantSummary(Part):
+    """The critical Kh of the continuum with one thing changed."""
+
+    change: str
+    kc: float | None
+    kc_upper: float | None
+    verdict: str
+
+
+class BoundsSummary(Part):
+    """Strict bounds of the critical Kh."""
+
+    lower: float | None
+    upper: float | None
+
+
+class Factor(Part):
+    """What the calibration multiplied, and by how much."""
+
+    parameter: str
+    value: float
+
+
+class DemSummary(Part):
+    """The discs."""
+
+    elements: int
+    boundary_elements: int
+    kc_table2: float | None = Field(description="critical Kh with the springs of the paper's Table 2 as printed")
+    kc: float | None
+    kc_lower: float
+    kc_upper: float | None
+    calibrated: Factor | None
+    verdict: str
+
+
+class EstimateSummary(Part):
+    """What a practitioner would compare the slides with."""
+
+    method: str
+    displacement_m: float | None
+    words: str
+    source: str
+    validity: str
+
+
+class PaperSummary(Part):
+    """One quantity of the paper beside ours; ``agrees`` is None where there is nothing to compare."""
+
+    quantity: str
+    paper: str
+    where: str
+    ours: str
+    agrees: bool | None
+    why: str
+
+
+class NoAnswer(Part):
+    """Why a stage ended without an answer, and what to try."""
+
+    reason: str
+    remedy: str
+
+
+class MadeWith(Part):
+    """On which machine, and with which versions of the program and of its libraries."""
+
+    versions: dict[str, str]
+    host: str
+    system: str
+    processor: str
+
+
+class Summary(Answer):
+    """What all stages found; a stage without an answer stands under ``no_answer``."""
+
+    FILE: ClassVar[str] = "summary.json"
+
+    section: SectionLabel
+    mesh: MeshCount | None
+    fem: FemSummary | None
+    fem_variants: dict[str, VariantSummary] | None = None
+    bounds: BoundsSummary | None = None
+    dem: DemSummary | None = None
+    cases: dict[int, CaseNumbers] | None = Field(default=None, description="the cases on the springs that count")
+    cases_springs: str | None = Field(default=None, description="which springs those are")
+    cases_table2: dict[int, CaseNumbers] | None = None
+    cases_random: RandomPackings | None = None
+    comparison: tuple[EstimateSummary, ...]
+    paper: tuple[PaperSummary, ...] | None = None
+    no_answer: dict[str, NoAnswer]
+    seconds: dict[str, float] = Field(description="computing time of every stage")
+    made_with: MadeWith
