@@ -2,7 +2,7 @@
 BIN := .venv/bin
 SECTION ?= meshes/sections/s13.toml
 
-.PHONY: help setup run lint test test-all browser clean
+.PHONY: help setup run verify lint test test-all browser clean
 
 help:       ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 12
@@ -12,6 +12,9 @@ setup:      ## install what is missing; does nothing when all is there
 
 run: setup  ## the whole workflow on meshes/sections/s13.toml, or on SECTION=my.toml
 	@$(BIN)/noshiro run $(SECTION)
+
+verify: setup ## what others published on slopes, beside our answers; takes an hour
+	@$(BIN)/noshiro verify --page
 
 lint: setup ## style, types, and who may import whom
 	$(BIN)/ruff check .

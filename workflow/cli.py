@@ -28,6 +28,7 @@ from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input, dotted, merged
+from workflow.verify.command import verify
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
@@ -273,6 +274,9 @@ def slide(
     """How far the calibrated discs slide once layers have liquefied."""
     job = _job(_input(section, {}, settings), folder, cases=tuple(case) if case else None)
     _execute_up_to("slide", job, force, quiet, verbose)
+
+
+app.command()(verify)
 
 
 def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:

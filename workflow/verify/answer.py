@@ -21,7 +21,7 @@ Part = Literal["bounds", "associated", "section"]
 PARTS: tuple[Part, ...] = ("bounds", "associated", "section")
 
 # When bounds are close enough, and how many triangles they may take.
-BOUNDS = BoundsSettings(gap=0.02, max_cells=4000)
+BOUNDS = BoundsSettings(gap=0.03, max_cells=4000)
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer
 def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> str:
     """The page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
-    parts = [_head(), _summary(verdicts), "## Cases", _table(cases, answers, verdicts)]
+    parts = [_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
     waiting = [case for case in cases if case.waits]
     parts += ["## Waiting", _waiting(waiting), "## Remarks", _remarks(cases, answers, verdicts)]
     left_out = folder / LEFT_OUT
@@ -50,10 +50,22 @@ def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> 
 def numbers(found: Answer) -> str:
     """The strict bounds as a range."""
     if found.lower is None and found.upper is None:
-        return ""
+        return "-"
     low = "?" if found.lower is None else f"{found.lower:.3f}"
     high = "?" if found.upper is None else f"{found.upper:.3f}"
     return f"{low} to {high}"
+
+
+def elements(found: Answer) -> str:
+    """What the elements find with ψ = φ and with the dilation of the strata."""
+    return " and ".join(f"{one:.3f}" if one is not None else "-" for one in (found.associated, found.section))
+
+
+def published(case: Case) -> str:
+    """The smallest and the largest number published."""
+    ends = [end for value in case.published.values for end in value.ends]
+    low, high = min(ends), max(ends)
+    return f"published {low:g}" if low == high else f"published {low:g} to {high:g}"
 
 
 def _head() -> str:
@@ -63,9 +75,12 @@ def _head() -> str:
     return HEAD.format(below=100 * BELOW, above=100 * ABOVE, tolerances=tolerances).strip()
 
 
-def _summary(verdicts: Mapping[str, Verdict]) -> str:
+def _summary(verdicts: Mapping[str, Verdict], answers: Mapping[str, Answer]) -> str:
     counted = Counter(verdict.word for verdict in verdicts.values())
-    return ", ".join(f"{count} {word}" for word, count in counted.most_common()) + "."
+    bounded = sum(found.lower is not None and found.upper is not None for found in answers.values())
+    meshed = sum(found.associated is not None for found in answers.values())
+    words = ", ".join(f"{count} {word}" for word, count in counted.most_common())
+    return f"{words}. Bounds were found for {bounded}, elements were run on {meshed}."
 
 
 def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:

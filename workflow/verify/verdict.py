@@ -49,7 +49,7 @@ def judge(case: Case, found: Answer | None) -> Verdict:
     if apart and not case.published.explained:
         return Verdict("wrong", tuple(apart))
     if apart:
-        return Verdict("explained", (case.published.explained, *apart))
+        return Verdict("explained", (case.published.explained, *apart, *outside(case, found)))
     return Verdict("right", tuple(outside(case, found)))
 
 
@@ -70,13 +70,21 @@ def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
 
 
 def outside(case: Case, found: Answer) -> Iterator[str]:
-    """A sentence for every published value that the strict bounds exclude."""
-    for value in case.published.values:
-        low, high = value.ends
-        if found.upper is not None and low > found.upper:
-            yield f"{low:g} ({value.author}, {value.method}) is above what is proven to fail"
-        elif found.lower is not None and high < found.lower:
-            yield f"{high:g} ({value.author}, {value.method}) is below what is proven to stand"
+    """A sentence on the published values that the strict bounds exclude, above and below."""
+    values = case.published.values
+    if found.upper is not None:
+        above = [_named(value) for value in values if value.ends[0] > found.upper]
+        if above:
+            yield f"Proven to fail: {', '.join(above)}"
+    if found.lower is not None:
+        below = [_named(value) for value in values if value.ends[1] < found.lower and value.kind != "upper bound"]
+        if below:
+            yield f"Proven to stand: {', '.join(below)}"
+
+
+def _named(value: Value) -> str:
+    low, high = value.ends
+    return f"{low:g}" + (f" to {high:g}" if high > low else "") + f" ({value.author}, {value.method})"
 
 
 def _missing(case: Case, found: Answer) -> Iterator[str]:

@@ -1,0 +1,52 @@
+"""`noshiro verify` on a folder with two cases."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from meshes.errors import InputError
+from tests.support.published import PUBLISHED
+from workflow.verify.answer import Answer
+from workflow.verify.command import verify
+from workflow.verify.record import read_answers, write_answers
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A case that can be run and one that waits."""
+    for name in ("taylor_60_20", "arai_tagyo_3"):
+        shutil.copy(PUBLISHED / f"{name}.toml", tmp_path)
+    return tmp_path
+
+
+def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.CaptureFixture[str]):
+    """Taylor's circle of friction: c / γH = 0.097 at φ = 20° and 60°; log-spiral 0.0964."""
+    rows = folder / "rows.json"
+    verify(folder=folder, only=["bounds"], file=rows, page=True)
+    found = read_answers(folder / "answers.json")["taylor_60_20"]
+    assert 0.97 < found.lower < 1.006 < found.upper < 1.03
+    by_name = {row["name"]: row for row in json.loads(rows.read_text(encoding="utf-8"))}
+    assert by_name["taylor_60_20"]["verdict"] == "right"
+    assert by_name["arai_tagyo_3"]["verdict"] == "waiting"
+    assert "right     taylor_60_20" in capsys.readouterr().out
+    page = (folder / "README.md").read_text(encoding="utf-8")
+    assert "1 right, 1 waiting" in page or "1 waiting, 1 right" in page
+    assert (folder / "pictures" / "taylor_60_20.png").stat().st_size < 5000
+
+
+def test_what_was_found_before_is_judged_without_computing(folder: Path, capsys: pytest.CaptureFixture[str]):
+    write_answers(folder / "answers.json", {"taylor_60_20": Answer("taylor_60_20", lower=1.2, upper=1.25)})
+    verify(names=["taylor"], folder=folder, judge=True)
+    said = capsys.readouterr().out
+    assert "wrong     taylor_60_20" in said
+    assert "equilibrium: 1 published, 1.2 to 1.25 here" in said
+
+
+def test_unknown_parts_and_spoiled_answers_are_told(folder: Path):
+    with pytest.raises(InputError, match="expected one of bounds, associated, section"):
+        verify(folder=folder, only=["everything"])
+    (folder / "answers.json").write_text("[1]", encoding="utf-8")
+    with pytest.raises(InputError, match="delete the file"):
+        verify(folder=folder, judge=True)

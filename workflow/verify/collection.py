@@ -1,0 +1,59 @@
+"""A run over a collection of cases, case by case; what was found is kept after each."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from workflow.verify.answer import PARTS, Answer, Part, answer
+from workflow.verify.case import Case, read_cases
+from workflow.verify.record import FILE, read_answers, write_answers
+from workflow.verify.verdict import Verdict, judge
+
+
+@dataclass(frozen=True)
+class Row:
+    """A case, what was found for it, and whether that is right."""
+
+    case: Case
+    found: Answer | None
+    verdict: Verdict
+
+    def as_dict(self) -> dict[str, Any]:
+        """Name, verdict, numbers and seconds, for a file."""
+        found = self.found or Answer(self.case.name)
+        return {
+            "name": self.case.name,
+            "verdict": self.verdict.word,
+            "expected": self.case.published.expected,
+            "kh": self.case.published.kh,
+            "lower": found.lower,
+            "upper": found.upper,
+            "elements_associated": found.associated,
+            "elements": found.section,
+            "seconds": {"bounds": found.bounds_seconds, "elements_associated": found.associated_seconds}
+            | {"elements": found.section_seconds},
+            "published": [value.model_dump() for value in self.case.published.values],
+            "remarks": list(self.verdict.remarks),
+        }
+
+
+def run(
+    folder: Path, names: Sequence[str] = (), parts: Collection[Part] = PARTS, tell: Callable[[Row], None] | None = None
+) -> list[Row]:
+    """Find the answers of the cases whose names begin with one of ``names``, all without any, and judge them.
+
+    What was found is written beside the cases after each of them; parts that are not run keep what was found before.
+    """
+    record = folder / FILE
+    rows = []
+    for case in read_cases(folder, names):
+        answers = read_answers(record)
+        if not case.waits and parts:
+            answers[case.name] = answer(case, parts, answers.get(case.name))
+            write_answers(record, answers)
+        found = answers.get(case.name)
+        rows.append(Row(case, found, judge(case, found)))
+        if tell:
+            tell(rows[-1])
+    return rows

@@ -1,0 +1,77 @@
+"""The command `noshiro verify`."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from meshes.errors import InputError
+
+if TYPE_CHECKING:
+    from workflow.verify.collection import Row
+
+FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published]", show_default=False)
+
+
+def verify(
+    names: Annotated[list[str] | None, typer.Argument(help="Cases whose names begin so; all without any.")] = None,
+    folder: Annotated[Path | None, FOLDER_OPTION] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="bounds, associated or section; repeatable.", show_default=False)
+    ] = None,
+    judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
+    file: Annotated[Path | None, typer.Option("--json", help="Write the rows to a file.")] = None,
+    page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
+) -> None:
+    """Find the answers of published slopes and judge them: right, wrong or explained."""
+    from workflow.verify.answer import PARTS
+    from workflow.verify.case import FOLDER
+    from workflow.verify.collection import run
+
+    unknown = [part for part in only or () if part not in PARTS]
+    if unknown:
+        raise InputError("--only", [f'"{part}": expected one of {", ".join(PARTS)}' for part in unknown])
+    wanted = () if judge else tuple(part for part in PARTS if not only or part in only)
+    out = Console(highlight=False)
+    rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
+    out.print(_count(rows))
+    if file:
+        file.write_text(json.dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False), encoding="utf-8")
+    if page:
+        out.print(str(_page(folder or FOLDER)), soft_wrap=True)
+
+
+def _page(folder: Path) -> Path:
+    from workflow.verify.case import read_cases
+    from workflow.verify.page import write_page
+    from workflow.verify.record import FILE, read_answers
+
+    return write_page(folder, read_cases(folder), read_answers(folder / FILE))
+
+
+def _tell(out: Console, row: "Row") -> None:
+    """One line for a case, and one for each remark on a wrong one."""
+    from workflow.verify.page import elements, numbers, published
+
+    if row.verdict.word == "waiting":
+        return
+    found = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
+    line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {found}"
+    out.print(escape(line), soft_wrap=True)
+    if row.verdict.word == "wrong":
+        for remark in row.verdict.remarks:
+            out.print(escape(f"          {remark}"), soft_wrap=True)
+
+
+def _count(rows: "list[Row]") -> Table:
+    words = list(dict.fromkeys(row.verdict.word for row in rows))
+    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
+    for word in words:
+        table.add_column(word, justify="right")
+    table.add_row(*(str(sum(row.verdict.word == word for row in rows)) for word in words))
+    return table
