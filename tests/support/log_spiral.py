@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 # Points of the spiral; the work of the body between them and the ground is 1e-6 of itself off.
 POINTS = 400
-STARTS = 15
+STARTS = 60
 
 
 def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> float:
@@ -22,7 +22,7 @@ def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> flo
     starts = draw.uniform([0.3, 0.3, 0.0], [math.pi - 0.6, 1.8, 0.6], size=(40 * STARTS, 3))
     best = sorted(starts, key=tried)[:STARTS]
     found = [
-        minimize(tried, start, method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-10}) for start in best[:4]
+        minimize(tried, start, method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-10}) for start in best[:6]
     ]
     return float(min(result.fun for result in found))
 
