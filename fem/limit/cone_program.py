@@ -24,8 +24,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-# Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh.
-SOLVER_GAP = 5e-6
+# Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh. And the residual of
+# its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.
+SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 MOST_ITERATIONS = 120
 MOST_CORRECTIONS = 30
 
@@ -194,6 +195,7 @@ def _settings() -> clarabel.DefaultSettings:
     settings.verbose = False
     settings.max_iter = MOST_ITERATIONS
     settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_GAP
+    settings.tol_feas = FEASIBILITY
     settings.presolve_enable = False
     settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
     return settings

@@ -9,17 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import qr
 
 from fem.limit import cone_program
 from fem.limit.limit_problem import LimitProblem
+from fem.limit.point_freedom import DEPENDENT, stress_free_corners
 
 # Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
-# unit size; in others it goes with their size.
-STRESS_MARGIN = 3e-5
+# unit size; in others it goes with their size, down to the second number.
+STRESS_MARGIN, LEAST_MARGIN = 3e-5, 1e-6
 
-# Smallest eigenvalue of the Gram matrix of one point's equations, over the largest, at which they are independent.
-DEPENDENT = 1e-12
+# Smallest eigenvalue of the Gram matrix of one point's equations, over the largest, at which they are left as they are.
+WELL_CONDITIONED = 1e-6
 
 # Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
@@ -56,19 +56,17 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     balance, dead, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
     cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
-    kept = margin * np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
-    strain = balance.T.tocsr()[free]
-    matters = independent_equations(strain.T.tocsr(), points)
+    size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
+    kept = margin * np.maximum(size, LEAST_MARGIN / STRESS_MARGIN)
+    balance, dead, live = independent_equations(balance[:, free].tocsr(), dead, live, points)
     ones = np.ones(len(cohesion))
-    program = cone_program.ConeProgram(
-        strain[:, matters], cohesion, friction, ones, dead[matters], live[matters], stress_margin=kept
-    )
+    program = cone_program.ConeProgram(balance.T.tocsr(), cohesion, friction, ones, dead, live, stress_margin=kept)
     solution = cone_program.solve(program)
     found = solution.stress.ravel()
-    found = found + cone_program.smallest_correction(strain.T, dead + solution.multiplier * live - strain.T @ found)
-    stress = np.zeros(9 * len(problem.mesh.cells))
-    stress[free] = found
-    yield_work = np.abs(stress * (balance[matters].T @ solution.rates)).reshape(-1, 3, 3).sum(axis=2)
+    found = found + cone_program.smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
+    stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
+    stress[free], work[free] = found, np.abs(found * (balance.T @ solution.rates))
+    yield_work = work.reshape(-1, 3, 3).sum(axis=2)
     return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), yield_work, solution)
 
 
@@ -82,11 +80,14 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
     return sparse.vstack(matrices).tocsr(), np.concatenate(dead), np.concatenate(live), np.concatenate(points)
 
 
-def independent_equations(matrix: sparse.csr_matrix, points: np.ndarray) -> np.ndarray:
-    """Numbers of a set of linearly independent equations, judged point by point from the tractions there.
+def independent_equations(
+    matrix: sparse.csr_matrix, dead: np.ndarray, live: np.ndarray, points: np.ndarray
+) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
+    """A, b0, b1 of equations that say the same and are linearly independent, judged point by point.
 
-    Equations depend on others where edges go on straight through a point, and at corners without stress. The dual
-    velocities of dependent equations are not unique and could grow without end, and with them the solver's tolerance.
+    Tractions at a point depend on each other where edges go on straight through it, and at corners without stress. The
+    dual velocities of dependent equations are not unique and could grow without end, and with them the solver's
+    tolerance. Where edges go on almost straight, equations are all but dependent: they are made orthonormal.
     """
     at_point = np.flatnonzero(points >= 0)
     at_point = at_point[np.argsort(points[at_point], kind="stable")]
@@ -94,20 +95,35 @@ def independent_equations(matrix: sparse.csr_matrix, points: np.ndarray) -> np.n
     gram = (tractions @ tractions.T).tocsr()  # equations of different points have no stress in common
     start = np.flatnonzero(np.diff(points[at_point], prepend=-1))
     size = np.diff(start, append=len(at_point))
-    kept = [np.flatnonzero(points < 0)]
+    changed: list[tuple[np.ndarray, np.ndarray]] = []  # numbers of equations, and their combinations in rows
+    whole_rows = [np.flatnonzero(points < 0)]
     for count in np.unique(size):
-        first = start[size == count]
-        rows = first[:, None] + np.arange(count)
+        rows = start[size == count][:, None] + np.arange(count)
         flat = np.asarray(gram[np.repeat(rows, count, axis=1).ravel(), np.tile(rows, (1, count)).ravel()])
-        blocks = flat.reshape(len(first), count, count)
-        values = np.linalg.eigvalsh(blocks)
-        whole = values[:, 0] > DEPENDENT * values[:, -1]
-        kept.append(at_point[rows[whole]].ravel())
-        for row, block in zip(rows[~whole], blocks[~whole], strict=True):
-            _, triangle, order = qr(block, pivoting=True)
-            steps = np.abs(np.diag(triangle))
-            kept.append(at_point[row[order[: np.count_nonzero(steps > DEPENDENT * max(steps[0], 1e-300))]]])
-    return np.sort(np.concatenate(kept))
+        values = np.linalg.eigvalsh(flat.reshape(len(rows), count, count))
+        whole = values[:, 0] > WELL_CONDITIONED * values[:, -1]
+        whole_rows.append(at_point[rows[whole]].ravel())
+        changed += [(at_point[row], _orthonormal(matrix[at_point[row]])) for row in rows[~whole]]
+    kept = np.sort(np.concatenate(whole_rows))
+    combinations = [sparse.identity(matrix.shape[0], format="csr")[kept]]
+    if changed:
+        values = np.concatenate([combination.ravel() for _, combination in changed])
+        columns = np.concatenate([np.tile(rows, len(combination)) for rows, combination in changed])
+        length = np.concatenate([np.full(len(combination), len(rows)) for rows, combination in changed])
+        starts = np.concatenate([[0], np.cumsum(length)])
+        combinations.append(sparse.csr_matrix((values, columns, starts), shape=(len(length), matrix.shape[0])))
+    change = sparse.vstack(combinations).tocsr()
+    changed_matrix = (change @ matrix).tocsr()
+    return changed_matrix, change @ dead, change @ live
+
+
+def _orthonormal(equations: sparse.csr_matrix) -> np.ndarray:
+    """Combinations (r, k) of k equations that are orthonormal and say the same, r their rank."""
+    used = np.unique(equations.indices)
+    left, values, _ = np.linalg.svd(equations[:, used].toarray(), full_matrices=False)
+    rank = np.count_nonzero(values > DEPENDENT * values.max(initial=0.0))
+    scale = values.max(initial=0.0) / values[:rank]
+    return scale[:, None] * left[:, :rank].T
 
 
 def _balance(problem: LimitProblem) -> Equations:
@@ -172,30 +188,3 @@ def _tractions(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray, norma
     return sparse.csr_matrix(
         (entries.ravel(), (np.stack([rows, rows, rows + 1, rows + 1]).ravel(), columns.ravel())), shape=shape
     )
-
-
-def stress_free_corners(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3) at which there can be no stress: of ground without cohesion at its free, unloaded surface.
-
-    There the traction is zero, so that one principal stress is; the other one would have to be tension. From such a
-    corner it spreads to the neighbours at the same point, whose traction on the common edge is zero as well.
-    """
-    mesh, outline = problem.mesh, problem.outline
-    loose = problem.cohesion == 0.0
-    bare = ~outline.held.any(axis=1) & ~outline.dead.any(axis=(1, 2)) & ~outline.live.any(axis=(1, 2))
-    bare &= loose[outline.cells]
-    free = np.zeros(mesh.cells.shape, dtype=bool)
-    for end in (0, 1):
-        cells = outline.cells[bare]
-        free[cells, np.argmax(mesh.cells[cells] == outline.ends[bare, end][:, None], axis=1)] = True
-    inner = mesh.edge_cells[mesh.edge_cells[:, 1] >= 0]
-    ends = mesh.edges[mesh.edge_cells[:, 1] >= 0]
-    while True:
-        before = np.count_nonzero(free)
-        for here, there in ((0, 1), (1, 0)):
-            for end in (0, 1):
-                at = [np.argmax(mesh.cells[inner[:, k]] == ends[:, end][:, None], axis=1) for k in (here, there)]
-                spreads = free[inner[:, here], at[0]] & loose[inner[:, there]]
-                free[inner[spreads, there], at[1][spreads]] = True
-        if np.count_nonzero(free) == before:
-            return free

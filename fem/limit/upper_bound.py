@@ -12,6 +12,7 @@ from scipy import sparse
 
 from fem.limit import cone_program
 from fem.limit.limit_problem import LimitProblem
+from fem.limit.point_freedom import unstrained_points
 from meshes.triangles import TriMesh
 
 # Volumetric strain rate beyond that of the flow rule, so that rounding does not break it: in units of velocity over
@@ -44,10 +45,12 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
     nodes, moves, dead, live = nodes_and_loads(problem)
+    basis = free_velocities(problem, moves)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
-    strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes)[:, moves]).tocsr()
-    # A corner between two held edges cannot strain, and rounding must not make it.
+    strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes) @ basis).tocsr()
+    strain.eliminate_zeros()
+    # Corners of unstrained points, and of cells that are held altogether, have no strain rate at all.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
     program = cone_program.ConeProgram(
@@ -55,20 +58,41 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
         np.repeat(problem.cohesion, 3)[corners],
         np.repeat(problem.friction, 3)[corners],
         size[corners],
-        dead[moves],
-        live[moves],
+        basis.T @ dead,
+        basis.T @ live,
         strain_margin=margin * size[corners],
         strain_share=margin,
     )
     solution = cone_program.solve(program)
     rates = _corrected(program, solution.rates)
-    velocity = np.zeros(len(moves))
-    velocity[moves] = rates
-    return UpperBound(solution.multiplier, velocity.reshape(-1, 2)[nodes], solution)
+    return UpperBound(solution.multiplier, (basis @ rates).reshape(-1, 2)[nodes], solution)
+
+
+def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matrix:
+    """From the free velocities to all (2 n,), of which ``moves`` (2 n,) are not held.
+
+    On an edge from a point that cannot strain the velocity v has no slope there: 4 v(middle) = 3 v(point) + v(end).
+    """
+    mesh = problem.mesh
+    unstrained = unstrained_points(problem)
+    edges = np.flatnonzero(unstrained[mesh.edges].any(axis=1))
+    ends = mesh.edges[edges]
+    point = np.where(unstrained[ends[:, 0]], ends[:, 0], ends[:, 1])
+    middle, here, there = (
+        2 * node[:, None] + [0, 1] for node in (len(mesh.points) + edges, point, ends.sum(1) - point)
+    )
+    own = moves.astype(float)
+    own[middle] = 0.0
+    rows, columns = np.concatenate([middle.ravel()] * 2), np.concatenate([here.ravel(), there.ravel()])
+    shares = np.repeat([0.75, 0.25], middle.size) * moves[rows] * moves[columns]
+    full = sparse.diags(own) + sparse.csr_matrix((shares, (rows, columns)), shape=(len(moves), len(moves)))
+    full = sparse.csc_matrix(full)
+    full.eliminate_zeros()
+    return full[:, np.diff(full.indptr) > 0].tocsr()
 
 
 def _corrected(program: cone_program.ConeProgram, rates: np.ndarray) -> np.ndarray:
-    """Rates whose volume stays where φ = 0 and whose live load does work of 1, to rounding."""
+    """Velocities whose volume stays where φ = 0 and whose live load does work of 1, to rounding."""
     clay = np.flatnonzero(program.friction == 0.0)
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
     equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()

@@ -1,0 +1,172 @@
+"""What the conditions at one point leave free: where no stress can be, and where nothing can strain.
+
+Several cells meet at a point, each with a stress and a strain rate of its own there, and the conditions that tie them
+to each other and to the boundary concern that point alone. Some leave only zero. Rounding would make the zero a small
+number beyond the yield surface or against the flow rule, and a solver that needs an interior would not converge: such
+points are found beforehand, and zero is put there.
+"""
+
+from collections.abc import Iterator
+
+import clarabel
+import numpy as np
+from scipy import sparse
+
+from fem.limit.limit_problem import LimitProblem
+
+# Singular value of equations of unit length, all at one point, up to which they depend on each other.
+DEPENDENT = 1e-12
+# Largest eigenvalue of the yield function on the stresses that a point leaves free, over that of the whole cone, at
+# which none of them is inside the cone.
+OUTSIDE = 1e-9
+# Volumetric strain rate that the flow rule lets exceed sin φ times the shear rate, for velocity gradients of 1, below
+# which a point counts as unable to strain.
+UNSTRAINED = 0.02
+
+
+def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Points, the cells that meet there, and the corner of each of these that is the point."""
+    cells = problem.mesh.cells
+    wanted = np.zeros(len(problem.mesh.points), dtype=bool)
+    wanted[points] = True
+    at = np.flatnonzero(wanted[cells.ravel()])
+    at = at[np.argsort(cells.ravel()[at], kind="stable")]
+    for group in np.split(at, np.flatnonzero(np.diff(cells.ravel()[at])) + 1):
+        if len(group):
+            yield int(cells.ravel()[group[0]]), group // 3, group % 3
+
+
+def stress_free_corners(problem: LimitProblem) -> np.ndarray:
+    """Corners (m, 3), as a mask, of cells without cohesion that can have no stress, because a bare surface is near.
+
+    Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a
+    cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero.
+    """
+    outline, mesh = problem.outline, problem.mesh
+    loose = problem.cohesion == 0.0
+    given = ~outline.held[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
+    touches = np.zeros(len(mesh.points), dtype=bool)
+    touches[outline.ends[given.any(axis=2)]] = True
+    at_loose = np.zeros(len(mesh.points), dtype=bool)
+    at_loose[mesh.cells[loose]] = True
+    place = np.full(len(mesh.edges), -1)
+    place[outline.edges] = np.arange(len(outline.edges))
+    free = np.zeros(mesh.cells.shape, dtype=bool)
+    for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
+        equations = _traction_equations(problem, point, cells, place, given)
+        zero = np.zeros(len(cells), dtype=bool)
+        while True:
+            fixed = np.kron(np.eye(len(cells))[zero], np.eye(3))
+            left = _null_space(np.vstack([equations, fixed])).reshape(len(cells), 3, -1)
+            outside = [_outside_cone(part, phi) for part, phi in zip(left, problem.friction[cells], strict=True)]
+            more = loose[cells] & ~zero & outside
+            if not more.any():
+                break
+            zero |= more
+        free[cells[zero], corners[zero]] = True
+    return free
+
+
+def _traction_equations(
+    problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, given: np.ndarray
+) -> np.ndarray:
+    """Tractions at a point, from the stresses of its cells: jumps across inner edges, and given zeros."""
+    mesh, outline = problem.mesh, problem.outline
+    rows = []
+    for edge in np.unique(mesh.cell_edges[cells]):
+        ends = mesh.edges[edge]
+        if point not in ends:
+            continue
+        along = mesh.points[ends[1]] - mesh.points[ends[0]]
+        x, y = np.array([along[1], -along[0]]) / np.hypot(*along)
+        traction = np.array([[x, 0.0, y], [0.0, y, x]])
+        row = np.zeros((2, len(cells), 3))
+        for cell, sign in zip(mesh.edge_cells[edge], (1.0, -1.0), strict=True):
+            if cell >= 0:
+                row[:, np.flatnonzero(cells == cell)[0]] = sign * traction
+        k = place[edge]
+        if k >= 0:
+            row = row[given[k, int(outline.ends[k, 1] == point)]]
+        rows.append(row.reshape(-1, 3 * len(cells)))
+    return np.vstack(rows)
+
+
+def _null_space(matrix: np.ndarray) -> np.ndarray:
+    _, values, vectors = np.linalg.svd(matrix)
+    return vectors[np.count_nonzero(values > DEPENDENT) :].T
+
+
+def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
+    """Whether no combination of stresses (3, d) lies inside the cone of ground without cohesion."""
+    mean, half = 0.5 * (stresses[0] + stresses[1]), 0.5 * (stresses[0] - stresses[1])
+    inside = np.sin(friction) ** 2 * np.outer(mean, mean) - np.outer(half, half) - np.outer(stresses[2], stresses[2])
+    return stresses.shape[1] == 0 or float(np.linalg.eigvalsh(inside)[-1]) <= OUTSIDE
+
+
+def unstrained_points(problem: LimitProblem) -> np.ndarray:
+    """Points (n,), as a mask, on held boundaries where the flow rule lets no cell strain.
+
+    Such are corners between two held edges, where φ is larger than half of their angle, and contacts with ground that
+    cannot dilate on a straight one. There the velocity gradient of a cell follows from the derivatives of the velocity
+    along its edges, of which the held ones have none.
+    """
+    mesh, outline = problem.mesh, problem.outline
+    held = np.zeros((len(mesh.edges), 2), dtype=bool)
+    held[outline.edges] = outline.held
+    on_held = np.zeros(len(mesh.points), dtype=bool)
+    on_held[outline.ends[outline.held.any(axis=1)]] = True
+    found = np.zeros(len(mesh.points), dtype=bool)
+    for point, cells, corners in fans(problem, np.flatnonzero(on_held)):
+        friction = problem.friction[cells]
+        if not friction.any():
+            continue
+        own = np.column_stack([corners, (corners + 2) % 3])
+        edges = np.take_along_axis(mesh.cell_edges[cells], own, axis=1)
+        bounds = edges[held[edges].any(axis=2)]
+        if not (friction.all() and _parallel(problem, bounds)):
+            found[point] = _largest_slack(problem, point, cells, edges, held) < UNSTRAINED
+    return found
+
+
+def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:
+    """Whether all of the edges lie on one straight line."""
+    ends = problem.mesh.points[problem.mesh.edges[edges]]
+    along = ends[:, 1] - ends[:, 0]
+    along /= np.hypot(*along.T)[:, None]
+    return bool(np.abs(along[0, 0] * along[:, 1] - along[0, 1] * along[:, 0]).max() <= 1e-9)
+
+
+def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: np.ndarray, held: np.ndarray) -> float:
+    """The largest s with volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where φ = 0), over
+    velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet there."""
+    mesh, friction = problem.mesh, problem.friction[cells]
+    different, place = np.unique(edges, return_inverse=True)
+    place = place.reshape(edges.shape)
+    ends = mesh.edges[edges]
+    along = mesh.points[ends.sum(axis=2) - point] - mesh.points[point]
+    inverse = np.linalg.inv(np.swapaxes(along / np.linalg.norm(along, axis=2)[..., None], 1, 2))
+    rates = np.zeros((len(cells), 3, len(different), 2))  # [xx, yy, xy] of every cell
+    for j in range(len(cells)):
+        for side in (0, 1):
+            dx, dy = inverse[j, side]
+            rates[j, :, place[j, side]] += [[dx, 0.0], [0.0, dy], [dy, dx]]
+    return _most_dilation(rates[..., ~held[different]], np.sin(friction))
+
+
+def _most_dilation(rates: np.ndarray, sin: np.ndarray) -> float:
+    """The largest s of ``_largest_slack``, for strain rates (k, [xx, yy, xy], n) of n unknowns and sin φ (k,)."""
+    clay, sand = rates[sin == 0.0], rates[sin > 0.0]
+    sin, size = sin[sin > 0.0, None], rates.shape[-1]
+    cone = np.stack([sand[:, 0] + sand[:, 1], sin * (sand[:, 0] - sand[:, 1]), sin * sand[:, 2]], axis=1)
+    slack = np.tile([[1.0], [0.0], [0.0]], (len(sand), 1))
+    equal = np.column_stack([clay[:, 0] + clay[:, 1], np.zeros(len(clay))])
+    box = np.vstack([np.eye(size + 1), -np.eye(size + 1)])
+    matrix = sparse.csc_matrix(np.vstack([equal, box, np.column_stack([-cone.reshape(-1, size), slack])]))
+    offset = np.concatenate([np.zeros(len(clay)), np.ones(len(box)), np.zeros(3 * len(sand))])
+    cones = [clarabel.ZeroConeT(len(clay)), clarabel.NonnegativeConeT(len(box))]
+    cones += [clarabel.SecondOrderConeT(3)] * len(sand)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    nothing = sparse.csc_matrix((size + 1, size + 1))
+    cost = np.append(np.zeros(size), -1.0)
+    return float(clarabel.DefaultSolver(nothing, cost, matrix, offset, cones, settings).solve().x[-1])
