@@ -27,6 +27,10 @@ from meshes.section.section import Section, Stratum
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 
+# Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
+# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help.
+PATIENT = 60, 8
+
 # The elastic displacement under this Kh is the unit of the arc length.
 REFERENCE_KH = 0.25
 
@@ -181,7 +185,10 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
         norm(load) + norm(constant),
-        replace(path_settings(problem, settings), first=0.2, largest=0.2),
+        replace(
+            path_settings(problem, settings), first=0.2, largest=0.2,
+            newton=NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1]),
+        ),
     )  # fmt: skip
     carried = 0.0
     while not path.reach(1.0):

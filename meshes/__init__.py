@@ -13,6 +13,7 @@ from meshes.section import Section, Stratum
 from meshes.settings import MeshSettings
 
 if TYPE_CHECKING:
+    from meshes.adaptation import adapted
     from meshes.gmsh_model import generate
     from meshes.quad_mesh import BadMeshError, QuadMesh, read
     from meshes.triangles import TriMesh, triangulate
@@ -25,6 +26,7 @@ __all__ = [
     "Section",
     "Stratum",
     "TriMesh",
+    "adapted",
     "generate",
     "read",
     "triangulate",
@@ -32,6 +34,7 @@ __all__ = [
 
 # What is imported when it is first used: gmsh and meshio take half a second.
 LATER = {
+    "adapted": "meshes.adaptation",
     "generate": "meshes.gmsh_model",
     "BadMeshError": "meshes.quad_mesh",
     "QuadMesh": "meshes.quad_mesh",

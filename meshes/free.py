@@ -1,6 +1,7 @@
 """Free meshes of any section, conforming to every interface: quadrilaterals of a wanted size, or triangles."""
 
-from collections.abc import Mapping as MappingABC
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import gmsh
@@ -14,23 +15,45 @@ from meshes.settings import GROWTH_REACH
 ALGORITHMS = (8, 6, 5)
 
 
-def build_free(
-    section: Section,
-    size: float,
-    sizes: MappingABC[str, float],
-    towards: MappingABC[str, float],
-    refine: int,
-    algorithm: int,
-) -> None:
-    """Mesh the section in the current gmsh model with quadrilaterals of about ``size`` (m) over ``refine``.
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """The sizes of cell edges that are wanted (m); the smallest that holds at a place is taken.
 
-    ``sizes`` by stratum and ``towards`` by interface (m) say where it is to be finer. Triangles of twice the
-    size are recombined and then every cell is divided at the middles of its edges: what is left over as a triangle
-    becomes three convex quadrilaterals, so that no triangle stays and no cell can fold. ``algorithm`` is one of
-    ALGORITHMS.
+    Attributes
+    ----------
+    ordinary : where nothing else is said
+    strata : in a stratum, by its name
+    towards : at "surface", "base" or the bottom of a stratum, by name
+    corners, at_corners : (k, 3, 2) triangles (m) that cover the section, and (k, 3) the sizes at their corners, linear
+        in between; none if there is no such field
+    """
+
+    ordinary: float
+    strata: Mapping[str, float] = field(default_factory=dict)
+    towards: Mapping[str, float] = field(default_factory=dict)
+    corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 2)))
+    at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+
+    def times(self, scale: float) -> "Sizes":
+        """All sizes multiplied."""
+        return Sizes(
+            scale * self.ordinary,
+            {name: scale * size for name, size in self.strata.items()},
+            {name: scale * size for name, size in self.towards.items()},
+            self.corners,
+            scale * self.at_corners,
+        )
+
+
+def build_free(section: Section, sizes: Sizes, algorithm: int) -> None:
+    """Mesh the section in the current gmsh model with quadrilaterals of about the ``sizes``.
+
+    Triangles of twice the size are recombined and then every cell is divided at the middles of its edges: what is left
+    over as a triangle becomes three convex quadrilaterals, so that no triangle stays and no cell can fold.
+    ``algorithm`` is one of ALGORITHMS.
     """
     surfaces, curves = _geometry(section)
-    _size_field(section, surfaces, curves, 2.0 * size / refine, sizes, towards, 2.0 / refine)
+    _size_field(section, surfaces, curves, sizes.times(2.0))
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)
     option("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -43,10 +66,10 @@ def build_free(
     gmsh.model.mesh.generate(2)
 
 
-def build_triangles(section: Section, size: float, sizes: MappingABC[str, float]) -> None:
-    """Mesh the section in the current gmsh model with triangles of about ``size`` (m), or ``sizes`` by stratum."""
+def build_triangles(section: Section, sizes: Sizes) -> None:
+    """Mesh the section in the current gmsh model with triangles of about the ``sizes``."""
     surfaces, curves = _geometry(section)
-    _size_field(section, surfaces, curves, size, sizes, {}, 1.0)
+    _size_field(section, surfaces, curves, sizes)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: takes any geometry
@@ -135,35 +158,41 @@ def _named_curves(
     return boundaries, bottoms
 
 
-def _size_field(
-    section: Section,
-    surfaces: dict[int, list[int]],
-    curves: dict[str, list[int]],
-    size: float,
-    sizes: MappingABC[str, float],
-    towards: MappingABC[str, float],
-    scale: float,
-) -> None:
+def _size_field(section: Section, surfaces: dict[int, list[int]], curves: dict[str, list[int]], sizes: Sizes) -> None:
     """gmsh's size field: the smallest of the stratum's, its neighbour's on a common curve, and the interfaces'."""
-    field = gmsh.model.mesh.field
-    fields = []
+    fields = gmsh.model.mesh.field
+    found = []
     for k, stratum in enumerate(section.strata):
-        inside = field.add("Constant")
-        field.setNumbers(inside, "SurfacesList", surfaces[k])
-        field.setNumber(inside, "VIn", scale * sizes[stratum.name] if stratum.name in sizes else size)
-        fields.append(inside)
-    for name, wanted in towards.items():
-        distance = field.add("Distance")
-        field.setNumbers(distance, "CurvesList", curves[name])
-        field.setNumber(distance, "Sampling", 200)
-        near = field.add("Threshold")
-        field.setNumber(near, "InField", distance)
-        field.setNumber(near, "SizeMin", scale * wanted)
-        field.setNumber(near, "SizeMax", max(size, scale * wanted))
-        field.setNumber(near, "StopAtDistMax", 1)
-        field.setNumber(near, "DistMin", scale * wanted)
-        field.setNumber(near, "DistMax", GROWTH_REACH * max(size, scale * wanted))
-        fields.append(near)
-    smallest = field.add("Min")
-    field.setNumbers(smallest, "FieldsList", fields)
-    field.setAsBackgroundMesh(smallest)
+        inside = fields.add("Constant")
+        fields.setNumbers(inside, "SurfacesList", surfaces[k])
+        fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.ordinary))
+        found.append(inside)
+    for name, wanted in sizes.towards.items():
+        distance = fields.add("Distance")
+        fields.setNumbers(distance, "CurvesList", curves[name])
+        fields.setNumber(distance, "Sampling", 200)
+        near = fields.add("Threshold")
+        fields.setNumber(near, "InField", distance)
+        fields.setNumber(near, "SizeMin", wanted)
+        fields.setNumber(near, "SizeMax", max(sizes.ordinary, wanted))
+        fields.setNumber(near, "StopAtDistMax", 1)
+        fields.setNumber(near, "DistMin", wanted)
+        fields.setNumber(near, "DistMax", GROWTH_REACH * max(sizes.ordinary, wanted))
+        found.append(near)
+    if len(sizes.corners):
+        found.append(_view_field(sizes))
+    smallest = fields.add("Min")
+    fields.setNumbers(smallest, "FieldsList", found)
+    fields.setAsBackgroundMesh(smallest)
+
+
+def _view_field(sizes: Sizes) -> int:
+    """gmsh's field of the sizes at the corners of triangles."""
+    view = gmsh.view.add("sizes")
+    count = len(sizes.corners)
+    x, z = sizes.corners[..., 0], sizes.corners[..., 1]
+    gmsh.view.addListData(view, "ST", count, np.hstack([x, z, np.zeros((count, 3)), sizes.at_corners]).ravel())
+    number = int(gmsh.model.mesh.field.add("PostView"))
+    gmsh.model.mesh.field.setNumber(number, "ViewTag", view)
+    gmsh.model.mesh.field.setNumber(number, "UseClosest", 1)  # for points that rounding puts outside
+    return number

@@ -2,8 +2,9 @@
 
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import gmsh
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.free import ALGORITHMS, build_free
+from meshes.free import ALGORITHMS, Sizes, build_free
 from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
 from meshes.section.section import BOUNDARIES, Section
@@ -29,26 +30,41 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
     problems = settings.problems(section)
     if problems:
         raise InputError(section.name, problems)
-    method = settings.method_for(section)
+    if settings.method_for(section) == "free":
+        return free_mesh(section, sizes_of(section, settings), path)
+
+    def build() -> None:
+        build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
+
+    return _built(section, "mapped", build, path)
+
+
+def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
+    """The sizes of a free mesh by its settings."""
+    sizes = Sizes(settings.cell_size(section), settings.sizes, settings.towards)
+    return sizes.times(1.0 / settings.refine)
+
+
+def free_mesh(section: Section, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
+    """A free mesh of the given sizes, by the first of gmsh's algorithms that leaves no bad cell.
+
+    Raises BadMeshError, the first one's, if none does.
+    """
     failure: BadMeshError | None = None
-    for algorithm in ALGORITHMS if method == "free" else (0,):
+    for algorithm in ALGORITHMS:
         try:
-            return _build(section, settings, method, algorithm, path)
+            return _built(section, "free", partial(build_free, section, sizes, algorithm), path)
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None
     raise failure
 
 
-def _build(section: Section, settings: MeshSettings, method: str, algorithm: int, path: Path | str | None) -> QuadMesh:
+def _built(section: Section, method: str, build: Callable[[], None], path: Path | str | None) -> QuadMesh:
     """Mesh in a gmsh session of its own, check the mesh, and write it if a path is given."""
     with session(section.name):
         try:
-            if method == "mapped":
-                build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
-            else:
-                size = settings.cell_size(section)
-                build_free(section, size, settings.sizes, settings.towards, settings.refine, algorithm)
+            build()
         except InputError:
             raise
         except Exception as error:  # gmsh raises plain Exception with its last error message

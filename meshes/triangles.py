@@ -6,7 +6,7 @@ from functools import cached_property
 import gmsh
 import numpy as np
 
-from meshes.free import build_triangles
+from meshes.free import Sizes, build_triangles
 from meshes.gmsh_model import group_nodes, session
 from meshes.quad_mesh import BadMeshError
 from meshes.section.section import BOUNDARIES, Section
@@ -90,7 +90,7 @@ def triangulate(section: Section, size: float, sizes: dict[str, float] | None = 
     """
     with session(section.name):
         try:
-            build_triangles(section, size, sizes or {})
+            build_triangles(section, Sizes(size, sizes or {}))
         except Exception as error:  # gmsh raises plain Exception with its last error message
             raise BadMeshError(f"gmsh gave up: {error}") from error
         mesh = _from_gmsh(section)

@@ -1,0 +1,125 @@
+"""The critical seismic coefficient on meshes made anew for the mechanism, until it no longer changes.
+
+Plastic shear goes through a band as narrow as the cells allow, and the coefficient is too large in proportion to the
+width of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. From two meshes follows
+what the last one still has (Richardson 1911).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from fem.critical import CriticalResult
+from fem.errors import UnstableError
+from meshes.adaptation import adapted
+from meshes.quad_mesh import BadMeshError, QuadMesh
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+
+# The next mesh has this many times the cells of the last one.
+MORE_CELLS = 1.5
+# The first adapted mesh has at least this many: fewer cannot follow a band.
+FEWEST_CELLS = 500
+# A change is told as a share of kc, or of this Kh where kc is smaller.
+SMALLEST_KH = 0.02
+
+
+@dataclass(frozen=True)
+class MeshRound:
+    """One mesh of the sequence.
+
+    Attributes
+    ----------
+    cells : int
+        Number of quadrilaterals.
+    kc : float
+        Critical Kh on it (-).
+    change : float
+        Difference from the mesh before as a share of ``kc``; infinite for the first.
+    """
+
+    cells: int
+    kc: float
+    change: float
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveResult:
+    """The answer on the last mesh, and the sequence that led to it.
+
+    Attributes
+    ----------
+    result : CriticalResult
+        Answer and fields on ``mesh``.
+    mesh : QuadMesh
+        The last mesh.
+    rounds : list of MeshRound
+        The sequence, coarsest first.
+    converged : bool
+        Whether the last change is within the accuracy that was asked for.
+    reason : str
+        Why there was no further mesh.
+    """
+
+    result: CriticalResult
+    mesh: QuadMesh
+    rounds: list[MeshRound] = field(default_factory=list)
+    converged: bool = False
+    reason: str = ""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Where the limit of the sequence lies, if the error goes with one over the number of cells (-).
+
+        The lower end is (-inf) where there is one mesh only. It is no strict bound.
+        """
+        last = self.rounds[-1]
+        if len(self.rounds) < 2:
+            return -math.inf, last.kc
+        before = self.rounds[-2]
+        limit = last.kc - (before.kc - last.kc) / max(last.cells / before.cells - 1.0, 0.25)
+        return min(limit, last.kc), max(limit, last.kc)
+
+
+def solve_adaptively(
+    section: Section,
+    settings: MeshSettings,
+    first: QuadMesh,
+    solve: Callable[[QuadMesh], CriticalResult],
+    accuracy: float,
+    max_cells: int,
+    listener: Callable[[MeshRound], None] | None = None,
+) -> AdaptiveResult:
+    """Solve on ``first``, then on meshes adapted to the plastic shear strain of the last answer.
+
+    Ends when the critical Kh changes by no more than ``accuracy`` of itself, when the next mesh would have more than
+    ``max_cells`` cells, or when there is no answer on it; then the last answer counts. Every rank makes the same mesh.
+
+    Raises what ``solve`` raises on the first mesh.
+    """
+    mesh, result = first, solve(first)
+    rounds: list[MeshRound] = []
+    while True:
+        change = math.inf
+        if rounds:
+            change = abs(result.kc - rounds[-1].kc) / max(abs(result.kc), SMALLEST_KH)
+        rounds.append(MeshRound(len(mesh.cells), result.kc, change))
+        if listener is not None:
+            listener(rounds[-1])
+        reason, converged = "", change <= accuracy
+        wanted = max(math.ceil(MORE_CELLS * len(mesh.cells)), FEWEST_CELLS)
+        if converged:
+            reason = f"the last mesh changed it by {100 * change:.1f} %"
+        elif result.verdict in ("no failure", "undecided"):
+            reason = f"there is no mechanism to refine: {result.reason}"
+        elif wanted > max_cells:
+            reason = f"the next mesh would have {wanted} cells, {max_cells} are allowed"
+        if not reason:
+            try:
+                finer = adapted(section, settings, mesh, result.states[-1].plastic_shear_strain, wanted)
+                answer = solve(finer)
+            except (BadMeshError, UnstableError) as error:
+                reason = f"there is no answer on the next mesh: {error}"
+        if reason:
+            return AdaptiveResult(result, mesh, rounds, converged, reason)
+        mesh, result = finer, answer

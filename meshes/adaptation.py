@@ -1,0 +1,97 @@
+"""A mesh made anew for what was found on the last one: small cells where the ground yields, large ones elsewhere.
+
+A mechanism is thin: its shear goes through a band as narrow as the mesh can make it, and the load comes out too large
+in proportion to the width of that band. So cells are best spent there.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from meshes.errors import InputError
+from meshes.free import Sizes
+from meshes.gmsh_model import free_mesh
+from meshes.quad_mesh import QuadMesh
+from meshes.quality import areas
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+
+# The size of cells may grow by this much for each metre away from a smaller one: neighbours differ by a quarter.
+GROWTH = 0.25
+# Elastic ground may have cells this many times larger than the ordinary ones.
+COARSER = 2.0
+# No cell becomes more than this many times smaller at once: what is not resolved yet is not known that well.
+FINER = 4.0
+# Indicators below this share of the largest count as this share: elastic ground.
+FLOOR = 1e-6
+# gmsh makes about this many times as many quadrilaterals as sizes and areas say.
+SURPLUS = 1.17
+
+
+def adapted(
+    section: Section,
+    settings: MeshSettings,
+    mesh: QuadMesh,
+    indicator: np.ndarray,
+    cells: int,
+    path: Path | str | None = None,
+) -> QuadMesh:
+    """A free mesh of about ``cells`` quadrilaterals for a section of which ``mesh`` was the last one.
+
+    ``indicator`` (len(mesh.cells),), not negative, is what was found in its cells, such as plastic shear strain: the
+    size of new cells goes with one over its root, so that its integral is the same over each. Where it is zero
+    everywhere cells stay alike. Sizes that the settings ask for in strata and towards lines are kept as upper limits.
+
+    Raises InputError if the indicator does not fit the mesh, BadMeshError as ``generate`` does.
+    """
+    indicator = np.asarray(indicator, dtype=float)
+    if indicator.shape != (len(mesh.cells),) or not np.all(indicator >= 0.0):
+        wish = f"expected {len(mesh.cells)} numbers that are not negative, one for each cell"
+        raise InputError(section.name, [f"indicator of shape {indicator.shape}: {wish}"])
+    largest = COARSER * settings.cell_size(section)
+    triangles = np.concatenate([mesh.cells[:, [0, 1, 2]], mesh.cells[:, [0, 2, 3]]])
+    at_points = wanted_sizes(mesh, indicator, cells / SURPLUS, largest)
+    scale = 1.0 / settings.refine
+    sizes = Sizes(
+        largest,
+        {name: scale * size for name, size in settings.sizes.items()},
+        {name: scale * size for name, size in settings.towards.items()},
+        mesh.points[triangles],
+        at_points[triangles],
+    )
+    return free_mesh(section, sizes, path)
+
+
+def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:
+    """Size (m) of new cells that make about so many ``cells``, none above ``largest``; at the points (n,) of a mesh."""
+    area = areas(mesh.points, mesh.cells)
+    least = np.sqrt(area) / FINER
+    shape = np.maximum(indicator, FLOOR * indicator.max(initial=0.0)) if indicator.any() else np.ones_like(indicator)
+    shape = (shape / shape.max()) ** -0.5
+    low, high = float(least.min()) / shape.max(), largest
+    for _ in range(40):  # halving the logarithm: to a millionth of any span of sizes
+        middle = float(np.sqrt(low * high))
+        sizes = limited_growth(mesh, np.clip(middle * shape, least, np.maximum(largest, least)))
+        many = float((area / sizes[mesh.cells].mean(axis=1) ** 2).sum()) > cells
+        low, high = (middle, high) if many else (low, middle)
+    return sizes
+
+
+def limited_growth(mesh: QuadMesh, sizes: np.ndarray) -> np.ndarray:
+    """Sizes at the points (n,) of a mesh, at most those of the cells (m,) round them, that grow by GROWTH a metre.
+
+    They are the shortest paths, along edges and diagonals, from one more point that is as far from every other as the
+    size there says.
+    """
+    at_points = np.full(len(mesh.points), np.inf)
+    np.minimum.at(at_points, mesh.cells.ravel(), np.repeat(sizes, 4))
+    pairs = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))
+    edges = np.unique(np.sort(np.concatenate([mesh.cells[:, pair] for pair in pairs]), axis=1), axis=0)
+    lengths = np.hypot(*(mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]).T)
+    count = len(mesh.points)
+    rows = np.concatenate([edges[:, 0], np.full(count, count)])
+    columns = np.concatenate([edges[:, 1], np.arange(count)])
+    graph = csr_array((np.concatenate([GROWTH * lengths, at_points]), (rows, columns)), shape=(count + 1, count + 1))
+    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])

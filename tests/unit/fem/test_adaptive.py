@@ -1,0 +1,91 @@
+"""The sequence of meshes: when it ends, what it says of the answer, on a solver whose error is known."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.adaptive import AdaptiveResult, MeshRound, solve_adaptively
+from fem.errors import UnstableError
+from meshes.gmsh_model import generate
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from tests.support.sections import slope
+
+EXACT = 0.2
+
+
+@dataclass
+class Solver:
+    """kc = EXACT + error / cells, with a mechanism along z = 0.15 x; fails from ``breaks_at`` cells on."""
+
+    error: float
+    breaks_at: int = 10**9
+    verdict: str = "plateau"
+    seen: list[int] = field(default_factory=list)
+
+    def __call__(self, mesh: QuadMesh) -> Any:
+        self.seen.append(len(mesh.cells))
+        if len(mesh.cells) >= self.breaks_at:
+            raise UnstableError("the section fails under its own weight")
+        x, z = mesh.points[mesh.cells].mean(axis=1).T
+        shear = np.exp(-np.abs(z - 0.15 * x))
+        return SimpleNamespace(
+            kc=EXACT + self.error / len(mesh.cells), verdict=self.verdict, reason="it is told",
+            states=[SimpleNamespace(plastic_shear_strain=shear)],
+        )  # fmt: skip
+
+
+def solved(solver: Solver, accuracy: float = 0.01, max_cells: int = 5000) -> AdaptiveResult:
+    section, wanted = Section.parse(slope()), MeshSettings(method="free")
+    return solve_adaptively(section, wanted, generate(section, wanted), solver, accuracy, max_cells)
+
+
+def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
+    found = solved(Solver(error=15.0))
+    assert found.converged
+    assert [one.cells for one in found.rounds] == sorted({one.cells for one in found.rounds})
+    assert found.rounds[0].change == float("inf")
+    assert found.rounds[-1].change <= 0.01 < found.rounds[-2].change
+    assert found.rounds[-1].cells == len(found.mesh.cells)
+    assert found.result.kc == found.rounds[-1].kc
+    low, high = found.interval
+    assert low == pytest.approx(EXACT, rel=1e-9)  # the error is what the interval supposes
+    assert high == found.result.kc
+
+
+def test_it_ends_at_the_limit_of_cells_and_says_so() -> None:
+    solver = Solver(error=100.0)
+    found = solved(solver, max_cells=2000)
+    assert not found.converged
+    assert "2000 are allowed" in found.reason
+    assert max(solver.seen) < 2500
+
+
+def test_the_last_answer_counts_where_the_next_mesh_has_none() -> None:
+    found = solved(Solver(error=100.0, breaks_at=1500))
+    assert not found.converged
+    assert found.reason == "there is no answer on the next mesh: the section fails under its own weight"
+    assert found.rounds[-1].cells == len(found.mesh.cells) < 1500
+
+
+@pytest.mark.parametrize("verdict", ["no failure", "undecided"])
+def test_without_a_mechanism_there_is_nothing_to_refine(verdict: str) -> None:
+    found = solved(Solver(error=100.0, verdict=verdict))
+    assert (len(found.rounds), found.converged) == (1, False)
+    assert found.reason == "there is no mechanism to refine: it is told"
+    assert found.interval[0] == -float("inf")
+
+
+def test_no_answer_on_the_first_mesh_is_raised() -> None:
+    with pytest.raises(UnstableError):
+        solved(Solver(error=1.0, breaks_at=0))
+
+
+def test_an_answer_that_grows_lies_below_its_limit() -> None:
+    rounds = [MeshRound(400, 0.196, float("inf")), MeshRound(800, 0.198, 0.0101)]
+    low, high = AdaptiveResult(None, None, rounds).interval  # type: ignore[arg-type]
+    assert (low, high) == pytest.approx((0.198, 0.200))
