@@ -19,7 +19,7 @@ from pydantic import (
     model_serializer,
 )
 
-from meshes.errors import InputError
+from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -33,10 +33,6 @@ def _finite(value: Any) -> Any:
 
 # A number, or None where it is not known; what is not finite is not known.
 Known = Annotated[float | None, BeforeValidator(_finite)]
-
-
-class OtherVersionError(InputError):
-    """A file that this version of the program did not write: a key is missing, or unknown, or of another kind."""
 
 
 class Part(BaseModel):

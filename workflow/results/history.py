@@ -9,7 +9,7 @@ from pydantic import TypeAdapter
 
 from dem.slides.liquefaction import Row
 from meshes.errors import InputError
-from workflow.results.answer import OtherVersionError
+from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
 
 FILE = "dem/history.csv"

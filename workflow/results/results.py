@@ -45,8 +45,9 @@ class Results:
         record, ends, missing = Record(job.store), {}, {}
         told = tuple(stage for stage in job.stages if not stage.of_all)
         for stage in told:
-            entry, why = record[stage.name], changes(stage, made_from(stage, job, record), record)
-            if entry is not None and (not why or entry.outcome == "part"):
+            prints = made_from(stage, job, record)
+            entry, why = record[stage.name], changes(stage, prints, record)
+            if entry is not None and (not why or (entry.outcome == "part" and entry.inputs == prints)):
                 ends[stage.name] = entry
             else:
                 missing[stage.name] = why

@@ -1,4 +1,6 @@
-"""How a stage can end without an answer."""
+"""How a stage can end without an answer, and results that cannot be used."""
+
+from meshes.errors import InputError
 
 
 class NoAnswerError(RuntimeError):
@@ -8,3 +10,7 @@ class NoAnswerError(RuntimeError):
         self.reason = reason
         self.remedy = remedy
         super().__init__(f"{reason}; {remedy}" if remedy else reason)
+
+
+class OtherVersionError(InputError):
+    """A file that this version of the program did not write: a key is missing, or unknown, or of another kind."""

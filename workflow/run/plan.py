@@ -5,11 +5,15 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 from meshes.errors import InputError
+from workflow.run.errors import OtherVersionError
 from workflow.run.fingerprint import drawing, fingerprint_of, inputs
 from workflow.run.record import Record
 from workflow.run.stage import Job, Stage
 
 Action = Literal["run", "redraw", "reuse", "off"]
+
+
+OTHER_VERSION = "another version of noshiro made it"
 
 
 @dataclass(frozen=True)
@@ -123,7 +127,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     """Why what a stage left cannot be used again, in words; empty if it can."""
     entry = record[stage.name]
     if entry is None:
-        return "another version of noshiro made it" if stage.name in record.outdated else "it has not run yet"
+        return OTHER_VERSION if stage.name in record.outdated else "it has not run yet"
     changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
     if changed:
         return f"changed: {', '.join(changed)}"
@@ -133,4 +137,11 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
         return "some of its cases are still to come"
     if entry.outcome == "done" and not record.left(stage.name):
         return "files are missing or have changed"
+    try:
+        stage.read(record.store)
+    except OtherVersionError:
+        return OTHER_VERSION
+    except InputError:
+        # a stage without an answer need not have left a file
+        return "files are missing or have changed" if entry.outcome == "done" else ""
     return ""

@@ -55,6 +55,7 @@ class Stage:
     ignores: settings in these tables that change nothing in its results, as "table.key".
     files: the user's own files that it reads, by what people call them.
     results: patterns of the files in which it leaves its results.
+    read: reads its answers; raises OtherVersionError where another version of the program wrote one.
     pictures: patterns of the pictures that it leaves.
     leftovers: patterns of files from which it goes on after a stop; removed once they belong to other inputs.
     wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
@@ -74,6 +75,7 @@ class Stage:
     ignores: tuple[str, ...] = ()
     files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
     results: tuple[str, ...] = ()
+    read: Callable[[Store], object] = lambda store: None
     pictures: tuple[str, ...] = ()
     leftovers: tuple[str, ...] = ()
     wanted: Callable[[Input], bool] = lambda given: True

@@ -98,6 +98,7 @@ STAGE = Stage(
     tables=("fem", "bounds"),
     ignores=("bounds.run",),
     results=(BoundsAnswer.FILE,),
+    read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),
     wanted=lambda given: given.bounds.run,
 )

@@ -36,6 +36,7 @@ STAGE = Stage(
     needs=("fem",),
     tables=("dem",),
     results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, "dem/trials.jsonl", "dem/*.h5"),
+    read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),
     leftovers=("dem/**/*",),
 )

@@ -163,5 +163,6 @@ STAGE = Stage(
     needs=("mesh",),
     tables=("fem",),
     results=(FemAnswer.FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
+    read=FemAnswer.read,
     pictures=("figures/fem_*.png",),
 )

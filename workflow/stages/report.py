@@ -53,6 +53,7 @@ STAGE = Stage(
     ignores=("sliding_block.accelerogram",),
     files=accelerogram,
     results=(Summary.FILE, REPORT),
+    read=Summary.read,
     pictures=(
         "figures/curves.png",
         "figures/slip_surfaces.png",

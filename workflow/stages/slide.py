@@ -27,6 +27,7 @@ STAGE = Stage(
     needs=("calibrate",),
     tables=("dem", "slide"),
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
+    read=CasesAnswer.read,
     pictures=("figures/case*.png", "figures/case*.gif", "figures/history.png"),
     leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     partial=lambda job: job.cases is not None,

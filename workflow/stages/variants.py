@@ -103,5 +103,6 @@ STAGE = Stage(
     needs=("fem",),
     tables=("mesh", "fem", "variants"),
     results=(VariantsAnswer.FILE,),
+    read=VariantsAnswer.read,
     wanted=lambda given: bool(given.variants.which),
 )

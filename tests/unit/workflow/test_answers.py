@@ -13,12 +13,12 @@ from dem.slides.liquefaction import Row
 from meshes.errors import InputError
 from tests.support import dem_fixture
 from tests.support.sections import slope
-from workflow.results.answer import OtherVersionError
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.results.journal import Journal
+from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
 from workflow.settings import Input
 

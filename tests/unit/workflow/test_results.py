@@ -1,0 +1,56 @@
+"""What a folder holds for one input: results of other inputs are not looked at."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.support import dem_fixture
+from tests.support.sections import slope
+from workflow.results.cases import CasesAnswer
+from workflow.results.results import Results
+from workflow.run.plan import Choice, changes, made_from, plan
+from workflow.run.record import Entry, Outcome, Record, sizes
+from workflow.run.stage import Job
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages import STAGES
+
+SLIDE = next(stage for stage in STAGES if stage.name == "slide")
+
+
+def job(folder: Path, kh: float = 0.1) -> Job:
+    return Job(Input.parse({**slope(), "slide": {"kh": kh}}), Store(folder), STAGES)
+
+
+def slid(folder: Path, outcome: Outcome) -> None:
+    """As if the stage slide had run on the folder, or on some of its cases."""
+    mine = job(folder)
+    CasesAnswer(sets={"calibrated": {1: dem_fixture.CASES[1]}}, random=None).write(mine.store)
+    record = Record(mine.store)
+    files = sizes(mine.store, [CasesAnswer.FILE])
+    record.put("slide", Entry(made_from(SLIDE, mine, record), outcome, files=files))
+
+
+@pytest.mark.parametrize("outcome", ["done", "part"])
+def test_results_are_those_of_the_same_input(outcome: Outcome, tmp_path: Path) -> None:
+    slid(tmp_path, outcome)
+    found = Results.of(job(tmp_path))
+    assert found.cases is not None
+    assert found.case_set() == ("calibrated", {1: dem_fixture.CASES[1]})
+    other = Results.of(job(tmp_path, kh=0.2))
+    assert other.cases is None
+    assert other.missing["slide"] == "changed: [slide]"
+
+
+def test_a_file_of_another_version_is_computed_anew(tmp_path: Path) -> None:
+    slid(tmp_path, "done")
+    mine = job(tmp_path)
+    plans = [step for step in plan(mine, Record(mine.store), Choice(())) if step.stage is SLIDE]
+    assert [step.action for step in plans] == ["reuse"]
+    text = (tmp_path / CasesAnswer.FILE).read_text()
+    mine.store.write_text(CasesAnswer.FILE, text.replace('"escaped"', '"got_out"'))  # of the same size
+    found = Results.of(mine)
+    assert found.cases is None
+    assert found.missing["slide"] == "another version of noshiro made it"
+    record = Record(mine.store)
+    assert changes(SLIDE, made_from(SLIDE, mine, record), record) == "another version of noshiro made it"
