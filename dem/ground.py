@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dem.model import Acceleration, DiscModel, tilted_gravity
+from dem.acceleration import Acceleration, tilted_gravity
+from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2

@@ -6,70 +6,27 @@ checkpoint is this and no more, and a run from a checkpoint has the same bits as
 """
 
 import copy
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
-import h5py
 import numpy as np
 
-from dem.kernels.contact import KN, KPN, KPS, KS
+from dem import checkpoint
+from dem.acceleration import Acceleration
+from dem.kernels.contact import DEPTH, KN, KPN, KPS, KS, STOP
 from dem.kernels.neighbours import find_lines, find_pairs, share_out, spatial_order
-from dem.springs import LayerSprings, Mean, PairTable, pair_table
+from dem.springs import Law, LayerSprings, Mean, PairTable, pair_table
 
-LEDGER_COLUMNS = 6
-# what a pair remembers; a new one starts with nothing
+LEDGER_COLUMNS = 7
+# what a pair remembers, of the paper's discs and of soil discs besides; a new one starts with nothing
 MEMORY = ("pore_length", "shear", "pore_shear", "force_x", "force_z")
+ROLLING_MEMORY = ("rolled", "torque")
+# what changes its sign when the two discs of a pair change places
+TURNED = ("force_x", "force_z", "rolled", "torque")
+LINE_MEMORY = ("line_shear", "line_force_x", "line_force_z", "line_rolled", "line_torque")
 SORT_EVERY = 16  # lists made between two sortings in space
-
-
-@dataclass(frozen=True)
-class Acceleration:
-    """External acceleration of the frame felt by all discs with their full mass (m/s2), linear between the times (s).
-
-    Before the first and after the last time it is constant. A seismic coefficient Kh is the constant Kh g.
-    """
-
-    times: np.ndarray = field(default_factory=lambda: np.zeros(1))
-    x: np.ndarray = field(default_factory=lambda: np.zeros(1))
-    z: np.ndarray = field(default_factory=lambda: np.zeros(1))
-
-    def __post_init__(self) -> None:
-        for name in ("times", "x", "z"):
-            values = np.atleast_1d(np.asarray(getattr(self, name), float))
-            object.__setattr__(self, name, values)
-        if not (len(self.times) == len(self.x) == len(self.z) and np.all(np.diff(self.times) > 0.0)):
-            raise ValueError("acceleration: times must increase, and x and z have one value for each")
-        if not all(np.isfinite(v).all() for v in (self.times, self.x, self.z)):
-            raise ValueError("acceleration: a time or value is not finite")
-
-    @classmethod
-    def seismic(
-        cls,
-        kh: float,
-        *,
-        kv: float = 0.0,
-        tilt: float = 0.0,
-        ramp: tuple[float, float] | None = None,
-        g: float = 9.80665,
-    ) -> "Acceleration":
-        """Kh and Kv in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
-
-        ramp (start, end) in s: from nothing to all in between, as smoothly as a half cosine.
-        """
-        ax = g * (kh * np.cos(tilt) + kv * np.sin(tilt))
-        az = g * (kh * np.sin(tilt) - kv * np.cos(tilt))
-        if ramp is None:
-            return cls(np.zeros(1), np.array([ax]), np.array([az]))
-        s = np.linspace(0.0, 1.0, 65)
-        share = 0.5 - 0.5 * np.cos(np.pi * s)
-        return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
-
-
-def tilted_gravity(tilt: float, g: float = 9.80665) -> tuple[float, float]:
-    """Gravity (m/s2) in a frame whose x axis dips by `tilt` (rad) below the horizontal."""
-    return g * float(np.sin(tilt)), -g * float(np.cos(tilt))
 
 
 @dataclass(eq=False)
@@ -78,18 +35,65 @@ class DiscModel:
 
     Whoever changes lines or skin by hand calls `make_list` then; positions are looked at when a run begins.
 
-    Per disc (n,): x, z, roll (radius times angle, m); vx, vz, vr (radius times spin) at `time`; *_half: the same half a
-    step before; radius; mass (kg/m) with the full density; weight: effective over full density; ease: r^2 m / I, 2 for
-    a disc, 0 for one that cannot turn;
-    layer (number in the table of springs, -1 for boundary); fixed: keeps its velocity whatever pushes it;
-    x_list, z_list: where it was when the neighbour list was made; order: numbers sorted in space.
-    Per pair: pair_i, pair_j; shear and pore_shear: tangential forces kept by element and pore spring (N);
-    pore_length: distance at which the pore spring was set (m), negative once cracked, 0 without one;
-    force_x, force_z: force on pair_j in the last step (N), for the
-    ledger.
-    lines (k, 6): point, inward normal, reach along (-nz, nx) of rigid lines; line_disc, line_id, line_*: discs near
-    them, with the same memory. books (slices, 6): the ledger. last_dt (s): step that the half-step velocities belong
-    to, 0 if set by hand.
+    Attributes
+    ----------
+    x, z, roll : (n,)
+        Position, and radius times angle turned (m).
+    vx, vz, vr : (n,)
+        Velocity, and radius times spin, at `time` (m/s).
+    vx_half, vz_half, vr_half : (n,)
+        The same half a step before (m/s).
+    radius : (n,)
+        m.
+    mass : (n,)
+        With the full density (kg/m).
+    weight : (n,)
+        Effective over full density.
+    inertia_ratio : (n,)
+        m r^2/I: 2 for a disc, 0 for one that cannot turn.
+    layer : (n,) int32
+        Number in the table of springs, -1 for boundary discs.
+    fixed : (n,) bool
+        Whether a disc keeps its velocity whatever pushes it.
+    x_list, z_list : (n,)
+        Position when the neighbour list was made (m).
+    order : (n,) int32
+        Numbers of the discs, sorted in space.
+    pair_i, pair_j : (pairs,) int32
+        The neighbour list.
+    shear, pore_shear : (pairs,)
+        Tangential forces kept by element and pore spring (N).
+    pore_length : (pairs,)
+        Distance at which the pore spring was set (m), negative once cracked, 0 without one.
+    force_x, force_z : (pairs,)
+        Force on pair_j in the last step (N), for the ledger.
+    rolled, torque : (pairs,)
+        Rolling moment over r_i r_j/(r_i + r_j) kept by the spring, and that of spring and dashpot in the last step (N);
+        empty for the paper's discs.
+    lines : (k, 6)
+        Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
+    line_disc, line_id : (contacts with lines,)
+        Discs near rigid lines, and numbers of those.
+    line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
+        The same memory of theirs (N).
+    energy_sums : (slices, 7)
+        Work and losses so far (J/m), columns as in `kernels.stepping`.
+    springs : PairTable
+        Constants by kind of pair.
+    mean, law : str
+        How they were made of the layers' constants, and which law holds.
+    gravity : (float, float)
+        m/s2.
+    acceleration : Acceleration
+        Of the frame, in time.
+    skin : float
+        Margin of the neighbour list (m).
+    time, steps, last_dt : float, int, float
+        Time (s), steps taken, and the step that the half-step velocities belong to (s), 0 if set by hand.
+    lists_made : int
+        How often the neighbour list was made.
+    energy_known, energy_edited, turnover : float
+        Energy at the end of the last run, energy that came with changes between runs, and the most in play (J/m).
     """
 
     x: np.ndarray
@@ -104,7 +108,7 @@ class DiscModel:
     radius: np.ndarray
     mass: np.ndarray
     weight: np.ndarray
-    ease: np.ndarray
+    inertia_ratio: np.ndarray
     layer: np.ndarray
     fixed: np.ndarray
     x_list: np.ndarray
@@ -117,15 +121,20 @@ class DiscModel:
     pore_length: np.ndarray
     force_x: np.ndarray
     force_z: np.ndarray
+    rolled: np.ndarray
+    torque: np.ndarray
     lines: np.ndarray
     line_disc: np.ndarray
     line_id: np.ndarray
     line_shear: np.ndarray
     line_force_x: np.ndarray
     line_force_z: np.ndarray
-    books: np.ndarray
+    line_rolled: np.ndarray
+    line_torque: np.ndarray
+    energy_sums: np.ndarray
     springs: PairTable
     mean: Mean
+    law: Law
     gravity: tuple[float, float]
     acceleration: Acceleration
     skin: float
@@ -152,11 +161,13 @@ class DiscModel:
         acceleration: Acceleration | None = None,
         lines: np.ndarray | None = None,
         mean: Mean = "arithmetic",
+        law: Law = "paper",
         skin: float | None = None,
     ) -> "DiscModel":
         """Discs at rest. layer: index into `layers`, -1 for boundary discs, which are fixed too.
 
-        turns: False for discs that cannot rotate. skin (m): margin of the neighbour list, 0.4 mean radii if not given.
+        turns: False for discs that cannot rotate; those of layers with infinite rolling friction cannot either.
+        mean, law: see `springs.pair_table`. skin (m): margin of the neighbour list, 0.4 mean radii if not given.
         Raises ValueError for arrays that do not fit together.
         """
         x, z = np.array(x, float), np.array(z, float)
@@ -175,25 +186,34 @@ class DiscModel:
         margin = float(0.4 * radii.mean()) if skin is None else skin
         if not margin > 0.0:
             raise ValueError(f"discs: the skin of the neighbour list must be positive, is {margin}")
-        rotates = np.where(np.broadcast_to(turns, n), 2.0, 0.0)
+        free = np.isfinite([s.rolling_friction for s in layers] + [0.0])[layer]
+        rotates = np.where(np.broadcast_to(turns, n) & free, 2.0, 0.0)
+        # what belongs to contacts is there once the list is made
+        numbers = ("pair_i", "pair_j", "line_disc", "line_id")
+        contacts: dict[str, Any] = {name: np.zeros(0) for name in MEMORY + ROLLING_MEMORY + LINE_MEMORY}
+        contacts |= {name: np.zeros(0, np.int32) for name in numbers}
+        motion: dict[str, Any] = {
+            name: np.zeros(n) for name in ("roll", "vx", "vz", "vr", "vx_half", "vz_half", "vr_half")
+        }
         model = cls(
-            x=x, z=z, roll=np.zeros(n), vx=np.zeros(n), vz=np.zeros(n), vr=np.zeros(n), vx_half=np.zeros(n),
-            vz_half=np.zeros(n), vr_half=np.zeros(n), radius=radii, mass=np.pi * radii**2 * density,
-            weight=effective / density, ease=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
-            order=np.arange(n, dtype=np.int32), pair_i=np.zeros(0, np.int32), pair_j=np.zeros(0, np.int32),
-            shear=np.zeros(0), pore_shear=np.zeros(0), pore_length=np.zeros(0), force_x=np.zeros(0),
-            force_z=np.zeros(0),
+            x=x, z=z, **motion, radius=radii, mass=np.pi * radii**2 * density, weight=effective / density,
+            inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
+            order=np.arange(n, dtype=np.int32), **contacts,
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
-            line_disc=np.zeros(0, np.int32), line_id=np.zeros(0, np.int32), line_shear=np.zeros(0),
-            line_force_x=np.zeros(0), line_force_z=np.zeros(0),
-            books=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean), mean=mean,
-            gravity=(float(gravity[0]), float(gravity[1])), acceleration=acceleration or Acceleration(), skin=margin,
+            energy_sums=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean, law), mean=mean,
+            law=law, gravity=(float(gravity[0]), float(gravity[1])), acceleration=acceleration or Acceleration(),
+            skin=margin,
         )  # fmt: skip
         model.make_list()
         return model
 
     def __len__(self) -> int:
         return len(self.x)
+
+    @property
+    def memory(self) -> tuple[str, ...]:
+        """Names of what a pair remembers."""
+        return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
 
     @property
     def spin(self) -> np.ndarray:
@@ -250,19 +270,19 @@ class DiscModel:
             xs, zs, rs, still, factor, skin, number[self.pair_i], number[self.pair_j], self.pore_length
         )
         share_out(i, j, len(self))
-        for name in MEMORY:
+        for name in self.memory:
             values = np.append(getattr(self, name), 0.0)
             setattr(self, name, values[old])
         # a pair may have changed its owner
         turned = np.append(self.pair_i, -1)[old] == order[j]
-        self.force_x[turned] *= -1.0
-        self.force_z[turned] *= -1.0
+        for name in set(TURNED) & set(self.memory):
+            getattr(self, name)[turned] *= -1.0
         self.pair_i, self.pair_j = order[i], order[j]
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line
         before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
-        for name in ("line_shear", "line_force_x", "line_force_z"):
+        for name in LINE_MEMORY:
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
 
     def set_pore_springs(self) -> int:
@@ -302,17 +322,20 @@ class DiscModel:
         """
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
-        new = pair_table(layers, self.mean)
+        new = pair_table(layers, self.mean, self.law)
         before = self._spring_forces()
         kind = self.kind(self.pair_i, self.pair_j)
         line_kind = self.layer[self.line_disc]
-        for values, row, columns, old_table, new_table in (
-            (self.shear, KS, kind, self.springs.pairs, new.pairs),
-            (self.pore_shear, KPS, kind, self.springs.pairs, new.pairs),
-            (self.line_shear, KS, line_kind, self.springs.lines, new.lines),
+        for names, row, columns, old_table, new_table in (
+            (("shear", "rolled", "torque"), KS, kind, self.springs.pairs, new.pairs),
+            (("pore_shear",), KPS, kind, self.springs.pairs, new.pairs),
+            (("line_shear", "line_rolled", "line_torque"), KS, line_kind, self.springs.lines, new.lines),
         ):
             old, given = old_table[row, columns], new_table[row, columns]
-            values *= np.divide(given, old, out=np.zeros(len(values)), where=old > 0.0)
+            ratio = np.divide(given, old, out=np.zeros(len(old)), where=old > 0.0)
+            for name in names:
+                values = getattr(self, name)
+                values *= ratio[: len(values)]  # no discs of the paper remember rolling
         self.springs = new
         self._change_forces(before)
 
@@ -320,10 +343,13 @@ class DiscModel:
         """Normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
         constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
         distance = self.distance()
-        over = self.radius[self.pair_i] + self.radius[self.pair_j] - distance
+        radii = self.radius[self.pair_i] + self.radius[self.pair_j]
+        over = radii - distance
+        element = constants[KN] * np.maximum(over, 0.0)
+        element += constants[STOP] * np.maximum(over - constants[DEPTH] * radii, 0.0)
         pore = constants[KPN] * (np.abs(self.pore_length) - distance)
         pore = np.where(self.pore_length > 0.0, pore, np.maximum(pore, 0.0))
-        return constants[KN] * np.maximum(over, 0.0) + pore, self.shear + self.pore_shear
+        return element + pore, self.shear + self.pore_shear
 
     def _change_forces(self, before: tuple[np.ndarray, np.ndarray]) -> None:
         """Lets the forces of the last step be those of the springs as they now are, for the means of the ledger."""
@@ -339,35 +365,20 @@ class DiscModel:
         return copy.deepcopy(self)
 
     def save(self, path: Path | str) -> None:
-        """Checkpoint: all of it into one HDF5 file, written beside and moved into place so that none is ever half."""
-        path = Path(path)
-        beside = path.with_name(path.name + ".part")
-        with h5py.File(beside, "w") as file:
-            for name, value in vars(self).items():
-                if isinstance(value, np.ndarray):
-                    file.create_dataset(name, data=value)
-                elif isinstance(value, (int, float, str)):
-                    file.attrs[name] = value
-            file.attrs["gravity"] = self.gravity
-            file.attrs["layers"] = json.dumps([asdict(layer) for layer in self.springs.layers])
-            for name in ("times", "x", "z"):
-                file.create_dataset(f"acceleration/{name}", data=getattr(self.acceleration, name))
-        beside.replace(path)
+        """Checkpoint: all of it into one HDF5 file, which is never half written."""
+        arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
+        plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
+        layers = [asdict(layer) for layer in self.springs.layers]
+        checkpoint.write(Path(path), arrays, plain | {"gravity": self.gravity, "layers": layers})
 
     @classmethod
     def load(cls, path: Path | str) -> "DiscModel":
-        """The model of a checkpoint. Raises OSError or KeyError for a file that is none."""
-        with h5py.File(path, "r") as file:
-            values = {name: data[()] for name, data in file.items() if isinstance(data, h5py.Dataset)}
-            plain = {name: value.item() if hasattr(value, "item") and np.ndim(value) == 0 else value
-                     for name, value in file.attrs.items()}  # fmt: skip
-            series = {name: file[f"acceleration/{name}"][()] for name in ("times", "x", "z")}
-        layers = [LayerSprings(**layer) for layer in json.loads(plain.pop("layers"))]
+        """The model of a checkpoint. Raises OSError, KeyError or TypeError for a file that is none of this version."""
+        arrays, plain = checkpoint.read(Path(path))
+        series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))
+        layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         gx, gz = plain.pop("gravity")
-        return cls(
-            **values,
-            **plain,
-            gravity=(float(gx), float(gz)),
-            springs=pair_table(layers, plain["mean"]),
-            acceleration=Acceleration(**series),
-        )
+        springs = pair_table(layers, plain["mean"], plain["law"])
+        values: dict[str, Any] = arrays | plain
+        return cls(**values, gravity=(gx, gz), springs=springs, acceleration=series)

@@ -17,10 +17,11 @@ from dem.engine.ledger import Ledger
 from dem.engine.memory import give_back_large_arrays
 from dem.engine.packer import pack, unpack
 from dem.errors import DemError, StepTooLargeError
+from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
-from dem.kernels.stable_step import stable_step
+from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, advance
 from dem.model import DiscModel
 
@@ -29,6 +30,7 @@ CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
 CALL_STEPS = 100  # at least: what is done between two calls takes as long as a step or two
 
 OnOutput = Callable[[DiscModel], None]
+CrackBy = Literal["contact", "pore"]
 
 
 @dataclass(frozen=True)
@@ -41,26 +43,53 @@ class StableStep:
 
 def largest_step(model: DiscModel) -> StableStep:
     """The largest stable step of a model as it stands, by the bound of `stable_step`."""
-    pairs = model.springs
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     seconds, disc = stable_step(
-        model.x, model.z, model.radius, invmass, invmass * model.ease, model.pair_i, model.pair_j,
-        model.kind(model.pair_i, model.pair_j), model.pore_length, model.skin, pairs.pairs, model.line_disc,
-        model.line_id, model.layer[model.line_disc], model.lines, pairs.lines,
-    )  # fmt: skip
+        Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio),
+        Pairs(model.pair_i, model.pair_j, model.kind(model.pair_i, model.pair_j), model.pore_length),
+        model.skin,
+        LineContacts(model.line_disc, model.line_id, model.layer[model.line_disc]),
+        springs_of(model),
+    )
     return StableStep(float(seconds), int(disc))
+
+
+def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
+    """The law of a model's contacts, as kernels want it; pulls and crack_by as in `Engine`.
+
+    In soil discs Fn of eq. (16) is the pore spring's own force: without the dashpot's part of the element's, and what
+    the element's push holds by friction is not counted for the pore spring once more.
+    """
+    soil = model.law == "soil"
+    return Law(soil, -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" and not soil else 0.0)
+
+
+def springs_of(model: DiscModel) -> Springs:
+    """All constants of a model's contacts, as kernels want them."""
+    return Springs(model.springs.pairs, model.springs.lines, model.lines)
 
 
 @dataclass(frozen=True)
 class Engine:
     """Settings of a run.
 
-    dt: the time step (s), or "auto": `AUTO_SHARE` of the stable one as it is when a run begins. threads: how many; the
-    result does not depend on it. ledger: keep the books of energy and stop when they do not balance to `balance` of
-    the energy turned over. pulls: let the dashpots of element springs pull (for closed forms; soil never does).
-    crack_by: normal force of eq. (16), that of the whole "contact" (element and pore spring) or of the "pore" spring
-    alone. checkpoint, checkpoint_every: file and seconds of model time between two saves; the last one stays when a run
-    stops with an error.
+    Attributes
+    ----------
+    dt : float or "auto"
+        The time step (s); "auto" is `AUTO_SHARE` of the stable one as it is when a run begins.
+    threads : int
+        How many; the result does not depend on it.
+    ledger : bool
+        Whether the energy balance is kept, and the run stopped when it does not close.
+    balance : float
+        Largest gap of the energy balance over the energy turned over.
+    pulls : bool
+        Lets the dashpots of element springs pull (for closed forms; soil never does).
+    crack_by : "contact" or "pore"
+        Normal force of eq. (16): that of element and pore spring together, or of the pore spring alone, as soil discs
+        always have it.
+    checkpoint, checkpoint_every : path, float
+        File and seconds of model time between two saves; the last one stays when a run stops with an error.
     """
 
     dt: float | Literal["auto"] = "auto"
@@ -68,7 +97,7 @@ class Engine:
     ledger: bool = True
     balance: float = BALANCE
     pulls: bool = False
-    crack_by: Literal["contact", "pore"] = "contact"
+    crack_by: CrackBy = "contact"
     checkpoint: Path | str | None = None
     checkpoint_every: float = float("inf")
 
@@ -113,10 +142,11 @@ class Engine:
         every: float | None = None,
         on_output: OnOutput | None = None,
     ) -> Ledger | None:
-        """Takes the model `duration` seconds on (rounded to whole steps), or a number of steps.
+        """Takes the model `duration` seconds on (rounded to whole steps), or a number of steps, none among them.
 
         on_output is called with the model every `every` seconds and at the end; it may read and save it, not change it.
-        Returns the ledger at the end, None if none is kept. Raises DemError and leaves the model as it was found wrong.
+        Returns the ledger at the end, None if none is kept. Raises DemError, with the model in the state in which the
+        error was found, and ValueError unless either a duration or a number of steps is given.
         """
         if model.lists_made == 0 or np.any(np.hypot(model.x - model.x_list, model.z - model.z_list) > 0.5 * model.skin):
             model.make_list()
@@ -124,10 +154,13 @@ class Engine:
         if (duration is None) == (steps is None):
             raise ValueError("give either a duration in s or a number of steps")
         total = steps if steps is not None else max(1, round(float(duration or 0.0) / dt))
+        if total < 0:
+            raise ValueError(f"a number of steps cannot be negative, is {steps}")
         between = total if every is None else max(1, round(every / dt))
         saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
         run = Run(self, model, dt)
         try:
+            ledger = run.balance() if self.ledger and total == 0 else None
             end = model.steps + total
             begin = model.steps
             while model.steps < end:
@@ -146,22 +179,14 @@ class Engine:
 
     def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
         series = model.acceleration
-        found = energies(
-            layout, model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity),
-            np.interp(model.time, series.times, series.x), np.interp(model.time, series.times, series.z),
-            model.last_dt, self.floor, self.share,
-        )  # fmt: skip
-        return Ledger.of(found, model.books, model.energy_edited, model.turnover)
+        now = np.array([[np.interp(model.time, series.times, values)] for values in (series.x, series.z)])
+        loads = Loads(np.array(model.gravity), np.array([model.time]), now)
+        found = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
+        return Ledger.of(found, model.energy_sums, model.energy_edited, model.turnover)
 
-    @property
-    def floor(self) -> float:
-        """Least normal force of an element contact (N)."""
-        return -np.inf if self.pulls else 0.0
-
-    @property
-    def share(self) -> float:
-        """Share of the element's normal force in Fn of eq. (16)."""
-        return 1.0 if self.crack_by == "contact" else 0.0
+    def law_of(self, model: DiscModel) -> Law:
+        """The law by which this engine moves a model."""
+        return law_of(model, self.pulls, self.crack_by)
 
     @property
     def kept(self) -> str:
@@ -184,7 +209,7 @@ class Run:
         self.working: list[Future[tuple[int, float, int]]] = []
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.pack()
-        self.begin_books()
+        self.begin_ledger()
 
     def close(self) -> None:
         """Brings the model up to date, whatever happened, and lets the threads go."""
@@ -205,8 +230,8 @@ class Run:
             unpack(self.layout, self.model)
             self.layout = None
 
-    def begin_books(self) -> None:
-        """What the model holds more or less than after its last run came with changes made in between."""
+    def begin_ledger(self) -> None:
+        """Enters as edits what changes made since the last run have given the model or taken from it."""
         if not self.engine.ledger:
             self.model.energy_known = float("nan")
             return
@@ -265,20 +290,22 @@ class Run:
         stops = np.zeros((2, self.threads), np.int64)
         series = model.acceleration
         layout = self.pack()
+        clock = Clock(steps, self.dt, model.last_dt, model.time)
+        springs, law = springs_of(model), engine.law_of(model)
+        loads = Loads(np.array(model.gravity), series.times, np.array([series.x, series.z]))
+        entries = Entries(engine.ledger, model.energy_sums)
 
         def work(thread: int) -> tuple[int, float, int]:
             return advance(
-                thread, self.threads, barrier, stops, steps, self.dt, model.last_dt, model.time, layout,
-                model.springs.pairs, model.lines, model.springs.lines, np.array(model.gravity), series.times,
-                np.array([series.x, series.z]), (0.5 * model.skin) ** 2, engine.floor, engine.share, engine.ledger,
-                model.books,
+                Team(thread, self.threads, barrier, stops), clock, layout, springs, law, loads, entries,
+                (0.5 * model.skin) ** 2,
             )  # fmt: skip
 
         self.working = [self.pool.submit(work, k) for k in range(self.threads)]
         return self.collect()
 
     def collect(self) -> int:
-        """Waits for the kernel and books the steps it took; returns why it came back."""
+        """Waits for the kernel and adds the steps it took; returns why it came back."""
         results = [thread.result() for thread in self.working]  # of all, before any is believed
         taken, now, reason = results[0]
         self.working = []

@@ -9,30 +9,45 @@ from dem.kernels.energy import (
     LATE_BOUNDARY,
     LATE_CRACKS,
     LATE_DASHPOT,
+    LATE_ROLLING,
     LATE_SLIDING,
     PORES,
+    ROLLING_SPRINGS,
     ROTATION,
     TRANSLATION,
 )
-from dem.kernels.stepping import CRACKS, DASHPOT, SLIDING, WORK_BOUNDARY, WORK_EXTERNAL, WORK_WEIGHT
+from dem.kernels.stepping import CRACKS, DASHPOT, ROLLING, SLIDING, WORK_BOUNDARY, WORK_EXTERNAL, WORK_WEIGHT
 
 
 @dataclass(frozen=True)
 class Ledger:
-    """Energies at one instant, and work and losses since the model was made.
+    """Energies at one instant, and work and losses since the model was made, all in J per metre.
 
-    kinetic = translation + rotation; stored in element and pore springs; dissipated by dashpots, sliding, cracks; work
-    of weight, of the external acceleration (Kh) and of boundaries that move; edits: energy that came with changes of
-    the model between runs (springs set, cut or changed, velocities set). turnover: the most that was ever in play.
+    Attributes
+    ----------
+    translation, rotation : float
+        Kinetic.
+    elements, pores, rolling_springs : float
+        Stored in springs: of elements, of pore springs, of rolling resistance.
+    dashpots, sliding, cracks, rolling : float
+        Dissipated by dashpots, by sliding, by cracks, by rolling resistance.
+    weight, external, boundary : float
+        Work of weight, of the external acceleration (Kh), of boundaries that move.
+    edits : float
+        Energy that came with changes of the model between runs (springs set, cut or changed, velocities set).
+    turnover : float
+        The most that was ever in play.
     """
 
     translation: float
     rotation: float
     elements: float
     pores: float
+    rolling_springs: float
     dashpots: float
     sliding: float
     cracks: float
+    rolling: float
     weight: float
     external: float
     boundary: float
@@ -40,17 +55,19 @@ class Ledger:
     turnover: float
 
     @classmethod
-    def of(cls, energies: np.ndarray, books: np.ndarray, edits: float, turnover: float) -> "Ledger":
-        """From what the kernels return: `energy.energies` and the books of all slices."""
-        total = books.sum(axis=0)
+    def of(cls, energies: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "Ledger":
+        """From what the kernels return: `energy.energies` and the sums of all slices."""
+        total = sums.sum(axis=0)
         ledger = cls(
             translation=float(energies[TRANSLATION]),
             rotation=float(energies[ROTATION]),
             elements=float(energies[ELEMENTS]),
             pores=float(energies[PORES]),
+            rolling_springs=float(energies[ROLLING_SPRINGS]),
             dashpots=float(total[DASHPOT] + energies[LATE_DASHPOT]),
             sliding=float(total[SLIDING] + energies[LATE_SLIDING]),
             cracks=float(total[CRACKS] + energies[LATE_CRACKS]),
+            rolling=float(total[ROLLING] + energies[LATE_ROLLING]),
             weight=float(total[WORK_WEIGHT]),
             external=float(total[WORK_EXTERNAL]),
             boundary=float(total[WORK_BOUNDARY] + energies[LATE_BOUNDARY]),
@@ -69,13 +86,13 @@ class Ledger:
 
     @property
     def stored(self) -> float:
-        """In element and pore springs."""
-        return self.elements + self.pores
+        """In springs."""
+        return self.elements + self.pores + self.rolling_springs
 
     @property
     def dissipated(self) -> float:
-        """By dashpots, sliding and cracks."""
-        return self.dashpots + self.sliding + self.cracks
+        """By dashpots, sliding, cracks and rolling resistance."""
+        return self.dashpots + self.sliding + self.cracks + self.rolling
 
     @property
     def gap(self) -> float:

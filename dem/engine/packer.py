@@ -7,6 +7,7 @@ from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
     LINK_FIELDS,
+    ROLL_FIELDS,
     Layout,
     count_slots,
     list_links,
@@ -14,13 +15,14 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
-from dem.model import MEMORY, DiscModel
+from dem.model import MEMORY, ROLLING_MEMORY, DiscModel
 
 FAR = 1e15  # m: where lanes without a disc are
 # what a run changes: field of the layout and array of the model
 _STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
 
 _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
+_LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
 def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
@@ -42,28 +44,31 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
 
     links = large_zeros(chunks + 1 + tail, LINK_FIELDS, LANES)
     links[:, 0] = 1.0
+    rolling = large_zeros(chunks + 1 + tail if model.law == "soil" else 0, ROLL_FIELDS, LANES)
     partners = np.full((chunks, LANES), offset(n), np.uint32)
     # the disc that stands for nobody cannot be its own partner: their distance would be nothing
     partners[chunk_start[-2] :, n % LANES] = offset(n + 1) if (n + 1) % LANES else 0
     kinds = np.zeros(chunks * LANES, np.uint16)
     chunk_kind = place_links(
         owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
-        tuple(getattr(model, name) for name in MEMORY), offset(n), links.reshape(-1), partners.reshape(-1), kinds,
+        tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), offset(n), links.reshape(-1),
+        rolling.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
     del owner, partner, turn
     if not keep_pairs:
         model.pair_i = model.pair_j = np.zeros(0, np.int32)
-        for name in MEMORY:
+        for name in model.memory:
             setattr(model, name, np.zeros(0))
-    flat = links.reshape(-1)
-    lanes = (chunks + 1 + np.arange(len(line_disc)) // LANES) * (LINK_FIELDS * LANES) + np.arange(
-        len(line_disc)
-    ) % LANES
+    at_lines = chunks + 1 + np.arange(len(line_disc)) // LANES, np.arange(len(line_disc)) % LANES
     for field, name in _LINE_MEMORY.items():
-        flat[lanes + field * LANES] = getattr(model, name)
+        links[at_lines[0], field, at_lines[1]] = getattr(model, name)
+    if model.law == "soil":
+        for field, name in _LINE_ROLLING.items():
+            rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
     incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
-        discs=_discs(model, slices), links=flat, partner=partners.reshape(-1), kinds=kinds, chunk_kind=chunk_kind,
+        discs=_discs(model, slices), links=links.reshape(-1), rolling=rolling.reshape(-1),
+        partner=partners.reshape(-1), kinds=kinds, chunk_kind=chunk_kind,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
         line_disc=(line_disc // LANES).astype(np.int64) * (DISC_FIELDS * LANES) + line_disc % LANES,
         line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
@@ -85,7 +90,7 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
         put(field, getattr(model, name))
     free = ~model.fixed
     put(8, np.where(free, 1.0 / model.mass, 0.0))
-    put(9, np.where(free, model.ease / model.mass, 0.0))
+    put(9, np.where(free, model.inertia_ratio / model.mass, 0.0))
     put(10, model.weight)
     put(11, model.x_list)
     put(12, model.z_list)
@@ -102,10 +107,15 @@ def unpack(layout: Layout, model: DiscModel) -> None:
 
     for field, name in _STATE.items():
         getattr(model, name)[order] = discs[:, field].reshape(-1)[:n]
-    model.pair_i, model.pair_j, *memory = list_links(layout, order)
-    for name, values in zip(MEMORY, memory, strict=True):
+    model.pair_i, model.pair_j, memory = list_links(layout, order, len(model.memory))
+    for name, values in zip(model.memory, memory, strict=True):
         setattr(model, name, values)
     e = np.arange(len(model.line_disc))
-    lanes = (layout.chunk_start[-1] + 1 + e // LANES) * (LINK_FIELDS * LANES) + e % LANES
+    chunk, lane = layout.chunk_start[-1] + 1 + e // LANES, e % LANES
+    links = layout.links.reshape(-1, LINK_FIELDS, LANES)
     for field, name in _LINE_MEMORY.items():
-        setattr(model, name, layout.links[lanes + field * LANES])
+        setattr(model, name, links[chunk, field, lane])
+    if model.law == "soil":
+        rolling = layout.rolling.reshape(-1, ROLL_FIELDS, LANES)
+        for field, name in _LINE_ROLLING.items():
+            setattr(model, name, rolling[chunk, field, lane])

@@ -3,14 +3,18 @@
 Signs, once for everything in `dem`: an overlap and a pushing normal force are positive; `vn` is the speed of
 separation; `vt` the slip speed of disc j's rim over disc i's along t = (-nz, nx), n pointing from i to j. The
 tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so a
-contact does not know which disc was named first. Units are SI, forces per metre out of plane.
+contact does not know which disc was named first; rolling alone changes its sign. Units are SI, forces per metre out of
+plane.
 """
 
 from numba import njit
 
-# Rows of the table of pair constants (see springs.PairTable), one column per kind of pair.
+# Rows of the table of pair constants (see springs.PairTable), one column per kind of pair: those of the paper's discs,
+# then those that soil discs have besides.
 KN, KS, CN, CT, MU, KPN, KPS, TAN, BC, BETA, ALLOWED, FKS, FKPS = range(13)
-CONSTANTS = 13
+PAPER_CONSTANTS = 13
+COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH = range(13, 19)
+CONSTANTS = 19
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -21,35 +25,67 @@ def clamp(value: float, limit: float) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def element(
-    over: float,
-    vn: float,
-    vt: float,
-    slip: float,
-    shear: float,
-    floor: float,
-    kn: float,
-    ks: float,
-    cn: float,
-    ct: float,
-    mu: float,
-) -> tuple[float, float, float, float]:
-    """Element spring and dashpot, eqs. (1)-(4) with the Coulomb limit of Table 2's friction.
+def spring(over: float, kn: float) -> float:
+    """Push (N) of the element's normal spring at an overlap (m)."""
+    return kn * over if over > 0.0 else 0.0
 
-    over: overlap (m); vn, vt: speeds (m/s); slip: slip since the last step (m); shear: spring force kept (N).
-    floor: least total normal force (N), 0 for contacts that never pull, -inf for dashpots that may.
-    The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then costs exactly
-    mu Fn per metre, and neither part can feed energy back.
-    Returns (normal force, tangential force, spring force before the limit, spring force kept).
+
+@njit(forceinline=True, error_model="numpy")
+def stop(over: float, stiffness: float, depth: float) -> float:
+    """Push (N) that joins the spring's in soil discs where the overlap exceeds `depth` (m): both stiffen the contact.
+
+    However soft a layer becomes, its discs do not fall through each other.
     """
-    normal = kn * over - cn * vn
+    deep = over - depth
+    return stiffness * deep if deep > 0.0 else 0.0
+
+
+@njit(forceinline=True, error_model="numpy")
+def normal_force(over: float, vn: float, floor: float, spring: float, cn: float) -> float:
+    """Element spring and dashpot, eqs. (1)-(2): normal force (N), nothing where the discs do not touch.
+
+    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N).
+    floor: least total normal force (N), 0 for contacts that never pull, -inf for dashpots that may.
+    """
+    normal = spring - cn * vn
     normal = normal if normal > floor else floor
-    normal = normal if over > 0.0 else 0.0
+    return normal if over > 0.0 else 0.0
+
+
+@njit(forceinline=True, error_model="numpy")
+def friction_limit(normal: float, mu: float) -> float:
+    """Largest tangential force of an element contact in the paper's discs (N): Coulomb's, with Table 2's friction."""
     limit = mu * normal
+    return limit if limit > 0.0 else 0.0
+
+
+@njit(forceinline=True, error_model="numpy")
+def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float) -> float:
+    """Largest tangential force of a contact of soil discs (N), as long as they touch: mu Fn + C of the weaker material.
+
+    The cohesion C (N) is there again when discs touch again: clay that has been sheared is clay still.
+    """
+    limit = mu * normal + c
+    other = mu_other * normal + c_other
+    limit = other if other < limit else limit
     limit = limit if limit > 0.0 else 0.0
-    trial = shear + ks * slip
-    kept = clamp(trial, limit)
-    return normal, clamp(kept + ct * vt, limit), trial, kept
+    return limit if over > 0.0 else 0.0
+
+
+@njit(forceinline=True, error_model="numpy")
+def held(
+    kept: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
+) -> tuple[float, float, float]:
+    """A spring with a dashpot beside it that together hold no more than a limit, eqs. (3)-(4): of slip or of rolling.
+
+    kept: force of the spring in the last step (N); way: slip since (m); speed: of slip (m/s).
+    The spring's force is cut at the limit, and so is the sum of spring and dashpot: sliding then costs exactly the
+    limit per metre, and neither part can feed energy back.
+    Returns (force, force of the spring before the limit, force of the spring kept).
+    """
+    trial = kept + stiffness * way
+    cut = clamp(trial, limit)
+    return clamp(cut + dashpot * speed, limit), trial, cut
 
 
 @njit(forceinline=True, error_model="numpy")

@@ -28,20 +28,49 @@ LINK_FIELDS = 7
 RADII, LENGTH, SHEAR, PORE, FX, FZ, FR = (np.uint64(k * LANES) for k in range(LINK_FIELDS))
 LINK = np.uint64(LINK_FIELDS * LANES)
 
+# What a contact of soil discs remembers of rolling, in an array of its own: r_i/(r_i + r_j) of its owner i; the force
+# kept by the spring of rolling; that of spring and dashpot (rolling moment over R, N).
+ROLL_FIELDS = 3
+SHARE, ROLLED, TORQUE = (np.uint64(k * LANES) for k in range(ROLL_FIELDS))
+ROLL_LINK = np.uint64(ROLL_FIELDS * LANES)
+
 
 class Layout(NamedTuple):
     """Everything the stepping kernel reads and writes; see `pack`.
 
-    discs (slices * DISC,), links ((chunks + lines) * LINK,): the fields above. partner (chunks * 64,): offset of the
-    partner's x in discs. kinds (chunks * 64,): column of the table of constants. chunk_kind (chunks,): the kind if
-    all lanes share it, else -1. chunk_start (slices + 1,): first chunk of each slice. incoming (slots * 64,): offset
-    in links of the force from a contact that another disc owns; incoming_start (slices + 1,). first, last (slices,):
-    lowest and highest slice owning a contact of the slice's discs. line_disc, line_id, line_kind, line_radius
-    (contacts with rigid lines,), line_start (slices + 1,).
+    Attributes
+    ----------
+    discs : (slices * DISC,)
+        Fields of the discs, in spatial order.
+    links : ((chunks + 1 + line chunks) * LINK,)
+        Fields of the contacts: chunks, one whose forces stay zero, then contacts with rigid lines.
+    rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
+        Memory of rolling of the same contacts; empty for the paper's discs.
+    partner : (chunks * 64,)
+        Where the partner's x lies in `discs`.
+    kinds : (chunks * 64,)
+        Column of the table of constants.
+    chunk_kind : (chunks,)
+        The kind if all lanes share it, else -1.
+    chunk_start : (slices + 1,)
+        First chunk of each slice.
+    incoming : (slots * 64,)
+        Where in `links` the force from a contact lies that another disc owns.
+    incoming_start : (slices + 1,)
+        First slot of each slice.
+    first, last : (slices,)
+        Lowest and highest slice that owns a contact of the slice's discs.
+    line_disc, line_id, line_kind : (contacts with lines,)
+        Where the disc's x lies in `discs`, number of the line, column of the table of lines.
+    line_radius : (contacts with lines,)
+        The disc's radius (m).
+    line_start : (slices + 1,)
+        First contact with a line of each slice.
     """
 
     discs: np.ndarray
     links: np.ndarray
+    rolling: np.ndarray
     partner: np.ndarray
     kinds: np.ndarray
     chunk_kind: np.ndarray
@@ -98,10 +127,14 @@ def place_links(
     memory: tuple[np.ndarray, ...],
     nobody: int,
     links: np.ndarray,
+    rolling: np.ndarray,
     where: np.ndarray,
     kind: np.ndarray,
 ) -> np.ndarray:
-    """Writes the contacts into their lanes; `links`, `where` and `kind` come filled with those of no contact."""
+    """Writes the contacts into their lanes; the last four arrays come filled with those of no contact.
+
+    memory: of each contact, as named in `model.MEMORY`, then in `model.ROLLING_MEMORY` (empty for the paper's discs).
+    """
     chunk_kind = np.full(chunk_start[-1], -2, np.int32)
     for c in range(len(owner)):
         i = owner[c]
@@ -114,6 +147,11 @@ def place_links(
         links[base + 3 * LANES] = memory[2][c]
         links[base + 4 * LANES] = memory[3][c]
         links[base + 5 * LANES] = memory[4][c]
+        if len(rolling) > 0:
+            base = chunk * ROLL_FIELDS * LANES + lane
+            rolling[base] = radii[i] / (radii[i] + radii[partner[c]])
+            rolling[base + LANES] = memory[5][c]
+            rolling[base + 2 * LANES] = memory[6][c]
         where[chunk * LANES + lane] = offset(partner[c])
         kind[chunk * LANES + lane] = kinds[c]
         if chunk_kind[chunk] == -2:
@@ -172,11 +210,11 @@ def place_incoming(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def list_links(layout: Layout, order: np.ndarray) -> tuple[np.ndarray, ...]:
+def list_links(layout: Layout, order: np.ndarray, fields: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
 
-    Returns owner, partner (numbers of the user), pore length, tangential forces of element and pore spring, force on
-    the partner.
+    Returns owner, partner (numbers of the user), and what they remember, a row for each of the `fields`, the
+    names in `DiscModel.memory`.
     """
     discs = len(order)
     count = 0
@@ -185,11 +223,7 @@ def list_links(layout: Layout, order: np.ndarray) -> tuple[np.ndarray, ...]:
             count += p * LANES + place % LANES < discs and disc_at(layout.partner[place]) < discs
     owner = np.empty(count, np.int32)
     other = np.empty(count, np.int32)
-    length = np.empty(count)
-    shear = np.empty(count)
-    pore = np.empty(count)
-    force_x = np.empty(count)
-    force_z = np.empty(count)
+    memory = np.empty((fields, count))
     found = 0
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
@@ -198,13 +232,14 @@ def list_links(layout: Layout, order: np.ndarray) -> tuple[np.ndarray, ...]:
                 j = disc_at(layout.partner[chunk * LANES + lane])
                 if i >= discs or j >= discs:
                     continue
-                base = chunk * LINK_FIELDS * LANES + lane
                 owner[found] = order[i]
                 other[found] = order[j]
-                length[found] = layout.links[base + LANES]
-                shear[found] = layout.links[base + 2 * LANES]
-                pore[found] = layout.links[base + 3 * LANES]
-                force_x[found] = layout.links[base + 4 * LANES]
-                force_z[found] = layout.links[base + 5 * LANES]
+                base = chunk * LINK_FIELDS * LANES + lane
+                for k in range(5):
+                    memory[k, found] = layout.links[base + (k + 1) * LANES]
+                if len(layout.rolling) > 0:
+                    base = chunk * ROLL_FIELDS * LANES + lane
+                    memory[5, found] = layout.rolling[base + LANES]
+                    memory[6, found] = layout.rolling[base + 2 * LANES]
                 found += 1
-    return owner, other, length, shear, pore, force_x, force_z
+    return owner, other, memory

@@ -14,21 +14,10 @@ that thread has been through the last of them: all threads meet only once a step
 import numpy as np
 from numba import njit
 
+from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, State, Step, Team
 from dem.kernels.barrier import report, wait, wait_for
-from dem.kernels.chunks import (
-    ROW,
-    SCRATCH,
-    SUM_R,
-    SUM_X,
-    SUM_Z,
-    add,
-    contacts,
-    contacts_with_losses,
-    line_contact,
-    line_lane,
-    load_constants,
-    load_partners,
-)
+from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
+from dem.kernels.contact import CONSTANTS, PAPER_CONSTANTS
 from dem.kernels.layout import (
     DISC,
     DISC_FIELDS,
@@ -41,6 +30,8 @@ from dem.kernels.layout import (
     LINK_FIELDS,
     RIM,
     ROLL,
+    ROLL_LINK,
+    TORQUE,
     VR,
     VRS,
     VX,
@@ -55,14 +46,15 @@ from dem.kernels.layout import (
     Z,
 )
 from dem.kernels.prefetch import LINE, fetch
+from dem.kernels.scratch import ROW, SCRATCH, SUM_R, SUM_X, SUM_Z, load_constants, load_partners
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
 
 # Columns of the ledger kept per slice: work of weight, of external acceleration and of moving boundaries; energy
-# dissipated by dashpots, by sliding, by cracks. All in J per metre out of plane.
-WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS = range(6)
-LEDGER = 6
+# dissipated by dashpots, by sliding, by cracks, by rolling. All in J per metre out of plane.
+WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING = range(7)
+LEDGER = 7
 
 OWN_LINES = (DISC_FIELDS - 8) * LANES // 8  # cache lines of a slice that its neighbours do not read
 
@@ -87,6 +79,11 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
             scratch[SUM_X + q] -= links[at + FX + q]
             scratch[SUM_Z + q] -= links[at + FZ + q]
             scratch[SUM_R + q] += links[at + FR + q]
+        if len(layout.rolling) > 0:
+            at = (own + np.uint64(k)) * ROLL_LINK
+            for lane in range(LANES):
+                q = np.uint64(lane)
+                scratch[SUM_R + q] += layout.rolling[at + TORQUE + q]
     for k in range(count):
         slot = (others + np.uint64(k)) * ROW
         for lane in range(LANES):
@@ -98,38 +95,24 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def move(
-    p: int,
-    discs: np.ndarray,
-    scratch: np.ndarray,
-    kick: float,
-    dt: float,
-    weight_x: float,
-    weight_z: float,
-    ax: float,
-    az: float,
-    reach: float,
-) -> bool:
-    """One step of the 64 discs of slice p; True if one has moved further than sqrt(reach) since the list was made.
-
-    kick: time (s) between the velocities kept and the new ones; weight_*: gravity, ax, az: external acceleration.
-    """
+def move(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
+    """One step of the 64 discs of slice p; True if one has left the reach of the neighbour list."""
     b = np.uint64(p) * DISC
-    half = 0.5 * dt
+    half = 0.5 * step.dt
     moved = False
     for lane in range(LANES):
         q = np.uint64(lane)
         invmass = discs[b + INVMASS + q]
         weight = discs[b + WEIGHT + q]
         free = 1.0 if invmass > 0.0 else 0.0
-        accel_x = scratch[SUM_X + q] * invmass + free * (weight * weight_x + ax)
-        accel_z = scratch[SUM_Z + q] * invmass + free * (weight * weight_z + az)
+        accel_x = scratch[SUM_X + q] * invmass + free * (weight * step.weight_x + step.ax)
+        accel_z = scratch[SUM_Z + q] * invmass + free * (weight * step.weight_z + step.az)
         accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
-        vx = discs[b + VX + q] + kick * accel_x
-        vz = discs[b + VZ + q] + kick * accel_z
-        vr = discs[b + VR + q] + kick * accel_r
-        x = discs[b + X + q] + dt * vx
-        z = discs[b + Z + q] + dt * vz
+        vx = discs[b + VX + q] + step.kick * accel_x
+        vz = discs[b + VZ + q] + step.kick * accel_z
+        vr = discs[b + VR + q] + step.kick * accel_r
+        x = discs[b + X + q] + step.dt * vx
+        z = discs[b + Z + q] + step.dt * vz
         discs[b + VX + q] = vx
         discs[b + VZ + q] = vz
         discs[b + VR + q] = vr
@@ -138,29 +121,16 @@ def move(
         discs[b + VRS + q] = vr + half * accel_r
         discs[b + X + q] = x
         discs[b + Z + q] = z
-        discs[b + ROLL + q] += dt * vr
+        discs[b + ROLL + q] += step.dt * vr
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
-        moved |= not (dx * dx + dz * dz <= reach)
+        moved |= not (dx * dx + dz * dz <= step.reach)
     return moved
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def work(
-    p: int,
-    discs: np.ndarray,
-    scratch: np.ndarray,
-    kick: float,
-    dt: float,
-    weight_x: float,
-    weight_z: float,
-    ax: float,
-    az: float,
-) -> tuple[float, float, float]:
-    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J).
-
-    ax, az: mean of the external acceleration over the step.
-    """
+def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[float, float, float]:
+    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J)."""
     b = np.uint64(p) * DISC
     by_weight = 0.0
     by_external = 0.0
@@ -171,86 +141,67 @@ def work(
         mass = 1.0 / invmass if invmass > 0.0 else 0.0
         vx = discs[b + VX + q]
         vz = discs[b + VZ + q]
-        by_weight = add(by_weight, mass * discs[b + WEIGHT + q] * (weight_x * vx + weight_z * vz))
-        by_external = add(by_external, mass * (ax * vx + az * vz))
+        by_weight = add(by_weight, mass * discs[b + WEIGHT + q] * (step.weight_x * vx + step.weight_z * vz))
+        by_external = add(by_external, mass * (step.mean_x * vx + step.mean_z * vz))
         driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * discs[b + VR + q]
         by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
-    return by_weight * dt, by_external * dt, by_boundary * kick
+    return by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def contacts_of_slice(
     p: int,
     layout: Layout,
-    table: np.ndarray,
-    lines: np.ndarray,
-    line_table: np.ndarray,
+    springs: Springs,
     scratch: np.ndarray,
     loaded: int,
     slip_time: float,
-    floor: float,
-    share: float,
-    ledger: bool,
-    books: np.ndarray,
+    law: Law,
+    entries: Entries,
 ) -> tuple[bool, int]:
     """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
     too_deep = False
     b = np.uint64(p) * DISC
+    state = State(layout.discs, layout.links, layout.rolling)
+    rows = CONSTANTS if law.soil else PAPER_CONSTANTS
     for line in range(OWN_LINES):
         fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         first = np.uint64(chunk) * ROW
         kind = layout.chunk_kind[chunk]
         if kind != loaded or kind < 0:
-            load_constants(kind, layout.kinds, first, table, scratch)
+            load_constants(kind, layout.kinds, first, springs.pairs, rows, scratch)
             loaded = kind
         load_partners(chunk, layout, scratch)
-        if ledger:
-            deep, damping, slid, cracked = contacts_with_losses(
-                chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share
-            )
-            books[p, DASHPOT] += damping
-            books[p, SLIDING] += slid
-            books[p, CRACKS] += cracked
+        if entries.kept:
+            deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, b, state, scratch, slip_time, law)
+            entries.sums[p, DASHPOT] += damping
+            entries.sums[p, SLIDING] += slid
+            entries.sums[p, CRACKS] += cracked
+            entries.sums[p, ROLLING] += rolled
         else:
-            deep = contacts(chunk, b, layout.discs, layout.links, scratch, slip_time, floor, share)
+            deep = contacts(chunk, b, state, scratch, slip_time, law)
         too_deep |= deep
     for e in range(layout.line_start[p], layout.line_start[p + 1]):
-        deep, damping, slid = line_contact(e, line_lane(e, layout), layout, lines, line_table, slip_time, floor)
+        deep, damping, slid, rolled = line_contact(e, layout, springs, slip_time, law)
         too_deep |= deep
-        if ledger:
-            books[p, DASHPOT] += damping
-            books[p, SLIDING] += slid
+        if entries.kept:
+            entries.sums[p, DASHPOT] += damping
+            entries.sums[p, SLIDING] += slid
+            entries.sums[p, ROLLING] += rolled
     return too_deep, loaded
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def move_slice(
-    p: int,
-    layout: Layout,
-    scratch: np.ndarray,
-    kick: float,
-    dt: float,
-    weight_x: float,
-    weight_z: float,
-    ax: float,
-    az: float,
-    mean_x: float,
-    mean_z: float,
-    reach: float,
-    ledger: bool,
-    books: np.ndarray,
-) -> bool:
+def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
-    moved = move(p, layout.discs, scratch, kick, dt, weight_x, weight_z, ax, az, reach)
-    if ledger:
-        by_weight, by_external, by_boundary = work(
-            p, layout.discs, scratch, kick, dt, weight_x, weight_z, mean_x, mean_z
-        )
-        books[p, WORK_WEIGHT] += by_weight
-        books[p, WORK_EXTERNAL] += by_external
-        books[p, WORK_BOUNDARY] += by_boundary
+    moved = move(p, layout.discs, scratch, step)
+    if entries.kept:
+        by_weight, by_external, by_boundary = work(p, layout.discs, scratch, step)
+        entries.sums[p, WORK_WEIGHT] += by_weight
+        entries.sums[p, WORK_EXTERNAL] += by_external
+        entries.sums[p, WORK_BOUNDARY] += by_boundary
     return moved
 
 
@@ -304,98 +255,73 @@ def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarra
     return shared[:found][order], count[:found][order]
 
 
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
+    """The step that begins at `time`; a new length follows the old one without a jump of the velocities."""
+    ax = interpolate(time, loads.times, loads.acceleration[0], place)
+    az = interpolate(time, loads.times, loads.acceleration[1], place)
+    mean_x = 0.5 * (ax + interpolate(time + dt, loads.times, loads.acceleration[0], place))
+    mean_z = 0.5 * (az + interpolate(time + dt, loads.times, loads.acceleration[1], place))
+    return Step(0.5 * (last_dt + dt), dt, last_dt, loads.gravity[0], loads.gravity[1], ax, az, mean_x, mean_z, reach)
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
-    thread: int,
-    threads: int,
-    barrier: np.ndarray,
-    stops: np.ndarray,
-    steps: int,
-    dt: float,
-    last_dt: float,
-    time: float,
+    team: Team,
+    clock: Clock,
     layout: Layout,
-    table: np.ndarray,
-    lines: np.ndarray,
-    line_table: np.ndarray,
-    gravity: np.ndarray,
-    times: np.ndarray,
-    accelerations: np.ndarray,
+    springs: Springs,
+    law: Law,
+    loads: Loads,
+    entries: Entries,
     reach: float,
-    floor: float,
-    share: float,
-    ledger: bool,
-    books: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Takes up to `steps` steps of `dt`; each of `threads` threads calls it with its own number.
+    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
 
-    stops (2, threads): what each thread found in a step. last_dt: the step before (0 after velocities were set).
+    reach: square of the way (m2) after which a disc wants a new neighbour list.
     Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
     OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
     """
+    thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1
     begin = begin_of(thread, threads, slices)
     end = begin_of(thread + 1, threads, slices)
     shared, need = needs(begin, end, threads, layout)
     scratch = np.zeros(SCRATCH)
+    last_dt = clock.last_dt
+    time = clock.time
     loaded = -1
     place = 0
     reason = DONE
     taken = 0
-    while taken < steps and reason == DONE:
-        # a new time step follows the old one without a jump of the velocities
-        kick = 0.5 * (last_dt + dt)
-        slip_time = last_dt
-        while place + 2 < len(times) and times[place + 1] < time:
+    while taken < clock.steps and reason == DONE:
+        while place + 2 < len(loads.times) and loads.times[place + 1] < time:
             place += 1
-        ax = interpolate(time, times, accelerations[0], place)
-        az = interpolate(time, times, accelerations[1], place)
-        mean_x = 0.5 * (ax + interpolate(time + dt, times, accelerations[0], place))
-        mean_z = 0.5 * (az + interpolate(time + dt, times, accelerations[1], place))
+        step = step_at(time, last_dt, clock.dt, loads, place, reach)
         too_deep = False
         moved = False
         ready = begin
         for p in range(begin, end):
-            deep, loaded = contacts_of_slice(
-                p, layout, table, lines, line_table, scratch, loaded, slip_time, floor, share, ledger, books
-            )
+            deep, loaded = contacts_of_slice(p, layout, springs, scratch, loaded, last_dt, law, entries)
             too_deep |= deep
             if threads > 1:
                 report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
-                    moved |= move_slice(
-                        ready,
-                        layout,
-                        scratch,
-                        kick,
-                        dt,
-                        gravity[0],
-                        gravity[1],
-                        ax,
-                        az,
-                        mean_x,
-                        mean_z,
-                        reach,
-                        ledger,
-                        books,
-                    )
+                    moved |= move_slice(ready, layout, scratch, step, entries)
                 ready += 1
         for k in range(len(shared)):
             for t in range(threads):
                 if need[k, t] > 0:
                     size = begin_of(t + 1, threads, slices) - begin_of(t, threads, slices)
                     wait_for(barrier, t, taken * size + need[k, t])
-            moved |= move_slice(
-                shared[k], layout, scratch, kick, dt, gravity[0], gravity[1], ax, az, mean_x, mean_z, reach, ledger,
-                books,
-            )  # fmt: skip
-        stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
+            moved |= move_slice(shared[k], layout, scratch, step, entries)
+        team.stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
             wait(barrier, threads)
         for k in range(threads):
-            reason = max(reason, stops[taken % 2, k])
-        last_dt = dt
-        time += dt
+            reason = max(reason, team.stops[taken % 2, k])
+        last_dt = clock.dt
+        time += clock.dt
         taken += 1
     return taken, time, reason

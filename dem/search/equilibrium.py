@@ -161,7 +161,7 @@ def stop(model: DiscModel) -> None:
 
 def moving_energy(model: DiscModel) -> float:
     """Kinetic energy of the discs (J per metre)."""
-    turning = np.divide(model.vr**2, model.ease, out=np.zeros(len(model)), where=model.ease > 0.0)
+    turning = np.divide(model.vr**2, model.inertia_ratio, out=np.zeros(len(model)), where=model.inertia_ratio > 0.0)
     return float(0.5 * np.sum((model.mass * (model.vx**2 + model.vz**2 + turning))[~model.fixed]))
 
 

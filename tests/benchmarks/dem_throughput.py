@@ -25,9 +25,10 @@ from typing import Any
 
 import numpy as np
 
+from dem.acceleration import tilted_gravity
 from dem.engine.engine import Engine, Run, largest_step
 from dem.engine.packer import pack, unpack
-from dem.model import DiscModel, tilted_gravity
+from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.springs import LayerSprings
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.engine.engine import Engine
 from dem.model import DiscModel
-from dem.springs import LayerSprings
+from dem.springs import Law, LayerSprings
 
 RADIUS = 0.75
 DENSITY = 2000.0
@@ -25,6 +25,8 @@ SOIL = replace(
     BARE, name="soil", ks=0.4 * KN, cn=0.2 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), kpn=0.1 * KN,
     kps=0.04 * KN, friction=0.7, cohesion=1.0e4,
 )  # fmt: skip
+# ... and every part of the law of soil discs
+EARTH = replace(SOIL, name="earth", contact_cohesion=2.0e3, rolling_friction=0.1, stop=4.0 * KN)
 FLOOR = np.array([[0.0, 0.0, 0.0, 1.0, -1e6, 1e6]])
 
 
@@ -34,7 +36,9 @@ def lattice(columns: int, rows: int, spacing: float = 2.0 * RADIUS) -> tuple[np.
     return ((i + 0.5 * (j % 2)) * spacing).ravel(), (j * spacing * np.sqrt(0.75)).ravel()
 
 
-def box(columns: int, rows: int, soil: LayerSprings = SOIL, tilt: float = 0.0, squeeze: float = 1e-4) -> DiscModel:
+def box(
+    columns: int, rows: int, soil: LayerSprings = SOIL, tilt: float = 0.0, squeeze: float = 1e-4, law: Law = "paper"
+) -> DiscModel:
     """A lattice at rest in a box of fixed discs, open above, with a layer for the lower and one for the upper half."""
     x, z = lattice(columns + 2, rows + 1, 2.0 * RADIUS * (1.0 - squeeze))
     row = np.repeat(np.arange(rows + 1), columns + 2)
@@ -43,7 +47,7 @@ def box(columns: int, rows: int, soil: LayerSprings = SOIL, tilt: float = 0.0, s
     layer[(row == 0) | (column == 0) | (column == columns + 1)] = -1
     stiffer = replace(soil, name="stiffer", kn=2.0 * soil.kn, ks=2.0 * soil.ks)
     gravity = (GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt))
-    return DiscModel.create(x, z, RADIUS, [soil, stiffer], layer, gravity=gravity)
+    return DiscModel.create(x, z, RADIUS, [soil, stiffer], layer, gravity=gravity, law=law)
 
 
 def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> DiscModel:

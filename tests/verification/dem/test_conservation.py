@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dem.acceleration import Acceleration
 from dem.engine.engine import Engine, largest_step
-from dem.model import Acceleration, DiscModel
+from dem.model import DiscModel
 from tests.support.dem_cases import BARE, KN, SOIL, box, order, random_discs
 
 ELASTIC = replace(BARE, ks=0.4 * KN, kpn=0.1 * KN, kps=0.04 * KN, friction=1e12, cohesion=1e12, beta=5.0)

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine
 from dem.kernels.contact import CN, MU
-from dem.model import Acceleration, DiscModel, tilted_gravity
+from dem.model import DiscModel
 from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, order
 
 SUNK = MASS * GRAVITY / KN  # overlap that carries the weight on a level floor

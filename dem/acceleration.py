@@ -1,0 +1,53 @@
+"""The external acceleration of the discs in time, and gravity in a tilted frame."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Acceleration:
+    """External acceleration of the frame felt by all discs with their full mass (m/s2), linear between the times (s).
+
+    Before the first and after the last time it is constant. A seismic coefficient Kh is the constant Kh g.
+    """
+
+    times: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    x: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    z: np.ndarray = field(default_factory=lambda: np.zeros(1))
+
+    def __post_init__(self) -> None:
+        for name in ("times", "x", "z"):
+            values = np.atleast_1d(np.asarray(getattr(self, name), float))
+            object.__setattr__(self, name, values)
+        if not (len(self.times) == len(self.x) == len(self.z) and np.all(np.diff(self.times) > 0.0)):
+            raise ValueError("acceleration: times must increase, and x and z have one value for each")
+        if not all(np.isfinite(v).all() for v in (self.times, self.x, self.z)):
+            raise ValueError("acceleration: a time or value is not finite")
+
+    @classmethod
+    def seismic(
+        cls,
+        kh: float,
+        *,
+        kv: float = 0.0,
+        tilt: float = 0.0,
+        ramp: tuple[float, float] | None = None,
+        g: float = 9.80665,
+    ) -> "Acceleration":
+        """Kh and Kv in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
+
+        ramp (start, end) in s: from nothing to all in between, as smoothly as a half cosine.
+        """
+        ax = g * (kh * np.cos(tilt) + kv * np.sin(tilt))
+        az = g * (kh * np.sin(tilt) - kv * np.cos(tilt))
+        if ramp is None:
+            return cls(np.zeros(1), np.array([ax]), np.array([az]))
+        s = np.linspace(0.0, 1.0, 65)
+        share = 0.5 - 0.5 * np.cos(np.pi * s)
+        return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
+
+
+def tilted_gravity(tilt: float, g: float = 9.80665) -> tuple[float, float]:
+    """Gravity (m/s2) in a frame whose x axis dips by `tilt` (rad) below the horizontal."""
+    return g * float(np.sin(tilt)), -g * float(np.cos(tilt))

@@ -1,0 +1,27 @@
+"""Arrays and plain values into one HDF5 file and back, to the last bit; the file is never half written."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+PLAIN = "plain"  # attribute that holds all values that are no arrays, as JSON
+
+
+def write(path: Path, arrays: dict[str, np.ndarray], plain: dict[str, Any]) -> None:
+    """Writes a file beside and moves it into place. plain: what JSON can hold, infinite numbers included."""
+    beside = path.with_name(path.name + ".part")
+    with h5py.File(beside, "w") as file:
+        for name, values in arrays.items():
+            file.create_dataset(name, data=values)
+        file.attrs[PLAIN] = json.dumps(plain)
+    beside.replace(path)
+
+
+def read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """What was written. Raises OSError or KeyError for a file that is no such checkpoint."""
+    with h5py.File(path, "r") as file:
+        plain = json.loads(file.attrs[PLAIN])
+        return {name: data[()] for name, data in file.items()}, plain

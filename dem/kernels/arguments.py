@@ -1,0 +1,157 @@
+"""What kernels are handed, in groups: constants, law, loads, the run's clock, its threads, and one step."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Springs(NamedTuple):
+    """Constants of all contacts.
+
+    Attributes
+    ----------
+    pairs : (CONSTANTS, kinds)
+        Between discs, a column for each kind of pair.
+    lines : (CONSTANTS, layers + 1)
+        Against rigid lines, a column for each layer.
+    walls : (k, 6)
+        The rigid lines themselves: see `LINE_X` and what follows in `interaction`.
+    """
+
+    pairs: np.ndarray
+    lines: np.ndarray
+    walls: np.ndarray
+
+
+class State(NamedTuple):
+    """What the law of a contact reads and writes, of `Layout`: all of that would be much to hand from call to call.
+
+    Attributes
+    ----------
+    discs, links, rolling : arrays
+        As in `Layout`.
+    """
+
+    discs: np.ndarray
+    links: np.ndarray
+    rolling: np.ndarray
+
+
+class Law(NamedTuple):
+    """Which law holds.
+
+    Attributes
+    ----------
+    soil : bool
+        The law of soil discs (weaker of two strengths, cohesion, rolling resistance, a stop); else the paper's.
+    floor : float
+        Least normal force of an element contact (N): 0, or -inf where its dashpot may pull.
+    share : float
+        Share of the element's normal force in Fn of eq. (16).
+    """
+
+    soil: bool
+    floor: float
+    share: float
+
+
+class Loads(NamedTuple):
+    """What acts on all discs.
+
+    Attributes
+    ----------
+    gravity : (2,)
+        m/s2.
+    times : (n,)
+        Instants (s) at which the external acceleration is given.
+    acceleration : (2, n)
+        x and z components there (m/s2).
+    """
+
+    gravity: np.ndarray
+    times: np.ndarray
+    acceleration: np.ndarray
+
+
+class Clock(NamedTuple):
+    """How many steps, of what length, from when.
+
+    Attributes
+    ----------
+    steps : int
+        At most so many.
+    dt : float
+        Time step (s).
+    last_dt : float
+        The step before (s); 0 after velocities were set.
+    time : float
+        At the beginning (s).
+    """
+
+    steps: int
+    dt: float
+    last_dt: float
+    time: float
+
+
+class Team(NamedTuple):
+    """The threads that step together.
+
+    Attributes
+    ----------
+    thread, threads : int
+        The number of this one, and how many there are.
+    barrier : array of int64
+        Where they meet, see `barrier.new_barrier`.
+    stops : (2, threads)
+        What each of them found in a step, in turn for odd and even steps.
+    """
+
+    thread: int
+    threads: int
+    barrier: np.ndarray
+    stops: np.ndarray
+
+
+class Entries(NamedTuple):
+    """The entries of the ledger.
+
+    Attributes
+    ----------
+    kept : bool
+        Whether work and losses are summed at all.
+    sums : (slices, LEDGER)
+        Work and losses of each slice's discs (J per metre).
+    """
+
+    kept: bool
+    sums: np.ndarray
+
+
+class Step(NamedTuple):
+    """One step, as all discs take it.
+
+    Attributes
+    ----------
+    kick, dt, slip_time : float
+        Time between the velocities kept and the new ones; to the new positions; since the last positions (s).
+    weight_x, weight_z : float
+        Gravity (m/s2).
+    ax, az : float
+        External acceleration at the beginning of the step (m/s2).
+    mean_x, mean_z : float
+        Its mean over the step (m/s2), for the ledger.
+    reach : float
+        Square of the way (m2) after which a disc wants a new neighbour list.
+    """
+
+    kick: float
+    dt: float
+    slip_time: float
+    weight_x: float
+    weight_z: float
+    ax: float
+    az: float
+    mean_x: float
+    mean_z: float
+    reach: float

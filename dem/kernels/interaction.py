@@ -1,0 +1,344 @@
+"""Kernel: one contact, from where its two sides are and what it remembers to its forces, energies and losses.
+
+Here the law meets the layout, once for the stepping kernel, which keeps the result, and for the energies, which only
+look at it. All is inlined where it is used: what a caller does not need is not computed.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.arguments import Law, Springs, State
+from dem.kernels.contact import (
+    BC,
+    BETA,
+    CN,
+    COHESION,
+    COHESION_OTHER,
+    CT,
+    DEPTH,
+    FKPS,
+    FKS,
+    KN,
+    KPN,
+    KPS,
+    KS,
+    MU,
+    MU_OTHER,
+    MU_ROLLING,
+    STOP,
+    TAN,
+    friction_limit,
+    held,
+    normal_force,
+    pore,
+    spring,
+    stop,
+    strength,
+)
+from dem.kernels.layout import (
+    FX,
+    FZ,
+    LANES,
+    LENGTH,
+    LINK,
+    PORE,
+    RADII,
+    ROLL_LINK,
+    ROLLED,
+    SHARE,
+    SHEAR,
+    TORQUE,
+    VR,
+    VRS,
+    VX,
+    VXS,
+    VZ,
+    VZS,
+    Layout,
+    X,
+    Z,
+)
+from dem.kernels.scratch import constant
+
+# Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
+# (-nz, nx) from that point.
+LINE_X, LINE_Z, LINE_NX, LINE_NZ, LINE_FROM, LINE_TO = range(6)
+
+
+class Motion(NamedTuple):
+    """How the two sides of a contact lie and move.
+
+    Attributes
+    ----------
+    distance : float
+        Of the centres (m).
+    nx, nz : float
+        Direction from i to j.
+    lever : float
+        Lever of the tangential force over the radius, the same for both discs. The levers are the distance times
+        r_i/(r_i + r_j): they add up to the distance, so that angular momentum is kept and a pair that turns as one body
+        does not slip.
+    vn, vt : float
+        Speeds of separation and of slip at the end of the step (m/s).
+    slip, stretch : float
+        Slip and separation since the last step (m).
+    """
+
+    distance: float
+    nx: float
+    nz: float
+    lever: float
+    vn: float
+    vt: float
+    slip: float
+    stretch: float
+
+
+class Contact(NamedTuple):
+    """What the law makes of a contact.
+
+    Attributes
+    ----------
+    over : float
+        Overlap (m).
+    push, drag : float
+        Normal and tangential force of element and pore spring together (N).
+    torque : float
+        Rolling moment over R = r_i r_j/(r_i + r_j) (N): turns i forward, j back.
+    shear, pore, rolled : float
+        Forces that the springs of slip, of the pore spring and of rolling keep (N).
+    length : float
+        Length of the pore spring (m), see `contact.pore`.
+    elements, pores, rolling : float
+        Energy stored in element springs, pore springs and springs of rolling (J).
+    damped, slid, cracked, rolled_off : float
+        What dashpots, sliding, cracks and rolling took since the last step (J).
+    """
+
+    over: float
+    push: float
+    drag: float
+    torque: float
+    shear: float
+    pore: float
+    rolled: float
+    length: float
+    elements: float
+    pores: float
+    rolling: float
+    damped: float
+    slid: float
+    cracked: float
+    rolled_off: float
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def motion(b: int, q: int, discs: np.ndarray, scratch: np.ndarray, radii: float, slip_time: float) -> Motion:
+    """Of the contact in lane q of a slice. One square root, one division."""
+    dx = scratch[X + q] - discs[b + X + q]
+    dz = scratch[Z + q] - discs[b + Z + q]
+    square = dx * dx + dz * dz
+    distance = math.sqrt(square)
+    inverse = 1.0 / (distance * radii)
+    lever = square * inverse
+    nx = dx * (inverse * radii)
+    nz = dz * (inverse * radii)
+    ux = scratch[VXS + q] - discs[b + VXS + q]
+    uz = scratch[VZS + q] - discs[b + VZS + q]
+    hx = scratch[VX + q] - discs[b + VX + q]
+    hz = scratch[VZ + q] - discs[b + VZ + q]
+    vn = ux * nx + uz * nz
+    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + discs[b + VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + discs[b + VR + q]))
+    stretch = slip_time * (hx * nx + hz * nz)
+    return Motion(distance, nx, nz, lever, vn, vt, slip, stretch)
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def rolling_motion(
+    b: int, q: int, discs: np.ndarray, scratch: np.ndarray, share: float, slip_time: float
+) -> tuple[float, float]:
+    """R times the turn of j less that of i since the last step (m), and its speed at the end of the step (m/s).
+
+    share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
+    """
+    rim, rim_end = discs[b + VR + q], discs[b + VRS + q]
+    roll = slip_time * (share * (rim + scratch[VR + q]) - rim)
+    return roll, share * (rim_end + scratch[VRS + q]) - rim_end
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
+    """Work (J) of a dashpot since the last step, from its forces (N) now and then.
+
+    The work of a step is its displacement times the mean of the forces at its ends: that is what the scheme takes from
+    the kinetic energy v(n-1/2) v(n+1/2) m/2, so the ledger of linear springs and dashpots closes to rounding, whatever
+    the step.
+    """
+    return 0.5 * ((dashpot + dashpot_before) * way)
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -> float:
+    """Work (J) that a spring whose force was cut from `trial` to `kept` (N) has lost since the last step."""
+    return 0.5 * (before + kept) * (trial - kept) * flexibility
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def crack_loss(kpn: float, length: float, new: float, distance: float, stretch: float) -> float:
+    """Energy (J) of its stretch that a pore spring sets free as it cracks."""
+    pull = distance - abs(new)
+    before = pull - stretch
+    return 0.5 * kpn * pull * before if (pull > 0.0) & (before > 0.0) else 0.0
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def between_discs(
+    b: int,
+    d: int,
+    q: int,
+    w: int,
+    state: State,
+    scratch: np.ndarray,
+    slip_time: float,
+    law: Law,
+    soil: bool,
+    booked: bool,
+) -> tuple[Motion, Contact]:
+    """The contact in lane q of the slice at b and the chunk at d (rolling memory at w); changes nothing.
+
+    soil, booked: whether the law of soil discs holds and losses are wanted, written out where this is called, so that
+    the compiler can leave out what is not.
+    """
+    discs, links = state.discs, state.links
+    radii = links[d + RADII + q]
+    m = motion(b, q, discs, scratch, radii, slip_time)
+    over = radii - m.distance
+    kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
+    ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]
+    mu = scratch[constant(MU) + q]
+    push = spring(over, kn)
+    elements = 0.5 * push * push / kn
+    stiffness, depth = 0.0, 0.0
+    if soil:
+        stiffness, depth = scratch[constant(STOP) + q], scratch[constant(DEPTH) + q] * radii
+        more = stop(over, stiffness, depth)
+        elements += 0.5 * more * (over - depth)
+        push += more
+    normal = normal_force(over, m.vn, law.floor, push, scratch[constant(CN) + q])
+    if soil:
+        limit = strength(
+            over, normal, mu, scratch[constant(COHESION) + q], scratch[constant(MU_OTHER) + q],
+            scratch[constant(COHESION_OTHER) + q],
+        )  # fmt: skip
+    else:
+        limit = friction_limit(normal, mu)
+    shear = links[d + SHEAR + q]
+    tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
+
+    kpn, fkps = scratch[constant(KPN) + q], scratch[constant(FKPS) + q]
+    length, old_pore = links[d + LENGTH + q], links[d + PORE + q]
+    pore_normal, pore_trial, pore_kept, new = pore(
+        length, m.distance, m.slip, old_pore, law.share * normal, kpn, scratch[constant(KPS) + q],
+        scratch[constant(TAN) + q], scratch[constant(BC) + q], scratch[constant(BETA) + q],
+    )  # fmt: skip
+
+    torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
+    if soil:
+        before, whole = state.rolling[w + ROLLED + q], state.rolling[w + TORQUE + q]
+        roll, rate = rolling_motion(b, q, discs, scratch, state.rolling[w + SHARE + q], slip_time)
+        most = friction_limit(normal, scratch[constant(MU_ROLLING) + q])
+        torque, tried, rolled = held(before, roll, rate, ks, ct, most)
+        rolling = 0.5 * rolled * rolled * fks
+        rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
+
+    damped, slid, cracked = 0.0, 0.0, 0.0
+    if booked:
+        # dashpots in the last step: all the force there was, less that of springs
+        over_then = over + m.stretch
+        push_then = spring(over_then, kn)
+        if soil:
+            push_then += stop(over_then, stiffness, depth)
+        pull_then = kpn * (abs(length) - m.distance + m.stretch)
+        pull_then = pull_then if (length > 0.0) | (pull_then > 0.0) else 0.0
+        fx, fz = links[d + FX + q], links[d + FZ + q]
+        old_n = (fx * m.nx + fz * m.nz) - push_then - pull_then
+        old_t = (fx * m.nz - fz * m.nx) - (shear + old_pore)
+        damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
+        slid = sliding_loss(shear, trial, kept, fks)
+        pore_lost = sliding_loss(old_pore, pore_trial, pore_kept, fkps)
+        snapped = crack_loss(kpn, length, new, m.distance, m.stretch)
+        cracking = (length > 0.0) & (new <= 0.0)
+        slid += 0.0 if cracking else pore_lost
+        cracked = pore_lost + snapped if cracking else 0.0
+    pores = 0.5 * pore_kept * pore_kept * fkps
+    if kpn > 0.0:
+        pores += 0.5 * pore_normal * pore_normal / kpn
+    return m, Contact(
+        over, normal + pore_normal, tangential + pore_kept, torque, kept, pore_kept, rolled, new,
+        elements + 0.5 * kept * kept * fks, pores, rolling, damped, slid, cracked, rolled_off,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
+    """Overlap of a disc with a rigid line, and how it moves there; the lever is the disc's radius."""
+    disc = np.uint64(layout.line_disc[e])
+    discs = layout.discs
+    line = walls[layout.line_id[e]]
+    nx, nz = line[LINE_NX], line[LINE_NZ]
+    px, pz = discs[disc + X] - line[LINE_X], discs[disc + Z] - line[LINE_Z]
+    distance = px * nx + pz * nz
+    over = layout.line_radius[e] - distance
+    along = pz * nx - px * nz
+    if along < line[LINE_FROM] or along > line[LINE_TO]:
+        over = -1.0
+    vn = discs[disc + VXS] * nx + discs[disc + VZS] * nz
+    vt = discs[disc + VZS] * nx - discs[disc + VXS] * nz - discs[disc + VRS]
+    slip = slip_time * (discs[disc + VZ] * nx - discs[disc + VX] * nz - discs[disc + VR])
+    stretch = slip_time * (discs[disc + VX] * nx + discs[disc + VZ] * nz)
+    return over, Motion(distance, nx, nz, 1.0, vn, vt, slip, stretch)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def at_line(
+    e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
+) -> tuple[Motion, Contact]:
+    """The contact of a disc with a rigid line, whose forces lie in lane `at` (rolling memory at w); changes nothing."""
+    links = layout.links
+    column = springs.lines[:, layout.line_kind[e]]
+    over, m = line_motion(e, layout, springs.walls, slip_time)
+    kn, ks, ct, fks = column[KN], column[KS], column[CT], column[FKS]
+    push = spring(over, kn)
+    normal = normal_force(over, m.vn, law.floor, push, column[CN])
+    limit = friction_limit(normal, column[MU])
+    torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
+    if law.soil:
+        limit = strength(over, normal, column[MU], column[COHESION], column[MU_OTHER], column[COHESION_OTHER])
+        disc = np.uint64(layout.line_disc[e])
+        before, whole = layout.rolling[w + ROLLED], layout.rolling[w + TORQUE]
+        roll = -slip_time * layout.discs[disc + VR]
+        most = friction_limit(normal, column[MU_ROLLING])
+        torque, tried, rolled = held(before, roll, -layout.discs[disc + VRS], ks, ct, most)
+        rolling = 0.5 * rolled * rolled * fks
+        rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
+    shear = links[at + SHEAR]
+    tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
+    old_n = (links[at + FX] * m.nx + links[at + FZ] * m.nz) - spring(over + m.stretch, kn)
+    old_t = (links[at + FX] * m.nz - links[at + FZ] * m.nx) - shear
+    damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
+    elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks
+    return m, Contact(
+        over, normal, tangential, torque, kept, 0.0, rolled, 0.0, elements, 0.0, rolling, damped,
+        sliding_loss(shear, trial, kept, fks), 0.0, rolled_off,
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
+    """Where disc e at a rigid line has its place in links, and in rolling: behind the chunks and the silent lane."""
+    place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // LANES)
+    return place * LINK + np.uint64(e % LANES), place * ROLL_LINK + np.uint64(e % LANES)
