@@ -20,7 +20,7 @@ def confined(friction: float, turns: bool = True, pressure: float = STIFF, **cha
     """A lattice without pore springs under a pressure."""
     patch = lattice_patch(replace(SOIL, friction=friction, **changes), RADIUS)
     if not turns:
-        patch.model.ease[:] = 0.0
+        patch.model.inertia_ratio[:] = 0.0
     confine(patch, pressure)
     return patch
 
