@@ -334,8 +334,8 @@ def _show_plan(job: Job, choice: Choice) -> None:
     for head in ("stage", "would", "because"):
         table.add_column(head)
     verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-    for step in plan(job, Record(job.store), choice):
-        table.add_row(step.stage.name, verbs[step.action], escape(step.why or "nothing has changed"))
+    for decision in plan(job, Record(job.store), choice):
+        table.add_row(decision.stage.name, verbs[decision.action], escape(decision.why or "nothing has changed"))
     out.print(table)
 
 

@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from workflow.run.plan import Step
+from workflow.run.plan import Decision
 from workflow.run.progress import Progress, duration, time_left
 from workflow.run.record import Entry
 from workflow.run.stage import Stage
@@ -71,11 +71,11 @@ class Display:
     def __exit__(self, *what: object) -> None:
         self.context.__exit__(None, None, None)
 
-    def begin(self, step: Step) -> Progress:
+    def begin(self, decision: Decision) -> Progress:
         """A stage begins; returns what shows how far it is."""
-        row = self.rows[step.stage.name]
+        row = self.rows[decision.stage.name]
         row.state, row.start = "run", time.monotonic()
-        self._say(f"{step.stage.name}: {step.stage.what} ({step.why})")
+        self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
         last = row.start
 
         def progress(line: str, share: float | None) -> None:
@@ -85,38 +85,38 @@ class Display:
             if self.verbosity == VERBOSE or now - last > self.every:
                 last = now
                 left = time_left(now - row.start, share)
-                self._say(f"{step.stage.name}: {line}" + (f", {duration(left)} left" if left is not None else ""))
+                self._say(f"{decision.stage.name}: {line}" + (f", {duration(left)} left" if left is not None else ""))
 
         return progress
 
-    def end(self, step: Step, entry: Entry) -> None:
+    def end(self, decision: Decision, entry: Entry) -> None:
         """A stage has ended, or is reused."""
-        row = self.rows.get(step.stage.name)
+        row = self.rows.get(decision.stage.name)
         if row is None:
             return
         row.state, row.share = entry.outcome, None
         row.seconds = entry.seconds
-        if step.action == "reuse":
+        if decision.action == "reuse":
             row.line = f"nothing has changed: reused, made {entry.ended}"
-            self._say(f"{step.stage.name}: {row.line}")
+            self._say(f"{decision.stage.name}: {row.line}")
         elif entry.outcome == "no answer":
             row.line = f"no answer: {entry.reason}"
-            self._say(f"{step.stage.name}: {row.line}")
-        elif step.action == "redraw":
+            self._say(f"{decision.stage.name}: {row.line}")
+        elif decision.action == "redraw":
             row.line = "pictures drawn again"
-            self._say(f"{step.stage.name}: {row.line}")
+            self._say(f"{decision.stage.name}: {row.line}")
         else:
-            row.line = step.stage.what
-            self._say(f"{step.stage.name}: done in {duration(entry.seconds)}")
+            row.line = decision.stage.what
+            self._say(f"{decision.stage.name}: done in {duration(entry.seconds)}")
 
-    def skip(self, step: Step, why: str) -> None:
+    def skip(self, decision: Decision, why: str) -> None:
         """A stage does not run."""
-        row = self.rows.get(step.stage.name)
+        row = self.rows.get(decision.stage.name)
         if row is None:
             return
         row.state, row.line = "off", f"not run: {why}"
         if self.verbosity == VERBOSE or "no answer" in why:
-            self._say(f"{step.stage.name}: {row.line}")
+            self._say(f"{decision.stage.name}: {row.line}")
 
     def _say(self, text: str) -> None:
         if self.live is None and self.verbosity >= NORMAL:

@@ -1,9 +1,8 @@
 """A run: the stages one after the other, each from the input to the files it leaves behind."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Protocol
@@ -16,15 +15,12 @@ from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
 from workflow.run.lock import locked
 from workflow.run.log import Log
-from workflow.run.plan import Choice, Step, made_from, plan
+from workflow.run.plan import Choice, Decision, made_from, plan
 from workflow.run.progress import Progress
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
-
-# How far (s) the clock of a file system may be behind.
-CLOCK = 0.1
 
 # What ends a stage without an answer; all else is a fault of the input, of the machine, or of the program.
 NO_ANSWER = (NoAnswerError, BadMeshError, UnstableError, DemError)
@@ -33,13 +29,13 @@ NO_ANSWER = (NoAnswerError, BadMeshError, UnstableError, DemError)
 class Listener(Protocol):
     """Who is told how a run goes."""
 
-    def begin(self, step: Step) -> Progress:
+    def begin(self, decision: Decision) -> Progress:
         """A stage begins; returns whom it tells how far it is."""
 
-    def end(self, step: Step, entry: Entry) -> None:
+    def end(self, decision: Decision, entry: Entry) -> None:
         """A stage has ended, with or without an answer, or is reused."""
 
-    def skip(self, step: Step, why: str) -> None:
+    def skip(self, decision: Decision, why: str) -> None:
         """A stage does not run."""
 
 
@@ -50,8 +46,8 @@ class Heeding:
         self.listener, self.check = listener, check
         self.skip = listener.skip
 
-    def begin(self, step: Step) -> Progress:
-        progress = self.listener.begin(step)
+    def begin(self, decision: Decision) -> Progress:
+        progress = self.listener.begin(decision)
 
         def tell(line: str, share: float | None) -> None:
             self.check()
@@ -59,8 +55,8 @@ class Heeding:
 
         return tell
 
-    def end(self, step: Step, entry: Entry) -> None:
-        self.listener.end(step, entry)
+    def end(self, decision: Decision, entry: Entry) -> None:
+        self.listener.end(decision, entry)
         self.check()
 
 
@@ -73,13 +69,14 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     with locked(job.store.folder):
         job.store.sweep()
         record, log = Record(job.store), Log(job.store)
-        steps = plan(job, record, choice)
+        decisions = plan(job, record, choice)
         log.begin(what)
         failures: dict[str, Exception] = {}
         try:
             with remembered() as check:
-                for step in steps:
-                    _take(step, job, record, Heeding(listener, check), log, failures)
+                run = Run(job, record, log, Heeding(listener, check), failures)
+                for decision in decisions:
+                    run.do(decision)
         except BaseException as error:
             log.stop(error)
             raise
@@ -88,91 +85,114 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
             raise next(iter(failures.values()))
 
 
-def _take(step: Step, job: Job, record: Record, listener: Listener, log: Log, failures: dict[str, Exception]) -> None:
-    """Do what a step says, unless a stage that it needs has no answer."""
-    stage, before = step.stage, record[step.stage.name]
-    if step.action == "off":
-        return listener.skip(step, step.why)
-    without = [name for name in stage.needs if name in failures]
-    if without and not stage.of_all:
-        failures[stage.name] = failures[without[0]]
-        return listener.skip(step, f"{without[0]} has no answer")
-    if step.action == "reuse" and before is not None:
-        listener.end(step, before)
-        log.line(f"{stage.name}: reused, made in {before.seconds:.1f} s until {before.ended}")
-    elif step.action == "redraw" and stage.draw is not None:
-        _redraw(stage, stage.draw, job, record, listener.begin(step))
-        log.line(f"{stage.name}: pictures drawn again")
-        listener.end(step, record.entries[stage.name])
-    else:
-        step = replace(step, inputs=made_from(stage, job, record))  # a report's depend on how the others have ended
-        progress = _logged(listener.begin(step), stage, log)
-        failure = _run(step, replace(job, progress=progress), record, log)
-        listener.end(step, record.entries[stage.name])
-        if failure is not None:
-            failures[stage.name] = failure
+@dataclass
+class Run:
+    """A run in its folder.
+
+    Attributes
+    ----------
+    job: what it is to do.
+    record: what is known of the stages.
+    log: log.txt.
+    listener: who is told how it goes.
+    failures: what kept stages from an answer, by their names, with those that need them.
+    """
+
+    job: Job
+    record: Record
+    log: Log
+    listener: Listener
+    failures: dict[str, Exception] = field(default_factory=dict)
+
+    def do(self, decision: Decision) -> None:
+        """Do what was decided about a stage, unless one that it needs has no answer."""
+        stage, left = decision.stage, self.record[decision.stage.name]
+        if decision.action == "off":
+            return self.listener.skip(decision, decision.why)
+        without = [name for name in stage.needs if name in self.failures]
+        if without and not stage.of_all:
+            self.failures[stage.name] = self.failures[without[0]]
+            return self.listener.skip(decision, f"{without[0]} has no answer")
+        if decision.action == "reuse" and left is not None:
+            self.listener.end(decision, left)
+            self.log.line(f"{stage.name}: reused, made in {left.seconds:.1f} s until {left.ended}")
+        elif decision.action == "redraw" and stage.draw is not None:
+            self.redraw(decision, stage.draw)
+            self.log.line(f"{stage.name}: pictures drawn again")
+        else:
+            return self.work(decision)
+        entry = self.record.entries[stage.name]
+        if entry.outcome == "no answer":
+            self.failures[stage.name] = NoAnswerError(entry.reason, entry.remedy)
         return None
-    entry = record.entries[stage.name]
-    if entry.outcome == "no answer":
-        failures[stage.name] = NoAnswerError(entry.reason, entry.remedy)
-    return None
 
+    def work(self, decision: Decision) -> None:
+        """Let a stage work, and keep how it ended."""
+        stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
+        inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
+        progress = self._logged(stage, self.listener.begin(decision))
+        goes_on = left is not None and left.inputs == inputs and decision.why != "asked for"
+        if not goes_on:
+            store.remove(stage.leftovers)
+        self.log.line(f"{stage.name}: begins ({decision.why})")
+        self.record.put(stage.name, Entry(inputs, "begun"))
+        before = store.marks((*stage.results, *stage.pictures))
+        start, failure = time.perf_counter(), None
+        try:
+            stage.work(replace(self.job, progress=progress))
+        except NO_ANSWER as error:
+            failure = error
+        seconds = time.perf_counter() - start
+        # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
+        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, before)
+        entry = Entry(
+            inputs,
+            "no answer" if failure else "part" if stage.partial(self.job) else "done",
+            failure.reason if isinstance(failure, NoAnswerError) else str(failure or ""),
+            failure.remedy if isinstance(failure, NoAnswerError) else "",
+            round(seconds, 2),
+            datetime.now().isoformat(" ", "seconds"),
+            sizes(store, results),
+            self._drawn(stage, before),
+            drawing(stage),
+        )
+        if failure is None:
+            leave_input(self.job.given, store)
+        else:
+            self.failures[stage.name] = failure
+        self.record.put(stage.name, entry)
+        self.log.line(f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else ""))
+        self.listener.end(decision, entry)
 
-def _run(step: Step, job: Job, record: Record, log: Log) -> Exception | None:
-    """Run a stage and keep how it ended; returns what kept it from an answer."""
-    stage, store, before = step.stage, job.store, record[step.stage.name]
-    goes_on = before is not None and before.inputs == step.inputs and step.why != "asked for"
-    if not goes_on:
-        store.remove((*stage.leftovers, *stage.pictures))
-    log.line(f"{stage.name}: begins ({step.why})")
-    record.put(stage.name, Entry(step.inputs, "begun"))
-    start, failure = time.perf_counter(), None
-    # What lies there after a stage that failed may be of other inputs, but for a stage that goes on and has cleaned up.
-    since = 0.0 if stage.leftovers else time.time() - CLOCK
-    try:
-        stage.work(job)
-    except NO_ANSWER as error:
-        failure = error
-    seconds = time.perf_counter() - start
-    entry = Entry(
-        step.inputs,
-        "no answer" if failure else "part" if stage.partial(job) else "done",
-        failure.reason if isinstance(failure, NoAnswerError) else str(failure or ""),
-        failure.remedy if isinstance(failure, NoAnswerError) else "",
-        round(seconds, 2),
-        datetime.now().isoformat(" ", "seconds"),
-        sizes(store, store.matching(stage.results, since)),
-        store.matching(stage.pictures),
-        drawing(stage),
-    )
-    if failure is None:
-        leave_input(job.given, store)
-    record.put(stage.name, entry)
-    log.line(f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else ""))
-    return failure
+    def redraw(self, decision: Decision, draw: Callable[[Job], None]) -> None:
+        """Draw a stage's pictures again from what is stored."""
+        stage = decision.stage
+        self.listener.begin(decision)("pictures", None)
+        before = self.job.store.marks(stage.pictures)
+        draw(self.job)
+        pictures = self._drawn(stage, before)
+        entry = replace(self.record.entries[stage.name], pictures=pictures, drawing=drawing(stage))
+        self.record.put(stage.name, entry)
+        self.listener.end(decision, entry)
 
+    def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
+        """The pictures that a stage has drawn; older ones, of other inputs, are removed."""
+        pictures = self.job.store.written(stage.pictures, before)
+        self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
+        return pictures
 
-def _redraw(stage: Stage, draw: Callable[[Job], None], job: Job, record: Record, progress: Progress) -> None:
-    """Draw a stage's pictures again from what is stored."""
-    progress("pictures", None)
-    job.store.remove(stage.pictures)
-    draw(job)
-    pictures = job.store.matching(stage.pictures)
-    record.put(stage.name, replace(record.entries[stage.name], pictures=pictures, drawing=drawing(stage)))
+    def _logged(self, stage: Stage, progress: Progress, every: float = 30.0) -> Progress:
+        """The same, with a line in the log every so many seconds."""
+        last = time.monotonic()
 
+        def tell(line: str, share: float | None) -> None:
+            nonlocal last
+            progress(line, share)
+            if time.monotonic() - last > every:
+                last = time.monotonic()
+                self.log.line(f"{stage.name}: {line}")
 
-def _logged(progress: Progress, stage: Stage, log: Log, every: float = 30.0) -> Progress:
-    """The same, with a line in the log now and then."""
-    last = time.monotonic()
-
-    def tell(line: str, share: float | None) -> None:
-        nonlocal last
-        progress(line, share)
-        if time.monotonic() - last > every:
-            last = time.monotonic()
-            log.line(f"{stage.name}: {line}")
-
-    return tell
+        return tell
 
 
 def leave_input(given: Input, store: Store) -> None:
@@ -189,24 +209,15 @@ def leave_input(given: Input, store: Store) -> None:
 def redraw_all(job: Job, listener: Listener) -> list[str]:
     """Draw all pictures again from what is stored; returns the stages whose pictures could not be drawn, with why."""
     told = []
-    with _folder(job) as (record, steps):
-        for step in steps:
-            if step.action == "off":
-                told.append(f"{step.stage.name}: no pictures: {step.why}")
-                continue
-            stage, step = step.stage, replace(step, action="redraw", why="drawn again")
-            if stage.draw is not None:
-                _redraw(stage, stage.draw, job, record, listener.begin(step))
-                listener.end(step, record.entries[stage.name])
+    with locked(job.store.folder):
+        job.store.sweep()
+        run = Run(job, Record(job.store), Log(job.store), listener)
+        for decision in plan(job, run.record, Choice(())):
+            stage = decision.stage
+            if decision.action == "off":
+                told.append(f"{stage.name}: no pictures: {decision.why}")
+            elif stage.draw is not None:
+                run.redraw(replace(decision, action="redraw", why="drawn again"), stage.draw)
             elif stage.pictures:
                 told.append(f"{stage.name}: its pictures are drawn only when it runs")
     return told
-
-
-@contextmanager
-def _folder(job: Job) -> Iterator[tuple[Record, list[Step]]]:
-    """A locked folder in which nothing is computed: what it holds for this input."""
-    with locked(job.store.folder):
-        job.store.sweep()
-        record = Record(job.store)
-        yield record, plan(job, record, Choice(()))

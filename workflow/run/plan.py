@@ -60,7 +60,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Step:
+class Decision:
     """What is to be done about a stage.
 
     Attributes
@@ -68,30 +68,28 @@ class Step:
     stage: the stage.
     action: what is to be done: run it, draw its pictures again, use what it left, or leave it off.
     why: the reason, in words; empty where nothing has changed.
-    inputs: the fingerprints of all that it is made from now.
     """
 
     stage: Stage
     action: Action
     why: str
-    inputs: dict[str, str]
 
 
-def plan(job: Job, record: Record, choice: Choice) -> list[Step]:
+def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
     """What is to be done about every stage. Raises InputError if the choice leaves out what one needs."""
-    steps: list[Step] = []
+    decisions: list[Decision] = []
     for stage in job.stages:
-        news = any(step.action in ("run", "redraw") for step in steps)
-        steps.append(_step(stage, job, record, choice, news))
-    off = {step.stage.name: step.why for step in steps if step.action == "off"}
-    for step in steps:
-        if step.action in ("run", "redraw") and not step.stage.of_all:
-            missing = [name for name in step.stage.needs if name in off]
+        news = any(decision.action in ("run", "redraw") for decision in decisions)
+        decisions.append(_decision(stage, job, record, choice, news))
+    off = {decision.stage.name: decision.why for decision in decisions if decision.action == "off"}
+    for decision in decisions:
+        if decision.action in ("run", "redraw") and not decision.stage.of_all:
+            missing = [name for name in decision.stage.needs if name in off]
             if missing:
                 raise InputError(
-                    step.stage.name, [f"needs the stage {name}: {off[name]}; let it run, too" for name in missing]
+                    decision.stage.name, [f"needs the stage {name}: {off[name]}; let it run, too" for name in missing]
                 )
-    return steps
+    return decisions
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
@@ -103,24 +101,23 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
     return prints
 
 
-def _step(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Step:
+def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
     """What is to be done about a stage; ``news`` says whether one before it will have any."""
-    prints = made_from(stage, job, record)
-    why = changes(stage, prints, record)
+    why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
-        return Step(stage, "off" if why else "reuse", why, prints)
+        return Decision(stage, "off" if why else "reuse", why)
     if not stage.wanted(job.given) and stage.name not in choice.asked:
-        return Step(stage, "off" if why else "reuse", "not asked for", prints)
+        return Decision(stage, "off" if why else "reuse", "not asked for")
     if stage.name in choice.forced:
-        return Step(stage, "run", "asked for", prints)
+        return Decision(stage, "run", "asked for")
     if why or (stage.of_all and news):
-        return Step(stage, "run", why or "there are new results", prints)
+        return Decision(stage, "run", why or "there are new results")
     if not record.pictures_left(stage.name):
-        return Step(stage, "redraw", "pictures are missing", prints)
+        return Decision(stage, "redraw", "pictures are missing")
     left = record.entries[stage.name]
     if stage.draw is not None and left.pictures and left.drawing != drawing(stage):
-        return Step(stage, "redraw", "pictures are drawn in another way now", prints)
-    return Step(stage, "reuse", "", prints)
+        return Decision(stage, "redraw", "pictures are drawn in another way now")
+    return Decision(stage, "reuse", "")
 
 
 def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:

@@ -5,7 +5,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -104,15 +104,20 @@ class Store:
         """Whether a file is there."""
         return (self.folder / name).is_file()
 
-    def matching(self, patterns: Sequence[str], since: float = 0.0) -> list[str]:
-        """Names of the whole files that match any of some patterns, in the order of the numbers in them.
-
-        Only those that were written ``since`` a time, in seconds of the file system's clock.
-        """
+    def matching(self, patterns: Sequence[str]) -> list[str]:
+        """Names of the whole files that match any of some patterns, in the order of the numbers in them."""
         found = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
-        found = {path for path in found if path.stat().st_mtime >= since}
         names = [str(path.relative_to(self.folder)) for path in found if not BESIDE.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)
+
+    def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
+        """Of every file that matches what changes when it is written again: its inode, and when it was written (ns)."""
+        found = {name: (self.folder / name).stat() for name in self.matching(patterns)}
+        return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in found.items()}
+
+    def written(self, patterns: Sequence[str], before: Mapping[str, object]) -> list[str]:
+        """Names of the files that match and were written after their marks were taken."""
+        return [name for name, mark in self.marks(patterns).items() if before.get(name) != mark]
 
     def remove(self, patterns: Sequence[str]) -> None:
         """Remove the files that match; folders stay. Raises InputError if one cannot be removed."""

@@ -19,6 +19,7 @@ from dem.search.equilibrium import Rest, Trial, settle, try_kh, unbalanced_ratio
 from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.springs import LayerSprings
+from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
@@ -250,5 +251,5 @@ def calibrate_pictures(run: Input, store: Store) -> None:
             for name in (start[state.set], state.file)
         )
         title = f"{run.title or run.name}: discs {STATES[state.set]}, Kh = {state.kh:g}: {state.verdict}"
-        with store.writing(f"figures/dem_{state.set}_kh_{state.kh:.2f}.png") as path:
+        with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
             dem_figures.state(model, before, path, title)

@@ -19,7 +19,7 @@ from tests.support.sections import slope
 from workflow.run import pipeline, source
 from workflow.run.errors import NoAnswerError
 from workflow.run.lock import locked
-from workflow.run.plan import Choice, Step, plan
+from workflow.run.plan import Choice, Decision, plan
 from workflow.run.progress import Progress, duration, silent, time_left
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
@@ -37,15 +37,15 @@ class Heard:
         self.ended: dict[str, str] = {}
         self.skipped: dict[str, str] = {}
 
-    def begin(self, step: Step) -> Progress:
-        self.ran.append(step.stage.name)
+    def begin(self, decision: Decision) -> Progress:
+        self.ran.append(decision.stage.name)
         return silent
 
-    def end(self, step: Step, entry: Entry) -> None:
-        self.ended[step.stage.name] = entry.outcome
+    def end(self, decision: Decision, entry: Entry) -> None:
+        self.ended[decision.stage.name] = entry.outcome
 
-    def skip(self, step: Step, why: str) -> None:
-        self.skipped[step.stage.name] = why
+    def skip(self, decision: Decision, why: str) -> None:
+        self.skipped[decision.stage.name] = why
 
 
 def leaves(name: str, text: str = "result") -> Work:
@@ -226,8 +226,10 @@ def test_only_does_not_work_on_what_others_made(toys: Toys, tmp_path: Path) -> N
 def test_a_dry_run_says_why(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     job = toys.job(tmp_path, fem={"sides": "fixed"})
-    steps = {step.stage.name: (step.action, step.why) for step in plan(job, Record(job.store), toys.choose())}
-    assert steps == {
+    decisions = {
+        decision.stage.name: (decision.action, decision.why) for decision in plan(job, Record(job.store), toys.choose())
+    }
+    assert decisions == {
         "mesh": ("reuse", ""),
         "fem": ("run", "changed: [fem]"),
         "slide": ("run", "changed: fem"),
@@ -328,7 +330,7 @@ def test_results_of_an_older_version_are_computed_anew_and_told_so(toys: Toys, t
     record = tmp_path / ".noshiro/stages.json"
     record.write_text(record.read_text().replace('"version": 2', '"version": 1').replace('"drawing"', '"redraw"'))
     job = toys.job(tmp_path)
-    whys = {step.why for step in plan(job, Record(job.store), toys.choose())}
+    whys = {decision.why for decision in plan(job, Record(job.store), toys.choose())}
     assert whys == {"another version of noshiro made it"}
     assert toys.go(tmp_path).ran == ALL_OF_THEM
 
