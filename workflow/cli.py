@@ -191,7 +191,11 @@ def fem(
 def plot(
     folder: Folder,
     field: Annotated[
-        str | None, typer.Option(help="One field of the FEM only, such as displacement or safety_factor.")
+        str | None,
+        typer.Option(
+            help="One field only: of the FEM, such as displacement or safety_factor, or of the discs: pore_springs, "
+            "velocity or force_chains."
+        ),
     ] = None,
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
 ) -> None:

@@ -110,8 +110,9 @@ def critical_kh(
             if kh > failed * (1.0 - 1e-9):
                 failed = float("inf")
         elif not search.flexibility:
-            search.upper, search.reason = kh, trial.reason
-            search.verdict = "fails under its own weight"
+            search.upper = kh
+            told = f"stands under its own weight, but not at Kh = {kh:g}, the least that is tried"
+            search.reason = f"{told}: {trial.reason}"
             return search
         elif step <= width * (1.0 + 1e-9):
             break

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.errors import InputError
-from workflow.estimates.sliding_block import GRAVITY
+from meshes.section.quantity import GRAVITY
 from workflow.settings import Input
 
 GAL = 0.01  # m/s²

@@ -25,7 +25,14 @@ def hamada_as_printed(thickness: float, gradient: float) -> float:
 
 @dataclass(frozen=True)
 class Liquefied:
-    """What the regression is fed with: thickness (m) and gradient (%), and where the thickness is largest (m)."""
+    """What the regression is fed with.
+
+    Attributes
+    ----------
+    thickness : mean thickness of what liquefies, along the part of x where there is any (m)
+    gradient : slope of the ground, or of the lower boundary of what liquefies if that is steeper (%)
+    thickest : largest thickness of what liquefies (m)
+    """
 
     thickness: float
     gradient: float

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-GRAVITY = 9.80665  # m/s²
+from meshes.section.quantity import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pyvista as pv
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from fem.limit.adaptive_bounds import Bracket, Mechanism, StressField
 from fem.limit.bound_checks import corner_rates, yield_slack
 from meshes.triangles import TriMesh
-from workflow.figures.canvas import INK, Sheet, Window, legend_columns, render, soil_colour, spread
+from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
 from workflow.figures.ground import foot
 from workflow.run.store import Store
 from workflow.settings import Input
@@ -90,13 +88,9 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
     )
     for view, (values, what) in enumerate(views, start=1):
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
-    _bar(
-        sheet,
-        DISSIPATION,
-        DISSIPATION_COLOURS,
-        "shear rate, dissipation per area: over the largest (-)",
-        conditions(run),
-    )
+    label = "shear rate, dissipation per area: over the largest (-)"
+    sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
+    sheet.note(conditions(run))
     return sheet
 
 
@@ -106,7 +100,8 @@ def _stress_sheet(run: Input, stress: StressField, window: Window) -> Sheet:
     sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
-    _bar(sheet, YIELD, YIELD_COLOURS, "radius of Mohr's circle over the largest possible (-)", conditions(run))
+    sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
+    sheet.note(conditions(run))
     return sheet
 
 
@@ -151,16 +146,3 @@ def _classes(
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=1)
 
     return draw
-
-
-def _bar(sheet: Sheet, limits: Sequence[float], colours: Sequence[str], label: str, note: str) -> None:
-    """A bar of colours under the views, and a note beside it."""
-    scale = ScalarMappable(BoundaryNorm(limits, len(colours)), ListedColormap(list(colours)))
-    left, top = sheet.legend_at
-    height = sheet.figure.get_figheight()
-    bar = sheet.figure.add_axes((left, top - 0.18 / height, 0.42, 0.12 / height))
-    sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=limits)
-    bar.set_xticklabels([f"{limit:g}" for limit in limits])
-    bar.tick_params(labelsize=7, colors=INK, length=2)
-    bar.set_xlabel(label, fontsize=7, color=INK, labelpad=1)
-    sheet.figure.text(0.52, top, note, fontsize=7.5, color=INK, va="top", parse_math=False)

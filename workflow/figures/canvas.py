@@ -17,7 +17,8 @@ from matplotlib import font_manager, rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -41,7 +42,7 @@ CRITICAL = "#b3202c"
 # The tallest view, and the flattest that can be read, as height over width.
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
-TITLE_CHARACTERS, LEGEND_CHARACTERS = 95, 150
+TITLE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 150, 88
 
 # Names may be Japanese: fonts that have the characters, where the machine has such a font.
 EAST_ASIAN = ("Noto Sans CJK JP", "Noto Sans JP", "IPAexGothic", "IPAGothic", "TakaoPGothic", "WenQuanYi Zen Hei")
@@ -174,6 +175,25 @@ class Sheet:
         for text in legend.get_texts():
             text.set_parse_math(False)
 
+    def colour_bar(self, scale: ScalarMappable, label: str, limits: Sequence[float] | None = None) -> None:
+        """A scale of colours under the views, on the left; ``limits`` are those of its classes, where it has any."""
+        left, top = self.legend_at
+        height = self.figure.get_figheight()
+        box = self.figure.add_axes((left, top - 0.2 / height, 0.42, 0.12 / height))
+        if limits is None:
+            self.figure.colorbar(scale, cax=box, orientation="horizontal")
+        else:
+            self.figure.colorbar(scale, cax=box, orientation="horizontal", spacing="uniform", ticks=limits)
+            box.set_xticklabels([f"{limit:g}" for limit in limits])
+        box.tick_params(labelsize=7, colors=INK, length=2)
+        box.set_xlabel(label, fontsize=7, color=INK, labelpad=1, parse_math=False)
+
+    def note(self, text: str) -> None:
+        """A note under the views, right of the colour bar."""
+        _, top = self.legend_at
+        lines = "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, NOTE_CHARACTERS))
+        self.figure.text(0.52, top, lines, fontsize=7.5, color=INK, va="top", parse_math=False)
+
     def plot(self, view: int, across: str, up: str, title: str = "") -> Axes:
         """A view as axes for curves, with labels and a grid."""
         axes = self.views[view]
@@ -190,6 +210,11 @@ class Sheet:
         with warnings.catch_warnings():
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # drawn as a box
             self.figure.savefig(path, format="png")
+
+
+def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappable:
+    """A scale of colours, one for each class between two limits."""
+    return ScalarMappable(BoundaryNorm(limits, len(colours)), ListedColormap(list(colours)))
 
 
 def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:

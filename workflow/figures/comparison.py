@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
+from meshes.section.quantity import GRAVITY
 from workflow.estimates import accelerogram
-from workflow.estimates.sliding_block import GRAVITY, newmark
+from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import Overlay, draw_section, foot
 from workflow.results.discs import DiscSearch

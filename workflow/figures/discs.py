@@ -4,11 +4,14 @@ Each function takes a model, and writes one picture to a path. `in_section` give
 """
 
 import copy
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 import pyvista as pv
+from matplotlib.artist import Artist
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
@@ -45,9 +48,10 @@ def window_of(model: Circles) -> Window:
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:
-    """The discs where they are in the section, for drawing alone: forces and velocities stay in their own frame."""
+    """The discs where they are in the section, as they move there, for drawing alone: gravity and lines stay behind."""
     view = copy.copy(model)
     view.x, view.z = ground.to_section(model.x, model.z)
+    view.vx, view.vz = ground.turned(model.vx, model.vz)
     view.roll = model.roll - ground.tilt * model.radius
     return view
 
@@ -92,7 +96,7 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
         plotter.add_mesh(pv.line_segments_from_points(lines), color=INK, line_width=1, opacity=0.35, lighting=False)
 
     counts = np.bincount(model.layer + 1, minlength=len(model.springs.layers) + 1)
-    handles = [
+    handles: list[Artist] = [
         Patch(color=soil_colour(k), label=f"{layer.name} ({counts[k + 1]})")
         for k, layer in enumerate(model.springs.layers)
         if counts[k + 1]
@@ -104,23 +108,23 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
 
 def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs") -> None:
     """Whole pore springs green, cracked ones red."""
-    window = window_of(model)
     whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
-    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
-
-    def draw(plotter: pv.Plotter) -> None:
-        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
-        near = model.distance() < 1.5 * np.abs(model.pore_length)  # others would cross the picture
-        for which, colour in ((whole, WHOLE), (cracked & near, CRACKED)):
-            mesh = bars(model, which, width)
-            if mesh.n_points:
-                plotter.add_mesh(mesh, color=colour, lighting=False)
-
     handles = [
         Line2D([], [], color=WHOLE, lw=3, label=f"whole ({whole.sum()})"),
         Line2D([], [], color=CRACKED, lw=3, label=f"cracked ({cracked.sum()})"),
     ]
-    _write(path, title, window, draw, model, handles)
+    _write(path, title, window_of(model), partial(draw_pore_springs, model=model), model, handles)
+
+
+def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
+    """Pore springs as bars over pale discs; those between discs that parted long ago would cross the picture."""
+    plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
+    near = model.distance() < 1.5 * np.abs(model.pore_length)
+    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
+    for which, colour in ((model.pore_length > 0.0, WHOLE), ((model.pore_length < 0.0) & near, CRACKED)):
+        mesh = bars(model, which, width)
+        if mesh.n_points:
+            plotter.add_mesh(mesh, color=colour, lighting=False)
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
@@ -128,26 +132,14 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
     norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
-    whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
-    near = model.distance() < 1.5 * np.abs(model.pore_length)
-    width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
-
-    def moved(plotter: pv.Plotter) -> None:
-        draw_values(plotter, model, far, norm, model.fixed)
-
-    def springs(plotter: pv.Plotter) -> None:
-        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
-        for which, colour in ((whole, WHOLE), (cracked & near, CRACKED)):
-            mesh = bars(model, which, width)
-            if mesh.n_points:
-                plotter.add_mesh(mesh, color=colour, lighting=False)
-
-    foot = f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed; {int(cracked.sum())} of "
-    foot += f"{int(cracked.sum() + whole.sum())} pore springs cracked"
+    moved = partial(draw_values, model=model, values=far, norm=norm, dark=model.fixed)
+    there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
+    foot = f"{_count(model)}; {cracked} of {there} pore springs cracked"
     sheet = Sheet(title, [window.proportion] * 2, foot, 2)
     sheet.show(0, render(window, moved), window, "displacement")
+    springs = partial(draw_pore_springs, model=model)
     sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
-    colour_bar(sheet, "displacement (m)", norm)
+    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
     sheet.save(path)
 
 
@@ -171,18 +163,8 @@ def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: N
         plotter.add_mesh(fixed, color=BOUNDARY, lighting=False)
 
 
-def colour_bar(sheet: Sheet, label: str, norm: Normalize) -> None:
-    """A scale under the views."""
-    left, top = sheet.legend_at
-    box = sheet.figure.add_axes((left, top - 0.012, 0.35, 0.018))
-    bar = sheet.figure.colorbar(ScalarMappable(norm, FAR), cax=box, orientation="horizontal", extend="max")
-    bar.set_label(label, fontsize=7.5, color=INK, labelpad=1)
-    bar.ax.tick_params(labelsize=7, colors=INK, length=2)
-
-
 def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> None:
     """Every disc in the colour of its speed, with arrows on some of them."""
-    window = window_of(model)
     speed = np.hypot(model.vx, model.vz)
     fastest = float(speed.max()) or 1.0
     free = np.flatnonzero(~model.fixed)
@@ -200,12 +182,12 @@ def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> N
         glyphs = arrows.glyph(orient="v", scale="v", geom=pv.Arrow(tip_radius=0.12, shaft_radius=0.04))
         plotter.add_mesh(glyphs, color="white", lighting=False)
 
-    _write(path, title, window, draw, model, [], ("speed (m/s)", Normalize(0.0, fastest)))
+    scale = ScalarMappable(Normalize(0.0, fastest), SPEEDS)
+    _write(path, title, window_of(model), draw, model, [], (scale, "speed (m/s)"))
 
 
 def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains") -> None:
     """Bars between touching discs, as wide as they push; pulling pore springs in red."""
-    window = window_of(model)
     normal = contact_forces(model).normal
     size = np.abs(normal)
     # the strongest few would leave the rest as hairs
@@ -223,32 +205,33 @@ def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains"
     handles = [Line2D([], [], color=INK, lw=6, label=f"push; widest bars {full} and more")]
     if np.any(normal < -0.01 * scale):
         handles.append(Line2D([], [], color=CRACKED, lw=6, label="pull"))
-    _write(path, title, window, draw, model, handles)
+    _write(path, title, window_of(model), draw, model, handles)
+
+
+# What can be drawn of discs alone, by the names that people ask for it: a function of model, path and title.
+FIELDS = {"pore_springs": pore_springs, "velocity": velocities, "force_chains": force_chains}
+
+
+def _count(model: DiscModel) -> str:
+    return f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed"
 
 
 def _write(
     path: Path | str,
     title: str,
     window: Window,
-    draw: object,
+    draw: Callable[[pv.Plotter], None],
     model: DiscModel,
-    handles: list,
-    scale: tuple[str, Normalize] | None = None,
+    handles: Sequence[Artist],
+    scale: tuple[ScalarMappable, str] | None = None,
 ) -> None:
+    """One view with a legend, or with a scale of colours and what it shows."""
     columns = min(6, max(1, len(handles)))
-    rows = -(-len(handles) // columns) if handles else (2 if scale else 0)
-    foot = f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed; t = {model.time:.4g} s"
-    sheet = Sheet(title, [window.proportion], foot, rows)
-    axes = sheet.show(0, render(window, draw), window)  # type: ignore[arg-type]
-    axes.set_ylabel("z (m)", fontsize=8, labelpad=2, color=INK)
-    axes.set_xlabel("x (m)", fontsize=8, labelpad=1, color=INK)
+    rows = -(-len(handles) // columns) if handles else 2
+    sheet = Sheet(title, [window.proportion], f"{_count(model)}; t = {model.time:.4g} s", rows)
+    sheet.show(0, render(window, draw), window)
     if handles:
         sheet.legend(handles, columns)
-    if scale:
-        label, norm = scale
-        left, top = sheet.legend_at
-        box = sheet.figure.add_axes((left, top - 0.01, 0.35, 0.025))
-        bar = sheet.figure.colorbar(ScalarMappable(norm, SPEEDS), cax=box, orientation="horizontal")
-        bar.set_label(label, fontsize=7.5, color=INK, labelpad=1)
-        bar.ax.tick_params(labelsize=7, colors=INK, length=2)
+    if scale is not None:
+        sheet.colour_bar(*scale)
     sheet.save(path)

@@ -1,17 +1,14 @@
 """Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
 
-import textwrap
 from typing import NamedTuple
 
 import numpy as np
 import pyvista as pv
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 
 from fem.fields import State, slip_surface
 from meshes.quad_mesh import QuadMesh
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, render, spread
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import foot
 from workflow.results.continuum import FemAnswer
 from workflow.results.fem_states import FemResults
@@ -23,7 +20,6 @@ from workflow.settings import Input
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
-NOTE_CHARACTERS = 88
 
 
 def draw_all(run: Input, results: FemResults, store: Store) -> None:
@@ -114,20 +110,12 @@ def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
     axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
     if len(views.slip):
         axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
-    scale = ScalarMappable(BoundaryNorm(SAFETY_BOUNDS, len(SAFETY_COLOURS)), ListedColormap(list(SAFETY_COLOURS)))
-    left, top = sheet.legend_at
-    height = sheet.figure.get_figheight()
-    bar = sheet.figure.add_axes((left, top - 0.22 / height, 0.42, 0.12 / height))
-    sheet.figure.colorbar(scale, cax=bar, orientation="horizontal", spacing="uniform", ticks=SAFETY_BOUNDS)
-    bar.tick_params(labelsize=7, colors=INK, length=2)
-    bar.set_xlabel("mobilised / available shear strength (-); 1: failure", fontsize=7, color=INK, labelpad=1)
-    notes = [f"{conditions(run, element)}. Dotted: largest shear strain along x."]
+    label = "mobilised / available shear strength (-); 1: failure"
+    sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
+    note = f"{conditions(run, element)}. Dotted: largest shear strain along x."
     if state.past_equilibrium:
-        notes.append(
-            f"There is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
-        )
-    lines = [line for text in notes for line in textwrap.wrap(text, NOTE_CHARACTERS)]
-    sheet.figure.text(0.52, top, "\n".join(lines), fontsize=7.5, color=INK, va="top")
+        note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
+    sheet.note(note)
     return sheet
 
 

@@ -10,17 +10,23 @@ import pyvista as pv
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
+from dem.ground import ground_of
+from dem.model import DiscModel
 from fem.fields import State
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
+from workflow.figures import discs
 from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Sheet, Window, render
 from workflow.figures.fields import FIELDS, Field
 from workflow.figures.ground import foot
+from workflow.results.discs import SETS
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.results.results import Results
 from workflow.run.stage import Job
+
+SAME_KH = 5e-4  # Kh is given with three digits
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
@@ -28,6 +34,8 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
 
     Returns the files. Raises InputError if there is no such field or no state at that Kh.
     """
+    if field in discs.FIELDS:
+        return _draw_discs(job, field, at)
     results = _results(job)
     chosen = _field(field) if field else None
     paths = []
@@ -40,6 +48,29 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
             name = f"figures/field_{field}_kh_{state.kh:.3f}.png"
             with job.store.writing(name) as path:
                 _sheet(job, results.mesh, state, chosen).save(path)
+        paths.append(job.store.folder / name)
+    return paths
+
+
+def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
+    """Draw a field of the discs, before calibration and after it; raises InputError if there are none of this input."""
+    results = Results.of(job)
+    if results.dem is None:
+        why = results.missing.get("calibrate", "the stage calibrate ended without an answer")
+        raise InputError(str(job.store.folder), [f"holds no discs: {why}"])
+    kept = results.dem.states
+    states = [state for state in kept if at is None or abs(state.kh - at) < SAME_KH]
+    if not states:
+        there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in kept})) or "none"
+        raise InputError("--at", [f"{at:g}: there are no discs at this Kh; expected one of {there}, or set dem.kh"])
+    ground = ground_of(job.given, job.given.dem)
+    paths = []
+    for state in states:
+        model = discs.in_section(DiscModel.load(job.store.folder / state.file), ground)
+        name = f"figures/field_{field}_{state.set}_kh_{state.kh:.3f}.png"
+        words = f"{field.replace('_', ' ')} of the discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
+        with job.store.writing(name) as path:
+            discs.FIELDS[field](model, path, f"{job.given.title or job.given.name}: {words}")
         paths.append(job.store.folder / name)
     return paths
 
@@ -100,14 +131,14 @@ def _results(job: Job) -> FemResults:
 
 def _field(name: str) -> Field:
     if name not in FIELDS:
-        raise InputError("--field", [f"{name!r}: expected one of {', '.join(FIELDS)}"])
+        raise InputError("--field", [f"{name!r}: expected one of {', '.join((*FIELDS, *discs.FIELDS))}"])
     return FIELDS[name]
 
 
 def _states(results: FemResults, at: float | None) -> list[State]:
     if at is None:
         return results.states
-    found = [state for state in results.states if abs(state.kh - at) < 5e-4]
+    found = [state for state in results.states if abs(state.kh - at) < SAME_KH]
     if not found:
         there = ", ".join(f"{state.kh:.3f}" for state in results.states)
         raise InputError("--at", [f"{at:g}: there is no state at this Kh; expected one of {there}, or set fem.kh"])
@@ -139,10 +170,5 @@ def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
     for number, much in enumerate(view.exaggerations()):
         heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
         sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)
-    left, top = sheet.legend_at
-    height = sheet.figure.get_figheight()
-    bar = sheet.figure.add_axes((left, top - 0.22 / height, 0.42, 0.12 / height))
-    sheet.figure.colorbar(ScalarMappable(Normalize(low, high), field.colours), cax=bar, orientation="horizontal")
-    bar.tick_params(labelsize=7, colors=INK, length=2)
-    bar.set_xlabel(field.label, fontsize=7, color=INK, labelpad=1)
+    sheet.colour_bar(ScalarMappable(Normalize(low, high), field.colours), field.label)
     return sheet

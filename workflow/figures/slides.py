@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from PIL import Image, ImageDraw, ImageFont
 
 from meshes.section.section import Section
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
-from workflow.figures.discs import BOUNDARY, colour_bar, discs, draw_values, nice, window_of
+from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer
 from workflow.results.history import SlideHistory
 
@@ -87,7 +88,7 @@ def end(run: Section, path: Path, case: CaseAnswer, springs: str, number: int, o
     axes.plot(*before.T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
     axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
     sheet.show(1, render(window, strata), window, "layers")
-    colour_bar(sheet, "displacement (m)", norm)
+    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
     lines = [
         Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),

@@ -4,6 +4,7 @@ import base64
 import io
 import re
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 from PIL import Image
@@ -56,7 +57,7 @@ def collect(names: list[str], folder: Path, width: int, animations: bool) -> lis
     found: list[Picture] = []
     room = LARGEST_ANIMATIONS
     for pattern, part, words in CAPTIONS:
-        for name in sorted(names):
+        for name in sorted(names, key=_by_number):
             path = folder / name
             match = re.fullmatch(pattern, path.stem)
             if match is None or any(name == picture.name for picture in found) or not path.is_file():
@@ -70,6 +71,12 @@ def collect(names: list[str], folder: Path, width: int, animations: bool) -> lis
             else:
                 found.append(_still(path, name, part, words.format(*match.groups()), width))
     return found
+
+
+def _by_number(name: str) -> list[tuple[int, float, str]]:
+    """A key that sorts names as people count: case 2 before case 10, Kh = 0.2 before 0.25."""
+    parts = re.split(r"(\d+(?:\.\d+)?)", name)
+    return [(0, float(part), "") if number else (1, 0.0, part) for part, number in zip(parts, cycle((False, True)))]
 
 
 def _still(path: Path, name: str, part: str, caption: str, width: int) -> Picture:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 TrialVerdict = Literal["stands", "fails", "undecided"]
 SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
 SetOfSprings = Literal["before", "after"]
+SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calibrated"}
 
 
 class DiscModelAnswer(Part):

@@ -17,9 +17,9 @@ DATA = (".csv", ".jinja", ".toml")  # what a module reads stands beside it, and 
 
 @cache
 def imports(packages: tuple[str, ...] = PACKAGES) -> Mapping[str, frozenset[str]]:
-    """For every module of some packages those that it imports from them, inside functions too."""
+    """For every module of some packages those that it imports from them, inside functions too; not for types alone."""
     with postponed():  # else grimp panics
-        graph = grimp.build_graph(*packages, cache_dir=None)
+        graph = grimp.build_graph(*packages, cache_dir=None, exclude_type_checking_imports=True)
     return {name: frozenset(graph.find_modules_directly_imported_by(name)) for name in graph.modules}
 
 

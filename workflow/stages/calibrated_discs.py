@@ -24,6 +24,7 @@ from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import (
+    SETS,
     DiscModelAnswer,
     DiscsAnswer,
     DiscSearch,
@@ -39,7 +40,6 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 JOURNAL = "dem/trials.jsonl"
-STATES = {"before": "before calibration", "after": "calibrated"}
 BRENT = 7  # searches that choosing the parameter and finding the factor takes, more or less
 
 
@@ -250,6 +250,6 @@ def calibrate_pictures(run: Input, store: Store) -> None:
             dem_figures.in_section(DiscModel.load(store.folder / name), ground)
             for name in (start[state.set], state.file)
         )
-        title = f"{run.title or run.name}: discs {STATES[state.set]}, Kh = {state.kh:g}: {state.verdict}"
+        title = f"{run.title or run.name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
         with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
             dem_figures.state(model, before, path, title)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from meshes.errors import InputError
+from meshes.section.quantity import GRAVITY
 from workflow.estimates.accelerogram import read
-from workflow.estimates.sliding_block import GRAVITY
 
 VALUES = np.array([0.0, 0.012, -0.034, 0.05, -0.001, 0.002, 0.003])
 

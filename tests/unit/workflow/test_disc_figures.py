@@ -8,8 +8,11 @@ import pytest
 from matplotlib.image import imread
 
 from dem.engine.engine import Engine
+from dem.engine.forces import contact_forces
+from dem.ground import Ground
 from dem.model import DiscModel
-from tests.support.dem_cases import box
+from dem.packing import lattice_box
+from tests.support.dem_cases import RADIUS, box
 from workflow.figures import discs as dem_figures
 
 
@@ -48,3 +51,12 @@ def test_picture(
     assert image.shape[0] > 1400 * window.proportion
     for colour in colours:
         assert share_of(image, colour) > 1e-3, colour
+
+
+def test_discs_in_the_section_push_each_other_as_before(model: DiscModel) -> None:
+    """The frame of a tilted box is turned; what the discs do to each other does not depend on it."""
+    ground = Ground(lattice_box(12, 6, RADIUS), "box", RADIUS, 6, 0.3, (3.0, 5.0), 1)
+    view = dem_figures.in_section(model, ground)
+    assert np.hypot(view.vx, view.vz) == pytest.approx(np.hypot(model.vx, model.vz))
+    assert not np.allclose(view.z, model.z)
+    assert contact_forces(view).normal == pytest.approx(contact_forces(model).normal, rel=1e-6)

@@ -83,10 +83,15 @@ def test_what_stands_and_what_fails_says_why() -> None:
     assert try_kh(model.copy(), model, ground, patient, 0.0, 1.2 * MU, flexible).verdict == "undecided"
 
 
-def test_ground_without_friction_fails_under_its_own_weight_or_stands_to_the_limit() -> None:
-    slippery = replace(SOIL, friction=0.0, ks=1.0, kpn=0.0, kps=0.0)
-    ground, model = blocks([replace(slippery, friction=0.01)])
-    assert critical_kh(model, ground, SETTINGS).verdict == "fails under its own weight"
+def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None:
+    """Friction of 0.01 holds blocks on a level floor, and gives way at Kh = 0.01, before the first that is tried."""
+    ground, model = blocks([replace(SOIL, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
+    found = critical_kh(model, ground, SETTINGS)
+    assert (found.verdict, found.lower, found.upper, found.kc) == ("undecided", 0.0, 0.02, None)
+    assert found.reason.startswith("stands under its own weight, but not at Kh = 0.02")
+
+
+def test_ground_that_does_not_fail_stands_to_the_limit() -> None:
     ground, model = blocks([replace(SOIL, friction=5.0)])
     limited = critical_kh(model, ground, SETTINGS.model_copy(update={"kh_limit": 0.25}))
     assert (limited.verdict, limited.kc) == ("stands everywhere", None)

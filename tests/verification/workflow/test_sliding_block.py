@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.estimates.sliding_block import GRAVITY, SmoothPlane, newmark, rectangular_pulse
+from meshes.section.quantity import GRAVITY
+from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 
 
 def pulse(k: float, duration: float) -> tuple[np.ndarray, np.ndarray]:
