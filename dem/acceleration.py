@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from meshes.section.quantity import GRAVITY
+
 
 @dataclass(frozen=True)
 class Acceleration:
@@ -33,7 +35,7 @@ class Acceleration:
         kv: float = 0.0,
         tilt: float = 0.0,
         ramp: tuple[float, float] | None = None,
-        g: float = 9.80665,
+        g: float = GRAVITY,
     ) -> "Acceleration":
         """Kh and Kv in a frame whose x axis dips by `tilt` (rad) below the horizontal: positive Kh pushes downhill.
 
@@ -48,6 +50,6 @@ class Acceleration:
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
 
-def tilted_gravity(tilt: float, g: float = 9.80665) -> tuple[float, float]:
+def tilted_gravity(tilt: float, g: float = GRAVITY) -> tuple[float, float]:
     """Gravity (m/s2) in a frame whose x axis dips by `tilt` (rad) below the horizontal."""
     return g * float(np.sin(tilt)), -g * float(np.cos(tilt))
