@@ -21,16 +21,16 @@ MARKS = {"wait": " ", "run": "▸", "done": "✓", "part": "✓", "no answer": "
 STYLES = {"run": "bold", "done": "green", "part": "green", "no answer": "red", "off": "dim", "wait": "dim"}
 
 
-class Row:
-    """The state of one stage on the screen."""
+class StageLine:
+    """One stage on the screen: a mark for its state, its name, what it does or found, how far it is, and its time."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.state, self.line, self.share = "wait", stage.what, None  # type: tuple[str, str, float | None]
+        self.state, self.text, self.share = "wait", stage.what, None  # type: tuple[str, str, float | None]
         self.start, self.seconds = 0.0, 0.0
 
     def cells(self) -> list[Text]:
-        """Mark, name, line, and times or a bar."""
+        """Mark, name, text, and times or a bar."""
         style = STYLES[self.state]
         clock = ""
         if self.state == "run":
@@ -43,7 +43,7 @@ class Row:
         if self.state == "run" and self.share is not None:
             full = round(BAR * min(max(self.share, 0.0), 1.0))
             bar = "█" * full + "░" * (BAR - full)
-        line = Text(self.line, style="dim" if self.state in ("wait", "off") else "", overflow="ellipsis", no_wrap=True)
+        line = Text(self.text, style="dim" if self.state in ("wait", "off") else "", overflow="ellipsis", no_wrap=True)
         return [Text(MARKS[self.state], style), Text(self.stage.name, style), line, Text(bar, "cyan"), Text(clock)]
 
 
@@ -58,7 +58,7 @@ class Display:
         self, out: Console, err: Console, stages: Sequence[Stage], verbosity: int = NORMAL, every: float = 10.0
     ) -> None:
         self.out, self.verbosity, self.every = out, verbosity, every
-        self.rows = {stage.name: Row(stage) for stage in stages}
+        self.lines = {stage.name: StageLine(stage) for stage in stages}
         self.live: Live | None = None
         if err.is_terminal and verbosity == NORMAL:
             self.live = Live(console=err, get_renderable=self._table, refresh_per_second=4)
@@ -73,50 +73,50 @@ class Display:
 
     def begin(self, decision: Decision) -> Progress:
         """A stage begins; returns what shows how far it is."""
-        row = self.rows[decision.stage.name]
-        row.state, row.start = "run", time.monotonic()
+        shown = self.lines[decision.stage.name]
+        shown.state, shown.start = "run", time.monotonic()
         self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
-        last = row.start
+        last = shown.start
 
         def progress(line: str, share: float | None) -> None:
             nonlocal last
-            row.line, row.share = line, share
+            shown.text, shown.share = line, share
             now = time.monotonic()
             if self.verbosity == VERBOSE or now - last > self.every:
                 last = now
-                left = time_left(now - row.start, share)
+                left = time_left(now - shown.start, share)
                 self._say(f"{decision.stage.name}: {line}" + (f", {duration(left)} left" if left is not None else ""))
 
         return progress
 
     def end(self, decision: Decision, entry: Entry) -> None:
         """A stage has ended, or is reused."""
-        row = self.rows.get(decision.stage.name)
-        if row is None:
+        shown = self.lines.get(decision.stage.name)
+        if shown is None:
             return
-        row.state, row.share = entry.outcome, None
-        row.seconds = entry.seconds
+        shown.state, shown.share = entry.outcome, None
+        shown.seconds = entry.seconds
         if decision.action == "reuse":
-            row.line = f"nothing has changed: reused, made {entry.ended}"
-            self._say(f"{decision.stage.name}: {row.line}")
+            shown.text = f"nothing has changed: reused, made {entry.ended}"
+            self._say(f"{decision.stage.name}: {shown.text}")
         elif entry.outcome == "no answer":
-            row.line = f"no answer: {entry.reason}"
-            self._say(f"{decision.stage.name}: {row.line}")
+            shown.text = f"no answer: {entry.reason}"
+            self._say(f"{decision.stage.name}: {shown.text}")
         elif decision.action == "redraw":
-            row.line = "pictures drawn again"
-            self._say(f"{decision.stage.name}: {row.line}")
+            shown.text = "pictures drawn again"
+            self._say(f"{decision.stage.name}: {shown.text}")
         else:
-            row.line = decision.stage.what
+            shown.text = decision.stage.what
             self._say(f"{decision.stage.name}: done in {duration(entry.seconds)}")
 
     def skip(self, decision: Decision, why: str) -> None:
         """A stage does not run."""
-        row = self.rows.get(decision.stage.name)
-        if row is None:
+        shown = self.lines.get(decision.stage.name)
+        if shown is None:
             return
-        row.state, row.line = "off", f"not run: {why}"
+        shown.state, shown.text = "off", f"not run: {why}"
         if self.verbosity == VERBOSE or "no answer" in why:
-            self._say(f"{decision.stage.name}: {row.line}")
+            self._say(f"{decision.stage.name}: {shown.text}")
 
     def _say(self, text: str) -> None:
         if self.live is None and self.verbosity >= NORMAL:
@@ -127,6 +127,6 @@ class Display:
         for column in range(5):
             table.add_column(no_wrap=True, ratio=1 if column == 2 else None)
         table.expand = True
-        for row in self.rows.values():
-            table.add_row(*row.cells())
+        for shown in self.lines.values():
+            table.add_row(*shown.cells())
         return table

@@ -1,4 +1,4 @@
-"""Ctrl-C that is not lost: compiled libraries swallow one that comes while they load or compile something."""
+"""Ctrl-C that is not lost, although compiled libraries may swallow one, or crash on one, at a bad moment."""
 
 import signal
 import threading
@@ -9,10 +9,11 @@ from types import FrameType
 
 @contextmanager
 def remembered() -> Iterator[Callable[[], None]]:
-    """Yields what raises KeyboardInterrupt if there was a Ctrl-C in this block and nobody heeded it.
+    """Remember every Ctrl-C in this block, so that one which a library swallows can be raised again.
 
-    Ctrl-C itself raises KeyboardInterrupt as ever, but not in the middle of an import, which would print it. Nothing
-    is changed where the program is to ignore it.
+    Yields a function to be called now and then: it raises KeyboardInterrupt if there was a Ctrl-C and the program has
+    gone on all the same. Ctrl-C still raises KeyboardInterrupt at once, except in the middle of an import, where Python
+    would print the exception and go on. A program that was told to ignore Ctrl-C (as by nohup) keeps ignoring it.
     """
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
@@ -38,7 +39,7 @@ def remembered() -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def postponed() -> Iterator[None]:
-    """A Ctrl-C in this block counts at its end: for a short call of a compiled library that crashes on one."""
+    """A Ctrl-C in this block counts at its end. For short calls of a compiled library that crashes on one."""
     before = signal.getsignal(signal.SIGINT)
     if not callable(before) or threading.current_thread() is not threading.main_thread():
         yield

@@ -8,7 +8,14 @@ from fem import dolfinx_api
 
 
 class Ranks:
-    """The ranks of this program, which is one unless mpirun started it."""
+    """The MPI ranks of this program: one, unless mpirun started several.
+
+    Attributes
+    ----------
+    comm: MPI's communicator of all of them.
+    first: whether this is the rank that runs the command, writes and draws; the others only help it to compute.
+    waiting: on the first rank, whether the others still wait to hear if there is something to compute.
+    """
 
     def __init__(self) -> None:
         """Raises InputError if there is no dolfinx."""
@@ -20,12 +27,12 @@ class Ranks:
         self.waiting = True
 
     def call(self) -> None:
-        """On the first rank: the others shall compute with it now."""
+        """On the first rank: call the others to compute with it."""
         self.waiting = False
         self.comm.bcast(True)
 
     def called(self) -> bool:
-        """On the others: wait until there is something to compute, or until it is sure that there is nothing."""
+        """On the others: wait for the first rank; returns whether it called them, or let them go."""
         return bool(self.comm.bcast(None))
 
     @contextmanager

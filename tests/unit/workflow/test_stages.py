@@ -1,0 +1,26 @@
+"""What the stages say of themselves."""
+
+import pkgutil
+from importlib import import_module
+
+import workflow.stages
+from workflow.settings import Input
+from workflow.stages import STAGES
+
+
+def test_every_declared_stage_is_in_the_list_after_what_it_needs() -> None:
+    modules = [import_module(f"workflow.stages.{each.name}") for each in pkgutil.iter_modules(workflow.stages.__path__)]
+    assert {module.STAGE for module in modules if hasattr(module, "STAGE")} == set(STAGES)
+    names = [stage.name for stage in STAGES]
+    assert len(set(names)) == len(names)
+    for number, stage in enumerate(STAGES):
+        assert set(stage.needs) <= set(names[:number])
+
+
+def test_stages_name_tables_and_settings_that_there_are() -> None:
+    for stage in STAGES:
+        assert set(stage.tables) <= set(Input.tables())
+        for name in stage.ignores:
+            table, key = name.split(".")
+            assert table in stage.tables
+            assert key in type(Input.model_fields[table].default).model_fields
