@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -17,6 +18,10 @@ from meshes.triangles import TriMesh
 # A mesh has twice as many cells as the one before. The cells to bisect are those with the largest indicators that add
 # up to half of the sum of all (the bulk criterion of Dörfler 1996).
 GROWTH, BULK_SHARE = 2.0, 0.5
+# A mesh is worth its time if it has this many times as many cells as the one before; what time goes with.
+LEAST_GROWTH, COST_EXPONENT = 1.2, 1.2
+# The search has stalled if so many meshes in a row left this share of the gap.
+STALLED_MESHES, STALLED_SHARE = 2, 0.9
 # The indicator of a cell is its share of the gap plus this much times its share of the yield work of the lower bound.
 YIELD_WORK_WEIGHT = 0.5
 # A point is singular if it has this share of all yield work, and this many times the mean of all points; the cells
@@ -115,12 +120,16 @@ class Bracket:
         The bounds on every mesh, in their order.
     mesh : TriMesh
         The last mesh, in m.
+    ended : str
+        Why there is no finer mesh: "gap" (closed as far as was asked), "enough" (the upper bound is), "triangles" or
+        "time" (no more allowed), "stalled" (finer meshes no longer close it).
     """
 
     stress: StressField | None
     mechanism: Mechanism | None
     meshes: list[MeshBounds]
     mesh: TriMesh
+    ended: str = ""
 
     @property
     def lower(self) -> float:
@@ -144,25 +153,70 @@ class Bracket:
 Observer = Callable[[Bracket], None]
 
 
+@dataclass(frozen=True)
+class Limits:
+    """When to stop.
+
+    Attributes
+    ----------
+    gap : float
+        Relative gap between the bounds that is small enough.
+    max_cells : int
+        Triangles of the last mesh, at most.
+    seconds : float
+        Time for all meshes. Another one is begun if it is likely to end by then.
+    enough : float
+        An upper bound below this one is as good as any.
+    """
+
+    gap: float
+    max_cells: int
+    seconds: float = np.inf
+    enough: float = -np.inf
+
+    def reached(self, found: Bracket, cells: int) -> str:
+        """Which of them ends the search, as ``Bracket.ended`` has it; empty if none does."""
+        if found.gap <= self.gap:
+            return "gap"
+        if found.upper < self.enough:
+            return "enough"
+        if cells * LEAST_GROWTH > self.max_cells:
+            return "triangles"
+        spent = sum(mesh.seconds for mesh in found.meshes)
+        if spent + GROWTH**COST_EXPONENT * found.meshes[-1].seconds > self.seconds:
+            return "time"
+        return "stalled" if _stalled(found.meshes) else ""
+
+
+def _stalled(meshes: list[MeshBounds]) -> bool:
+    """Whether the last two refinements did next to nothing for the gap, or could not prove a bound."""
+    if len(meshes) < 3 + STALLED_MESHES:
+        return False
+    best = []
+    for count in (len(meshes) - STALLED_MESHES, len(meshes)):
+        lower = max((m.lower for m in meshes[:count] if m.lower is not None), default=-np.inf)
+        upper = min((m.upper for m in meshes[:count] if m.upper is not None), default=np.inf)
+        best.append(upper - lower)
+    before, now = best
+    return bool(now > STALLED_SHARE * before or np.isinf(now))
+
+
 def bracket(
     mesh: TriMesh,
     body: RigidPlasticBody,
-    gap: float,
-    max_cells: int,
+    limits: Limits,
     observer: Observer | None = None,
-    enough: float = -np.inf,
 ) -> Bracket:
-    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes.
-
-    It ends when the relative ``gap`` or the number of cells is reached, or the upper bound is below ``enough``.
-    """
+    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes, until a limit is reached."""
     units = units_of(mesh, body)
     best = Bracket(None, None, [], mesh)
     while True:
         started = time.perf_counter()
         problem = limit_problem(mesh, body, units)
-        low, low_notes, stress = proven_lower_bound(problem)
-        high, high_notes, mechanism = proven_upper_bound(problem)
+        with ThreadPoolExecutor(1) as other:  # the solver lets go of Python's lock
+            above = other.submit(proven_upper_bound, problem)
+            low, low_notes, stress = proven_lower_bound(problem)
+            high, high_notes, mechanism = above.result()
         this = MeshBounds(
             len(problem.mesh.cells),
             stress.multiplier if stress else None,
@@ -178,9 +232,10 @@ def bracket(
         )
         if observer:
             observer(best)
-        room = max_cells / len(problem.mesh.cells)
-        if best.gap <= gap or best.upper < enough or room < 1.2:
-            return best
+        ended = limits.reached(best, len(problem.mesh.cells))
+        if ended:
+            return replace(best, ended=ended)
+        room = limits.max_cells / len(problem.mesh.cells)
         indicator = refinement_indicator(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))

@@ -1,15 +1,17 @@
 """Strict lower and upper bound of the critical seismic coefficient of a section, by limit analysis.
 
-The flow rule is associated. Where ψ < φ, ``davis`` offers the substitute of Davis (1968), c and tan φ times
-cos ψ cos φ / (1 - sin ψ sin φ): its bracket is one of the substitute, and no bound of the section.
+The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ, the
+substitute of Davis (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: bounds of its own,
+as strict, which judge the finite elements with that substitute.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from fem.errors import UnstableError
-from fem.limit.adaptive_bounds import Bracket, Observer, bracket, proven_upper_bound
+from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven_upper_bound
 from fem.limit.limit_problem import RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
@@ -28,9 +30,29 @@ FIRST_SHARE = 0.15
 COARSE_CELLS = 8000
 
 
+@dataclass(frozen=True, eq=False)
+class KhBounds(Bracket):
+    """Bounds of the critical Kh with ψ = φ, and what else was found on the way.
+
+    Attributes
+    ----------
+    skins : tuple of Skin
+        Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. The ground below them was
+        strengthened down to the least depth, and the bounds are those of the slope as a whole.
+    section : Section
+        What was analysed: the section, or that with its faces strengthened.
+    substitute : Bracket or None
+        Bounds of Davis's substitute, where ψ < φ and it was asked for; from the last mesh of those for ψ = φ.
+    """
+
+    skins: tuple[Skin, ...] = ()
+    section: Section | None = None
+    substitute: Bracket | None = None
+
+
 def kh_bounds(
     section: Section, fem: FemSettings, settings: BoundsSettings, observer: Observer | None = None
-) -> Bracket:
+) -> KhBounds:
     """Lower and upper bound of Kh. Sides, direction and vertical coefficient are those of the finite elements.
 
     Raises InputError if the section lacks what the analysis needs or its sides are tied, UnstableError if it is proven
@@ -41,14 +63,19 @@ def kh_bounds(
         raise InputError(section.name, ['fem, sides = "tied": bounds know "roller" and "fixed"'])
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
-    mesh = first_mesh(section, settings.max_cells)
-    body = body_of(section, mesh, fem, settings.davis)
-    found = bracket(mesh, body, settings.gap, settings.max_cells, observer, enough=0.0)
+    faces = governing_skins(section, fem)
+    whole = strengthened(section, faces, fem) if faces else section
+    mesh = first_mesh(whole, settings.max_cells)
+    limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
+    found = bracket(mesh, body_of(whole, mesh, fem), limits, observer)
     if found.upper < 0.0:
         raise UnstableError(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
         )
-    return found
+    substitute = None
+    if settings.davis and any(s.dilation_angle < s.friction_angle for s in strata):
+        substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
+    return KhBounds(**vars(found), skins=tuple(faces), section=whole, substitute=substitute)
 
 
 def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:
@@ -89,8 +116,8 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
     )
 
 
-def body_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool) -> RigidPlasticBody:
-    """The section as a problem of limit analysis whose multiplier is Kh."""
+def body_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False) -> RigidPlasticBody:
+    """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh."""
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])

@@ -60,6 +60,8 @@ class _Layers:
         before = self.ends
         dip = math.tan(math.radians(float(self.draw.uniform(-8.0, 8.0)))) * self.width / 2.0
         wanted = before - self.draw.uniform(0.2, 0.6) if kind == "seam" else np.array([level - dip, level + dip])
+        if kind == "wedge":  # half a metre thick at its thick end, at least
+            wanted = np.minimum(wanted, before - 0.5)
         self.ends = np.round(np.maximum(np.minimum(wanted, before), self.lowest), 2)
         if kind != "wedge":
             return [[0.0, float(self.ends[0])], [self.width, float(self.ends[1])]]
