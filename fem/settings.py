@@ -51,14 +51,29 @@ class FemSettings(Model):
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
 
 
+# How close bounds come in a run that nobody asked them for (relative gap), and how long they may take (s).
+AUTO_GAP, AUTO_SECONDS = 0.05, 20.0
+
+
 class BoundsSettings(Model):
     """Settings of limit analysis, a table [bounds]; sides, direction and vertical coefficient are those of [fem]."""
 
-    run: StrictBool = Field(default=False, description="true if `noshiro run` shall find them, too")
+    run: StrictBool | Literal["auto"] = Field(
+        default="auto",
+        description='true or false: whether `noshiro run` finds them; "auto": to 5 %, as far as they get in 20 s',
+    )
     gap: float = Field(
         default=0.02, ge=1e-4, le=1.0, description="(upper - lower) over their mean at which to stop, such as 0.02"
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
+    seconds: float = Field(default=300.0, gt=0.0, le=86_400.0, description="time (s) after which to stop, such as 60")
     davis: StrictBool = Field(
-        default=False, description="Davis's reduction of c and tan φ where ψ < φ: a proxy, and no bound"
+        default=True, description="true if Davis's substitute shall be bounded, too, where ψ < φ (c and tan φ reduced)"
     )
+
+    @property
+    def in_a_run(self) -> "BoundsSettings":
+        """The settings as `noshiro run` takes them."""
+        if self.run != "auto":
+            return self
+        return self.model_copy(update={"gap": max(self.gap, AUTO_GAP), "seconds": min(self.seconds, AUTO_SECONDS)})

@@ -238,7 +238,7 @@ def bounds(
     section: SectionFile,
     folder: Out = None,
     gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
-    davis: Annotated[bool, typer.Option("--davis", help="Reduce c and tan φ by ψ < φ: a proxy, no bound.")] = False,
+    davis: Annotated[bool | None, typer.Option(help="Bound Davis's substitute for ψ < φ, too.")] = None,
     sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
     settings: Set = None,
@@ -247,7 +247,7 @@ def bounds(
     verbose: Verbose = False,
 ) -> None:
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
-    options = {"gap": gap, "davis": davis or None, "max_cells": max_cells}
+    options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells}
     given = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
     _execute_up_to("bounds", _job(given, folder), force, quiet, verbose)
 

@@ -123,6 +123,8 @@ class Bracket:
     ended : str
         Why there is no finer mesh: "gap" (closed as far as was asked), "enough" (the upper bound is), "triangles" or
         "time" (no more allowed), "stalled" (finer meshes no longer close it).
+    open_at : tuple of float or None
+        Where the gap is widest, (x, y) in m, if the search ended before it was closed.
     """
 
     stress: StressField | None
@@ -130,6 +132,7 @@ class Bracket:
     meshes: list[MeshBounds]
     mesh: TriMesh
     ended: str = ""
+    open_at: tuple[float, float] | None = None
 
     @property
     def lower(self) -> float:
@@ -233,10 +236,13 @@ def bracket(
         if observer:
             observer(best)
         ended = limits.reached(best, len(problem.mesh.cells))
-        if ended:
+        if ended == "gap":
             return replace(best, ended=ended)
-        room = limits.max_cells / len(problem.mesh.cells)
         indicator = refinement_indicator(problem, low, high)
+        if ended:
+            worst = problem.points[problem.mesh.cells[np.argmax(indicator)]].mean(axis=0)
+            return replace(best, ended=ended, open_at=(float(worst[0]), float(worst[1])))
+        room = limits.max_cells / len(problem.mesh.cells)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
 

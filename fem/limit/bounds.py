@@ -1,8 +1,8 @@
 """Strict lower and upper bound of the critical seismic coefficient of a section, by limit analysis.
 
 The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ, the
-substitute of Davis (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: bounds of its own,
-as strict, which judge the finite elements with that substitute.
+substitute of Davis (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: its bounds
+are as strict, and judge the finite elements with that substitute.
 """
 
 from collections.abc import Sequence

@@ -52,10 +52,11 @@ class Trial:
 
 @dataclass(frozen=True)
 class Start:
-    """The Kh given, and the factor to begin with."""
+    """The Kh given, the factor to begin with, and whether Davis's substitute is looked at."""
 
     kh: float
     factor: float
+    davis: bool
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,22 @@ class SafetyBounds:
 
 
 def safety_bounds(
-    section: Section, fem: FemSettings, settings: BoundsSettings, kh: float = 0.0, guess: float = 1.0
+    section: Section,
+    fem: FemSettings,
+    settings: BoundsSettings,
+    kh: float = 0.0,
+    guess: float = 1.0,
+    davis: bool = False,
 ) -> SafetyBounds:
-    """Lower and upper bound of the factor of safety at ``kh``; ``guess`` is where to begin, and only costs time.
+    """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
+
+    ``guess`` is where to begin, and only costs time.
 
     Both directions of the push are looked at. Raises InputError as ``kh_bounds`` does, UnstableError if no factor from
     0.02 to 20 is between safe and unsafe, BadMeshError if there are no triangles.
     """
     mesh = first_mesh(section, settings.max_cells)
-    sides = [_Search(section, mesh, fem, settings, sign, Start(kh, guess)) for sign in (1, -1)]
+    sides = [_Search(section, mesh, fem, settings, sign, Start(kh, guess, davis)) for sign in (1, -1)]
     sides[0].find()
     sides[1].find(below=sides[0].upper)
     lower = min(side.lower for side in sides)
@@ -102,7 +110,7 @@ class _Search:
     def __init__(
         self, section: Section, mesh: TriMesh, fem: FemSettings, settings: BoundsSettings, sign: int, start: Start
     ) -> None:
-        body = body_of(section, mesh, fem, settings.davis)
+        body = body_of(section, mesh, fem, start.davis)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings = mesh, settings

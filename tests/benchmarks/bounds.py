@@ -21,7 +21,7 @@ def main(sides: str = "fixed", gap: str = "0.01") -> None:
         print(f"{one.cells:6d}  {found.lower:.4f}  {found.upper:.4f}  {100 * found.gap:5.2f} %  {one.seconds:6.1f}")
 
     settings = FemSettings.model_validate({"sides": sides})
-    kh_bounds(Section.read(S13), settings, BoundsSettings(gap=float(gap)), show)
+    kh_bounds(Section.read(S13), settings, BoundsSettings(gap=float(gap), davis=False), show)
     print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fem.limit.adaptive_bounds import Bracket, bracket
+from fem.limit.adaptive_bounds import Bracket, Limits, bracket
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate
@@ -29,7 +29,7 @@ def own_weight(surface, base, phi, left=FIXED, gap=0.01, max_cells=20_000, size=
     soil = layer("soil", friction_angle=f"{phi} deg")
     mesh = triangulate(Section.parse({"name": "body", "surface": surface, "base": base, "strata": [soil]}), size)
     sides = {"surface": Side(), "base": FIXED, "left": left, "right": FIXED}
-    return bracket(mesh, ground(1.0, phi, sides, weight=1.0), gap, max_cells)
+    return bracket(mesh, ground(1.0, phi, sides, weight=1.0), Limits(gap, max_cells))
 
 
 def slope_box(phi, **settings):
@@ -88,4 +88,4 @@ def footing(phi, surcharge=False, gap=0.02, max_cells=20_000) -> Bracket:
         "right": FIXED,
         "base": FIXED,
     }
-    return bracket(mesh, ground(0.0 if surcharge else 1.0, phi, sides), gap, max_cells)
+    return bracket(mesh, ground(0.0 if surcharge else 1.0, phi, sides), Limits(gap, max_cells))

@@ -14,7 +14,7 @@ from matplotlib.image import imread
 
 from tests.support import SECTIONS
 from tests.support.command_line import TOP, run
-from tests.support.sections import slope, written
+from tests.support.sections import layer, slope, written
 
 SMALL = ("--max-cells", "400", "--gap", "0.2", "--sides", "fixed")
 
@@ -24,12 +24,14 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     assert run("bounds", written(tmp_path), "--out", out, *SMALL) == 0
     answer = json.loads((out / "fem/bounds.json").read_text())
     told = capsys.readouterr().out
-    assert f"{answer['lower']:.4f} <= Kh <= {answer['upper']:.4f}" in told
+    for bracket in (answer, answer["substitute"]):
+        assert f"{bracket['lower']:.4f} <= Kh <= {bracket['upper']:.4f}" in told
     assert 0.0 < answer["lower"] < answer["upper"]
     assert answer["gap"] <= 0.2
     assert answer["verdict"] == "bracketed"
     assert answer["sides"] == "fixed"
-    assert answer["davis"] is False
+    assert answer["substitute"]["upper"] < answer["upper"]
+    assert answer["skins"] == []
     assert answer["residuals"]["lower"]["yield_slack"] >= 0.0
     assert answer["residuals"]["upper"]["flow_slack"] >= 0.0
     assert answer["cells"] == answer["history"][-1]["cells"]
@@ -39,23 +41,36 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     assert not [path for path in out.rglob("*/.*") if path.is_file()]
 
 
-def test_davis_is_labelled_as_a_proxy_and_gives_less(tmp_path: Path) -> None:
+def test_davis_s_substitute_is_left_out_where_there_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path)
-    assert run("bounds", path, "--out", tmp_path / "full", *SMALL) == 0
-    assert run("bounds", path, "--out", tmp_path / "davis", "--davis", *SMALL) == 0
-    full, davis = (json.loads((tmp_path / name / "fem/bounds.json").read_text()) for name in ("full", "davis"))
-    assert davis["davis"] is True
-    assert "proxy" in davis["flow"]
-    assert "proxy" not in full["flow"]
-    assert davis["upper"] < full["upper"]
+    assert run("bounds", path, "--out", tmp_path / "not", "--no-davis", *SMALL) == 0
+    assert run("bounds", path, "--out", tmp_path / "same", "--set", "fem.flow=associated", *SMALL) == 0
+    for name in ("not", "same"):
+        assert json.loads((tmp_path / name / "fem/bounds.json").read_text())["substitute"] is None
+    assert "Davis" not in capsys.readouterr().out
 
 
-def test_the_limit_of_cells_ends_with_a_wide_bracket(tmp_path: Path) -> None:
+def test_grains_that_roll_down_are_told_and_the_slope_as_a_whole_is_bounded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "bank.toml", tmp_path / "out"
+    sand = layer("sand", cohesion=0, friction_angle="35 deg", bottom={"elevation": -2.0})
+    bank = {"name": "bank", "surface": [[0.0, 5.0], [10.0, 5.0], [20.0, 0.0], [30.0, 0.0]], "base": {"elevation": -4.0}}
+    path.write_text(tomli_w.dumps({**bank, "strata": [sand, layer("clay", cohesion="60 kPa", friction_angle="0 deg")]}))
+    assert run("bounds", path, "--out", out, "--no-davis", *SMALL) == 0
+    answer = json.loads((out / "fem/bounds.json").read_text())
+    [face] = answer["skins"]
+    assert answer["upper"] > face["kh"] == pytest.approx(0.1482, abs=1e-4)
+    assert "Grains roll down the face of sand from x = 10 to 20 m at Kh = 0.148" in capsys.readouterr().out
+
+
+def test_the_limit_of_cells_ends_with_a_wide_bracket(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     options = ("--max-cells", "150", "--gap", "0.001", "--sides", "fixed")
     assert run("bounds", written(tmp_path), "--out", tmp_path / "out", *options) == 0
     answer = json.loads((tmp_path / "out/fem/bounds.json").read_text())
     assert answer["verdict"] == "wide"
     assert "150 allowed" in answer["reason"]
+    assert "150 allowed; it is widest near x = " in " ".join(capsys.readouterr().out.split())
 
 
 def test_settings_stand_in_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

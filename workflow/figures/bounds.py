@@ -6,8 +6,9 @@ import numpy as np
 import pyvista as pv
 from matplotlib.patches import Patch
 
-from fem.limit.adaptive_bounds import Bracket, Mechanism, StressField
+from fem.limit.adaptive_bounds import Mechanism, StressField
 from fem.limit.bound_checks import corner_rates, yield_slack
+from fem.limit.bounds import KhBounds
 from meshes.triangles import TriMesh
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
 from workflow.figures.ground import foot
@@ -22,7 +23,7 @@ YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a
 ARROWS = "#1f6fb2"
 
 
-def draw_all(run: Input, found: Bracket, store: Store) -> None:
+def draw_all(run: Input, found: KhBounds, store: Store) -> None:
     """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
     window = Window.around(run.outline())
     if found.mechanism:
@@ -32,18 +33,13 @@ def draw_all(run: Input, found: Bracket, store: Store) -> None:
         with store.writing("figures/bounds_stress.png") as path:
             _stress_sheet(run, found.stress, window).save(path)
     with store.writing("figures/bounds_mesh.png") as path:
-        _mesh_sheet(run, found.mesh, window).save(path)
+        _mesh_sheet(run, found, window).save(path)
 
 
 def conditions(run: Input) -> str:
     """What a bound depends on and must be said beside it."""
-    flow = "Davis's reduction: a proxy, no bound of the section" if run.bounds.davis else "ψ = φ"
     kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
-    return f"sides {run.fem.sides}, {flow}, pushed {run.fem.direction}{kv}"
-
-
-def _of_what(run: Input) -> str:
-    return " of Davis's substitute (a proxy)" if run.bounds.davis else ""
+    return f"sides {run.fem.sides}, ψ = φ, pushed {run.fem.direction}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:
@@ -76,7 +72,7 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
-    title = f"{run.title or run.name}: upper bound{_of_what(run)}, Kh = {mechanism.multiplier:.4f}"
+    title = f"{run.title or run.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(run), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
@@ -96,7 +92,7 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
 
 def _stress_sheet(run: Input, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
-    title = f"{run.title or run.name}: lower bound{_of_what(run)}, Kh = {stress.multiplier:.4f}"
+    title = f"{run.title or run.name}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
@@ -105,11 +101,12 @@ def _stress_sheet(run: Input, stress: StressField, window: Window) -> Sheet:
     return sheet
 
 
-def _mesh_sheet(run: Input, mesh: TriMesh, window: Window) -> Sheet:
-    colours = [soil_colour(k) for k in range(len(run.strata))]
+def _mesh_sheet(run: Input, found: KhBounds, window: Window) -> Sheet:
+    mesh, strata = found.mesh, (found.section or run).strata
+    colours = [soil_colour(k) for k in range(len(strata))]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
-        for colour, stratum in zip(colours, run.strata, strict=True)
+        for colour, stratum in zip(colours, strata, strict=True)
     ]
     columns = max(legend_columns(handles), 2)
 

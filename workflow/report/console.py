@@ -36,8 +36,19 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
-    """The bracket of fem/bounds.json."""
-    yield f"Strict bounds: {answer.words}"
+    """The brackets of fem/bounds.json, and the faces that fail before the slope as a whole."""
+    for face in answer.skins:
+        yield (
+            f"Grains roll down the face of {face.stratum} from x = {face.start:g} to {face.end:g} m at Kh = "
+            f"{face.kh:.3f}. What follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
+        )
+    yield f"Strict bounds with ψ = φ, the upper one for every ψ: {answer.words}."
+    if answer.verdict != "bracketed":
+        yield answer.reason
+    if answer.substitute:
+        yield f"Strict bounds of Davis's substitute for ψ < φ: {answer.substitute.words}."
+        if answer.substitute.verdict != "bracketed":
+            yield answer.substitute.reason
 
 
 def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:

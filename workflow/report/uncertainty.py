@@ -85,7 +85,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """Whether the critical Kh of the FEM lies inside, where it is one of the same conditions."""
     run = results.run
     told = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
-    same = run.fem.flow == "associated" and run.fem.sides == bounds.sides and not bounds.davis
+    same = run.fem.flow == "associated" and run.fem.sides == bounds.sides
     if results.kc is None or not same:
         return told + " The FEM's critical Kh above is for other conditions (flow or sides), and is not judged by it."
     if bounds.lower is not None and results.kc < bounds.lower:

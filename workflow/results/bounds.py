@@ -45,25 +45,41 @@ class MeshRound(Part):
     seconds: float = Field(description="computing time")
 
 
-class BoundsAnswer(Answer):
-    """Both bounds, how far each of them was checked, and every mesh on the way."""
+class BracketPart(Part):
+    """Both bounds for one flow rule, how far each of them was checked, and every mesh on the way."""
 
-    FILE: ClassVar[str] = "fem/bounds.json"
-
-    section: SectionLabel
     lower: float | None = Field(description="the section stands at every Kh below this one")
     upper: float | None = Field(description="the section fails at every Kh above this one")
     gap: float | None = Field(description="(upper - lower) over their mean")
     verdict: Verdict
     reason: str
     words: str = Field(description="the bracket as a person reads it")
+    cells: int = Field(description="triangles of the last mesh")
+    residuals: Residuals
+    history: tuple[MeshRound, ...]
+
+
+class SkinPart(Part):
+    """A cohesionless face whose grains roll down before the slope as a whole fails."""
+
+    stratum: str
+    start: float = Field(description="x of its left end (m)")
+    end: float = Field(description="x of its right end (m)")
+    kh: float = Field(description="seismic coefficient at which the grains roll down")
+
+
+class BoundsAnswer(BracketPart, Answer):
+    """The bounds with ψ = φ, of which the upper one holds for every smaller ψ, too, and what was found beside them."""
+
+    FILE: ClassVar[str] = "fem/bounds.json"
+
+    section: SectionLabel
     flow: str = Field(description="which flow rule the bounds are for, in words")
-    davis: bool = Field(description="whether they are those of Davis's substitute, a proxy")
+    substitute: BracketPart | None = Field(description="bounds of Davis's substitute, where ψ < φ")
+    skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
+    least_depth: float = Field(description="how deep failures of such faces are left out (m)")
     sides: Sides
     direction: Literal["downhill", "uphill"]
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
-    cells: int = Field(description="triangles of the last mesh")
     seconds: float = Field(description="computing time")
-    residuals: Residuals
-    history: tuple[MeshRound, ...]
     settings: BoundsSettings

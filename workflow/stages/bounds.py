@@ -4,82 +4,100 @@ import math
 import time
 from typing import TYPE_CHECKING
 
+from fem.settings import BoundsSettings
 from workflow.results.answer import SectionLabel
-from workflow.results.bounds import BoundsAnswer, MeshRound, Residuals, StressResiduals, VelocityResiduals, Verdict
+from workflow.results.bounds import (
+    BoundsAnswer,
+    BracketPart,
+    MeshRound,
+    Residuals,
+    SkinPart,
+    StressResiduals,
+    VelocityResiduals,
+    Verdict,
+)
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 
 if TYPE_CHECKING:
     from fem.limit.adaptive_bounds import Bracket
-
-PROXY = (
-    "by Davis's substitute for ψ < φ: c and tan φ are reduced and the flow is associated. It is a proxy: its bounds "
-    "are strict for the reduced ground, and none of the section's."
-)
+    from fem.limit.bounds import KhBounds
 
 
 def work(job: Job) -> None:
-    """Bracket the critical Kh with ψ = φ; leaves fem/bounds.json and figures/bounds_*.png.
+    """Bracket the critical Kh with ψ = φ and that of Davis's substitute; leaves fem/bounds.json, figures/bounds_*.png.
 
-    The verdict is "bracketed", "wide" (no more cells allowed), or "no bracket" (a bound is missing). Raises InputError,
-    BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all is written,
-    NoAnswerError if a bound is missing.
+    The verdict is "bracketed", "wide" (the gap was not closed as far as was asked), or "no bracket" (a bound is
+    missing). Raises InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and,
+    when all is written, NoAnswerError if a bound is missing.
     """
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
 
-    run = job.given
+    run, asked = job.given, job.given.bounds.in_a_run
     started = time.perf_counter()
     job.progress("first mesh", None)
-    found = kh_bounds(run, run.fem, run.bounds, lambda so_far: job.progress(in_words(so_far), None))
-    answer = answer_of(run, found, time.perf_counter() - started)
+    found = kh_bounds(run, run.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
+    answer = answer_of(run, found, asked, time.perf_counter() - started)
     answer.write(job.store)
     draw_all(run, found, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
 
 
-def answer_of(run: Input, found: "Bracket", seconds: float) -> BoundsAnswer:
-    """The bracket of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
-    verdict, reason = _verdict(run, found)
+def answer_of(run: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
+    """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
     return BoundsAnswer(
+        **vars(bracket_part(found, asked)),
         section=SectionLabel.of(run),
+        flow="associated, ψ = φ",
+        substitute=bracket_part(found.substitute, asked) if found.substitute else None,
+        skins=tuple(SkinPart.model_validate(face) for face in found.skins),
+        least_depth=run.fem.least_depth,
+        sides=run.fem.sides,
+        direction=run.fem.direction,
+        vertical=run.fem.vertical,
+        seconds=round(seconds, 2),
+        settings=asked,
+    )
+
+
+def bracket_part(found: "Bracket", asked: BoundsSettings) -> BracketPart:
+    """One bracket as it is kept."""
+    verdict, reason = _verdict(found, asked)
+    return BracketPart(
         lower=found.stress.multiplier if found.stress else None,
         upper=found.mechanism.multiplier if found.mechanism else None,
         gap=found.gap if math.isfinite(found.gap) else None,
         verdict=verdict,
         reason=reason,
         words=in_words(found),
-        flow=PROXY if run.bounds.davis else "associated, ψ = φ.",
-        davis=run.bounds.davis,
-        sides=run.fem.sides,
-        direction=run.fem.direction,
-        vertical=run.fem.vertical,
         cells=found.meshes[-1].cells,
-        seconds=round(seconds, 2),
         residuals=Residuals(
             lower=StressResiduals.model_validate(found.stress.check) if found.stress else None,
             upper=VelocityResiduals.model_validate(found.mechanism.check) if found.mechanism else None,
         ),
         history=tuple(MeshRound.model_validate(one) for one in found.meshes),
-        settings=run.bounds,
     )
 
 
-def _verdict(run: Input, found: "Bracket") -> tuple[Verdict, str]:
-    last = "; ".join(found.meshes[-1].notes)
-    if not math.isfinite(found.gap):
-        missing = " and ".join(
-            name for name, bound in (("lower", found.stress), ("upper", found.mechanism)) if bound is None
-        )
-        return "no bracket", f"there is no {missing} bound on {found.meshes[-1].cells} cells: {last}."
-    if found.gap <= run.bounds.gap:
-        return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * run.bounds.gap:g} % asked for."
-    wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * run.bounds.gap:g} % asked for"
-    return "wide", f"{wish}: {found.meshes[-1].cells} cells, {run.bounds.max_cells} allowed." + (
-        f" {last}." * bool(last)
-    )
+def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
+    if found.ended == "gap":
+        return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * asked.gap:g} % asked for."
+    last = found.meshes[-1]
+    x, z = found.open_at or (math.nan, math.nan)
+    why = {
+        "triangles": f"{last.cells} triangles, {asked.max_cells} allowed",
+        "time": f"{last.cells} triangles, and a finer mesh would end after the {asked.seconds:g} s allowed",
+        "stalled": f"finer meshes, up to {last.cells} triangles, no longer close it",
+    }[found.ended]
+    why += f"; it is widest near x = {x:.1f} m, z = {z:.1f} m." + "".join(f" {note}." for note in last.notes)
+    if math.isfinite(found.gap):
+        wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * asked.gap:g} % asked for"
+        return "wide", f"{wish}: {why}"
+    bounds = (("lower", found.stress), ("upper", found.mechanism))
+    return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
 
 def in_words(found: "Bracket") -> str:
@@ -96,9 +114,8 @@ STAGE = Stage(
     module=__name__,
     work=work,
     tables=("fem", "bounds"),
-    ignores=("bounds.run",),
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),
-    wanted=lambda given: given.bounds.run,
+    wanted=lambda given: given.bounds.run is not False,
 )

@@ -29,7 +29,7 @@ def problem() -> LimitProblem:
     data["strata"][0].update(friction_angle="0 deg", cohesion="30 kPa")
     section = Section.parse(data)
     mesh = first_mesh(section, 2000)
-    body = body_of(section, mesh, FemSettings(sides="fixed"), davis=False)
+    body = body_of(section, mesh, FemSettings(sides="fixed"))
     return limit_problem(mesh, body, units_of(mesh, body))
 
 

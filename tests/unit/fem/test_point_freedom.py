@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.limit.adaptive_bounds import bracket, proven_lower_bound, proven_upper_bound
+from fem.limit.adaptive_bounds import Limits, bracket, proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh, kh_bounds
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
 from fem.limit.point_freedom import stress_free_corners, unstrained_points
@@ -71,7 +71,7 @@ def test_contacts_that_are_all_but_straight_do_not_cost_the_bounds(noise):
     section = Section.parse(slope())
     mesh = triangulate(section, 4.0)
     body = body_of(section, mesh, FemSettings(sides="fixed"), davis=False)
-    found = bracket(mesh, body, gap=0.5, max_cells=400)
+    found = bracket(mesh, body, Limits(gap=0.5, max_cells=400))
     inner = np.ones(len(found.mesh.points), dtype=bool)
     inner[found.mesh.edges[found.mesh.edge_cells[:, 1] < 0]] = False
     shift = noise * np.random.default_rng(1).uniform(-1.0, 1.0, found.mesh.points.shape) * inner[:, None]

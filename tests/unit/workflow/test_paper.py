@@ -42,7 +42,8 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
 def bounds(run: Input, lower: float, upper: float) -> BoundsAnswer:
     return BoundsAnswer(
         section=SectionLabel.of(run), lower=lower, upper=upper, gap=0.1, verdict="bracketed", reason="",
-        words="so much", flow="associated, ψ = φ.", davis=False, sides="roller", direction="downhill", vertical=0.0,
+        words="so much", flow="associated, ψ = φ", substitute=None, skins=(), least_depth=0.5,
+        sides="roller", direction="downhill", vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip
 
