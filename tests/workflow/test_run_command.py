@@ -36,7 +36,7 @@ SHORT_SLIDE = {"duration": 0.5, "frames": 2, "cases": [{"stiffness": 0.1}]}
 
 def written(folder: Path, **more: Any) -> Path:
     """A small section with a record, coarse enough for a second."""
-    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}}
+    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}, "bounds": {"max_cells": 300}}
     data |= {
         "fem": {"element": "bilinear", "kh": [0.2, 0.9]},
         "sliding_block": {"accelerogram": "quake.csv"},
@@ -94,7 +94,7 @@ def test_all_that_the_contract_names(whole: Path) -> None:
     }  # fmt: skip
     assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
     assert summary["no_answer"] == {}
-    assert set(summary["seconds"]) == {"mesh", "fem", "variants", "calibrate", "slide", "report"}
+    assert set(summary["seconds"]) == {"mesh", "fem", "variants", "bounds", "calibrate", "slide", "report"}
     assert summary["fem_variants"]["step"]["kc"] == pytest.approx(fem["kc"], rel=0.02)
     assert "paper" not in summary  # it is not the paper's section
 
@@ -119,7 +119,7 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     capsys.readouterr()
     assert run("run", whole / "slope.toml", "--out", out) == 0
     told = capsys.readouterr().out
-    assert told.count("nothing has changed: reused") == 6
+    assert told.count("nothing has changed: reused") == 7
     after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}
     # the folder knows its own input, the record with it
@@ -144,7 +144,7 @@ def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureF
     shutil.copytree(whole / "out", whole / "plot")
     before = {path.name: path.read_bytes() for path in (whole / "plot/figures").glob("*.png")}
     for path in (whole / "plot/figures").glob("*.png"):
-        if not path.name.startswith(("case", "dem", "history")):
+        if not path.name.startswith(("bounds", "case", "dem", "history")):
             path.unlink()
     fields = (whole / "plot/fem/critical.json").stat().st_mtime_ns
     assert run("plot", whole / "plot") == 0
