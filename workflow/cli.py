@@ -1,6 +1,5 @@
 """The command `noshiro`."""
 
-import shlex
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -8,26 +7,20 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from meshes.errors import InputError
 from meshes.quad_mesh import BadMeshError
 from meshes.section.section import Section
 from workflow import stages
-from workflow.report import tables
-from workflow.report.console import sentences
-from workflow.results.results import Results
 from workflow.run import pipeline
-from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
-from workflow.run.plan import Choice, plan
+from workflow.run.display import Display
+from workflow.run.plan import Choice
 from workflow.run.ranks import Ranks
-from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input, dotted, merged
+from workflow.terminal import err, execute, out, show_plan, show_strata
 from workflow.verify.command import verify
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
@@ -38,8 +31,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="At which seismic coefficient a layered slope fails, and how far it slides once layers in it liquefy.",
 )
-out = Console(highlight=False)
-err = Console(stderr=True, highlight=False)
 
 SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
 Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
@@ -84,7 +75,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None) -> Non
 
     given = _input(section, {}, settings)
     store = _store(given, folder)
-    _show_strata(given)
+    show_strata(given)
     with store.writing("figures/section.png") as path:
         draw_section(given, path)
     out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}", soft_wrap=True)
@@ -110,10 +101,10 @@ def run_all(
     choice = Choice.of(stages.STAGES, start, only or (), force)
     job = _job(_input(section, {}, settings), folder)
     if dry_run:
-        return _show_plan(job, choice)
+        return show_plan(job, choice)
     if not quiet:
-        _show_strata(job.given)
-    return _execute(job, choice, quiet, verbose)
+        show_strata(job.given)
+    return execute(job, choice, quiet, verbose)
 
 
 @app.command()
@@ -133,7 +124,7 @@ def mesh(
     """Mesh a section with quadrilaterals and draw both."""
     given = _input(section, {"mesh": _mesh_options(refine, size, free, columns, rows)}, settings)
     if not quiet:
-        _show_strata(given)
+        show_strata(given)
     _execute_up_to("mesh", _job(given, folder), force, quiet, verbose)
 
 
@@ -230,7 +221,7 @@ def view(
 def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> None:
     """Write summary and report of a run again, from what is there."""
     job = stages.stored_job(folder)
-    _execute(job, Choice.of(job.stages, only=["report"], force=True), quiet, verbose)
+    execute(job, Choice.of(job.stages, only=["report"], force=True), quiet, verbose)
 
 
 @app.command()
@@ -302,45 +293,7 @@ def _job(given: Input, folder: Path | None, **options: Any) -> Job:
 
 def _execute_up_to(stage: str, job: Job, force: bool, quiet: bool, verbose: bool) -> None:
     """Run a stage, and before it what it needs and is not there yet."""
-    _execute(job, Choice.up_to(job.stages, stage, force), quiet, verbose)
-
-
-def _execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
-    """Run the stages that have to, and tell what they found."""
-    verbosity = QUIET if quiet else VERBOSE if verbose else NORMAL
-    shown = [stage for stage in job.stages if stage.name in choice.chosen]
-    what = "noshiro " + shlex.join(sys.argv[1:])
-    try:
-        with Display(out, err, shown, verbosity) as display:
-            pipeline.execute(job, choice, display, what)
-    except pipeline.NO_ANSWER:
-        if verbosity > QUIET:
-            _tell(job, choice)
-        raise
-    if verbosity > QUIET:
-        _tell(job, choice)
-
-
-def _tell(job: Job, choice: Choice) -> None:
-    """What the stages found that have an answer, and where it all is."""
-    ends = Results.of(job).ends
-    for name in choice.chosen:
-        if name in ends and ends[name].outcome in ("done", "part"):
-            for line in sentences(name, job.given, job.store):
-                out.print(escape(line))
-    if "report" in choice.chosen and job.store.has("report.html"):
-        out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
-    out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)
-
-
-def _show_plan(job: Job, choice: Choice) -> None:
-    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
-    for head in ("stage", "would", "because"):
-        table.add_column(head)
-    verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-    for decision in plan(job, Record(job.store), choice):
-        table.add_row(decision.stage.name, verbs[decision.action], escape(decision.why or "nothing has changed"))
-    out.print(table)
+    execute(job, Choice.up_to(job.stages, stage, force), quiet, verbose)
 
 
 def _mesh_options(
@@ -357,17 +310,6 @@ def _mesh_options(
 
 def _store(given: Section, folder: Path | None) -> Store:
     return Store(folder or Path("runs") / given.name)
-
-
-def _show_strata(given: Section) -> None:
-    if given.reconstruction:
-        out.print(f"[bold]Reconstruction.[/] {escape(given.reconstruction_note)}")
-    table = Table(title=escape(given.title or given.name), title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for head in tables.STRATA_HEADS:
-        table.add_column(head, justify="left" if head == "stratum" else "right")
-    for row in tables.strata_rows(given):
-        table.add_row(*(escape(cell) for cell in row))
-    out.print(table)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
