@@ -75,6 +75,8 @@ class StrengthReduction:
     difference: float = 1e-4
 
     def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        if multiplier <= 0.0:  # a correction of Newton's method that is too long: the line search shortens it
+            return np.full_like(self.constant, np.inf)
         problem.use_strength(multiplier)
         return self.constant - problem.internal_force(increment)
 

@@ -4,35 +4,35 @@ Gravity acts on the ordinary density, Kh g on the seismic one. The control displ
 the one work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from fem import dolfinx_api as api
-from fem.continuation import NewtonSettings, ProportionalLoad
-from fem.errors import UnstableError
-from fem.fields import State, state_of
-from fem.loads import push, soils
-from fem.path import EquilibriumPath, PathSettings, PathStep
+from fem.continuation import ProportionalLoad
+from fem.fields import State, state_of, touched_sides
+from fem.gravity import gravity_equilibrium, path_settings
+from fem.limit.bounds import governing_skins
+from fem.loads import Direction, sign_of
+from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
-from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
+from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import Element, FemSettings
+from fem.skin import Skin
+from fem.strength import Flow
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
-from meshes.section.section import Section, Stratum
-
-# Arc length, in elastic displacements under the whole load, after which applying a load is given up.
-LONGEST_LOADING = 10.0
-
-# Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
-# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help.
-PATIENT = 60, 8
+from meshes.section.section import Section
 
 # The elastic displacement under this Kh is the unit of the arc length.
 REFERENCE_KH = 0.25
+# Shares of the critical Kh whose fields are kept unless Kh are given.
+FRACTIONS = (0.5, 0.8)
+# Beyond this multiple of the critical Kh in one direction, the other direction cannot matter and is not followed.
+OTHER_LIMIT = 2.0
+# Where the flow is associated the path is followed until hardly anything is left to gain: long steps make it cheap.
+ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,18 @@ class CriticalResult:
     kc : float
         Largest Kh at which an equilibrium was found (-).
     upper : float
-        Kh that the path rose to, or would with its last growth if the displacement doubled once more (-).
+        Kh that the path rose to, or would with its last growth if the displacement doubled once more (-): the limit
+        load of this mesh, and no bound of the section.
     verdict : Verdict
         "plateau", "peak", "no failure" or "undecided".
     element : Element
         The element that was used.
+    flow : Flow
+        The flow rule: "davis", "associated" or "section".
+    direction : Direction
+        Where the ground is pushed, "downhill" or "uphill" by the ends of its surface.
+    sign : int
+        +1 if that is to the right, -1 if to the left.
     reason, remedy : str
         Why the path ended, and what to do if it has no answer.
     steps : list of PathStep
@@ -61,12 +68,19 @@ class CriticalResult:
         Linear systems factorised under gravity.
     gravity_plastic_share : float
         Share of the quadrature points that yield under gravity (-).
+    skins : list of Skin
+        Cohesionless faces whose grains roll down before; the ground below was searched for deeper failures.
+    other : CriticalResult or None
+        The answer for the opposite direction, where both were asked for.
     """
 
     kc: float
     upper: float
     verdict: Verdict
     element: Element
+    flow: Flow
+    direction: Direction
+    sign: int
     reason: str
     remedy: str
     steps: list[PathStep]
@@ -74,133 +88,109 @@ class CriticalResult:
     solves: int
     gravity_iterations: int
     gravity_plastic_share: float
+    skins: list[Skin]
+    other: "CriticalResult | None" = None
 
     @property
     def lower(self) -> float:
         """Lower end of the interval, ``kc`` itself (-)."""
         return self.kc
 
+    @property
+    def mechanism(self) -> State:
+        """The last state of the path, which shows the mechanism if the section fails."""
+        return next(state for state in reversed(self.states) if not state.past_equilibrium)
+
 
 def critical_coefficient(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> CriticalResult:
-    """The critical seismic coefficient of a meshed section.
+    """The critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
-    Raises InputError if the section lacks what the analysis needs, UnstableError if it fails under its own weight.
+    A push uphill whose mechanism leaves through a side counts only if there is nothing else: what fails there is the
+    ground in front of the neighbour's K0 stress, and no slope. Raises InputError if the section lacks what the analysis
+    needs, UnstableError if it fails under its own weight, NoEquilibriumError if no state on the path balances.
     """
-    problem, constant, gravity_path = gravity_equilibrium(section, mesh, settings, comm)
-    path = seismic_path(problem, constant, push(section, settings), settings)
-    states: list[State] = []
+    if settings.direction != "both":
+        return _towards(section, mesh, settings, settings.direction, comm, listener)
+    first = _towards(section, mesh, settings, "downhill", comm, listener)
+    limit = min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step))
+    narrower = settings.model_copy(update={"kh_limit": limit})
+    second = _towards(section, mesh, narrower, "uphill", comm, listener)
+    if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
+        return replace(second, other=first)
+    return replace(first, other=second)
 
-    def keep(kh: float) -> None:
-        states.append(state_of(problem, mesh, f"Kh = {kh:g}", kh))
 
-    def ductility(path: EquilibriumPath) -> float:
-        return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
-
-    found = find_limit_load(path, ductility, settings.kh_limit, PlateauRule(), settings.kh, keep, listener)
+def _towards(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    direction: Direction,
+    comm: Any,
+    listener: PathListener | None,
+) -> CriticalResult:
+    """The critical seismic coefficient for a push in one direction."""
+    settings = settings.model_copy(update={"direction": direction})
+    faces = governing_skins(section, settings, davis=settings.flow == "davis")
+    problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
+    at_rest, sign = problem.state(), sign_of(section, direction)
+    path = seismic_path(problem, constant, sign, settings)
+    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+    limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
     relaxed = path.relax()
-    held = max(found.held, path.factor) if relaxed else found.held
-    end = found.verdict if found.verdict in ("plateau", "peak") else "end of the path"
-    label = f"{end}, Kh = {path.factor:.3f}" + ("" if relaxed else ", under overstress")
-    last = state_of(problem, mesh, label, path.factor)
-    states.append(last)
-    for kh in sorted(settings.kh):
-        if kh > held and found.verdict != "undecided":
-            label = f"past equilibrium: Kh = {kh:g} is out of reach"
-            states.append(replace(last, label=label, kh=kh, past_equilibrium=True))
+    kc = max(limit.held, path.factor) if relaxed else limit.held
+    last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+    problem.restore(at_rest)
+    wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
+    kept = states_at(seismic_path(problem, constant, sign, settings), mesh, [kh for kh in wanted if kh <= kc])
+    reached = {state.kh for state in kept}
+    beyond = [
+        replace(last, label=f"past equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
+        for kh in sorted(wanted)
+        if kh not in reached and limit.verdict != "undecided"
+    ]
     return CriticalResult(
-        kc=held,
-        upper=max(held, found.upper),
-        verdict=found.verdict,
+        kc=kc,
+        upper=max(kc, limit.upper),
+        verdict=limit.verdict,
         element=problem.grid.element,
-        reason=found.reason,
-        remedy=found.remedy,
+        flow=settings.flow,
+        direction=direction,
+        sign=sign,
+        reason=limit.reason,
+        remedy=limit.remedy,
         steps=path.steps,
-        states=states,
+        states=[*kept, last, *beyond],
         solves=path.solves,
-        gravity_iterations=gravity_path.solves,
-        gravity_plastic_share=gravity_path.steps[-1].plastic_share,
+        gravity_iterations=gravity.solves,
+        gravity_plastic_share=gravity.steps[-1].plastic_share,
+        skins=faces,
     )
 
 
-def is_associated(strata: Sequence[Stratum]) -> bool:
-    """Whether ψ = φ everywhere."""
-    return all(s.dilation_angle == s.friction_angle for s in strata)
+def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:
+    end = limit.verdict if limit.verdict in ("plateau", "peak") else "end of the path"
+    return f"{end}, Kh = {kh:.3f}" + ("" if relaxed else ", under overstress")
 
 
-def element_for(strata: Sequence[Stratum], settings: FemSettings) -> Element:
-    """The element as set, or the one that suits the flow of the strata; fem/README.md says why."""
-    if settings.element != "auto":
-        return settings.element
-    dilates = any(s.dilation_angle > 0.0 for s in strata)
-    return "reduced" if dilates and is_associated(strata) else "quadratic"
+def _ductility(path: EquilibriumPath) -> float:
+    """The control displacement over the elastic one at this Kh (-)."""
+    return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
 
 
-def gravity_equilibrium(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, strength_factor: float = 1.0
-) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
-    """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
-
-    Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
-    forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
-    ones. Displacement and strain are counted from here. ``strength_factor`` divides cohesion and tan φ. Raises
-    InputError, UnstableError.
-    """
-    api.require()
-    strata = soils(section, settings)
-    problem = PlaneStrain(mesh, strata, element_for(strata, settings), comm, settings.threads)
-    problem.use_strength(strength_factor)
-    if settings.sides == "tied":
-        problem.tie("left", "right", section)
-    else:
-        problem.hold({"base": "xy", "left": "x", "right": "x"})
-    weight = problem.body_force([s.density_ordinary for s in strata], (0.0, -GRAVITY))
-    if problem.exchange.norm(weight) == 0.0:
-        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
-    path = apply_load(problem, np.zeros_like(weight), weight, settings)
-    constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
-    if settings.sides != "tied":
-        held = "y" if settings.sides == "roller" else "xy"
-        problem.hold({"base": "xy", "left": held, "right": held})
-    if settings.vertical != 0.0:
-        lift = problem.body_force([s.density_seismic for s in strata], (0.0, settings.vertical * GRAVITY))
-        apply_load(problem, constant, lift, settings)
-        constant = constant + lift
-    problem.displacement[:] = 0.0
-    problem.plastic_strain[:] = 0.0
-    problem.strain[:] = 0.0
-    return problem, constant, path
-
-
-def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
-    """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
-
-    Raises UnstableError if the ground does not carry it.
-    """
-    norm, dot = problem.exchange.norm, problem.exchange.dot
-    problem.use_elastic_tangent()
-    problem.factorise()
-    control = load / norm(load)
-    path = EquilibriumPath(
-        problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
-        norm(load) + norm(constant),
-        replace(
-            path_settings(problem, settings), first=0.2, largest=0.2,
-            newton=NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1]),
-        ),
-    )  # fmt: skip
-    carried = 0.0
-    while not path.reach(1.0):
-        if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
-            share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
-            raise UnstableError(
-                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
-                "factor of safety at Kh = 0"
-            )
-        if path.relax():
-            carried = path.factor
-    return path
+def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[State]:
+    """The fields at those of the ``wanted`` Kh that the path reaches, in rising order."""
+    kept: list[State] = []
+    for kh in sorted(kh for kh in wanted if kh > 0.0):
+        while not (reached := path.reach(kh)):
+            mark = path.mark()
+            if not path.advance() or path.factor >= kh:
+                path.back(mark)
+                break
+        if reached:
+            kept.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
+    return kept
 
 
 def seismic_path(problem: PlaneStrain, constant: np.ndarray, sign: int, settings: FemSettings) -> EquilibriumPath:
@@ -230,11 +220,3 @@ def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
     unit = np.zeros(problem.grid.size)
     unit[0::2] = sign
     return problem.exchange.owned_part(unit)
-
-
-def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
-    """How paths of this ground are followed: without overstress where its flow is associated."""
-    associated = is_associated(problem.strata)
-    return PathSettings(
-        newton=NewtonSettings(tolerance=settings.tolerance), relaxation=0.0 if associated else settings.relaxation
-    )

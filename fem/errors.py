@@ -3,3 +3,7 @@
 
 class UnstableError(RuntimeError):
     """The ground does not stand under its own weight; says what share of it it carries."""
+
+
+class NoEquilibriumError(UnstableError):
+    """No state on a path of equilibria balances on the yield surface, so that the path has no answer to give."""

@@ -1,13 +1,22 @@
-"""Direction of the seismic load, and strength and flow rule of the strata: for finite elements and limit analysis."""
+"""Direction of the seismic load, and which strata can be analysed: for finite elements and limit analysis alike."""
+
+from typing import Literal
 
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Section, Stratum
 
+Direction = Literal["downhill", "uphill"]
+
 
 def push(section: Section, settings: FemSettings) -> int:
-    """Direction of the horizontal load: +1 to the right, -1 to the left."""
-    return downhill(section) * (1 if settings.direction == "downhill" else -1)
+    """Direction of the horizontal load: +1 to the right, -1 to the left; of both the one that is tried first."""
+    return sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
+
+
+def sign_of(section: Section, direction: Direction) -> int:
+    """+1 if "downhill" or "uphill" is to the right, -1 if it is to the left."""
+    return downhill(section) * (1 if direction == "downhill" else -1)
 
 
 def downhill(section: Section) -> int:
@@ -16,7 +25,7 @@ def downhill(section: Section) -> int:
 
 
 def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
-    """The strata with the flow rule that the settings ask for; raises InputError for one without strength."""
+    """The strata; raises InputError for those without strength."""
     weak = [
         f'strata {k} "{s.name}": cohesion and friction angle are both 0; expected some strength'
         for k, s in enumerate(section.strata, start=1)
@@ -24,6 +33,4 @@ def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
     ]
     if weak:
         raise InputError(section.name, weak)
-    if settings.flow == "associated":
-        return tuple(s.model_copy(update={"dilation_angle": s.friction_angle}) for s in section.strata)
     return section.strata

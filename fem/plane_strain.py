@@ -12,14 +12,16 @@ from fem.discretisation import Discretisation, discretise, tied
 from fem.kernels import assembly, mohr_coulomb, viscoplastic
 from fem.linear_solver import Exchange, LinearSolver
 from fem.settings import Element
+from fem.strength import DavisForm, Flow, is_associated, strength_of
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
 # Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
 ELASTIC_SHARE = 1e-6
-# Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up.
-HOURGLASS_SHARE = 1e-4
+# Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up, so
+# that steps of some elastic displacements feel less than 1 % of the strength.
+HOURGLASS_SHARE = 1e-5
 
 
 class PlaneStrain:
@@ -30,7 +32,9 @@ class PlaneStrain:
     Attributes
     ----------
     strata : tuple of Stratum
-        The ground.
+        The ground; ``material`` (points,) are numbers of these.
+    flow, form : Flow, DavisForm
+        The flow rule of the analysis, see ``fem/strength.py``.
     grid : Discretisation
         The elements.
     exchange : Exchange
@@ -50,10 +54,17 @@ class PlaneStrain:
     """
 
     def __init__(
-        self, mesh: QuadMesh, strata: Sequence[Stratum], element: Element, comm: Any, threads: int = 1
+        self,
+        mesh: QuadMesh,
+        strata: Sequence[Stratum],
+        element: Element,
+        comm: Any,
+        threads: int = 1,
+        flow: Flow = "section",
+        form: DavisForm = "B",
     ) -> None:
         self.strata = tuple(strata)
-        self.threads = threads
+        self.threads, self.flow, self.form = threads, flow, form
         self._elastic = self.elastic_stiffness()
         self._take(discretise(mesh, element, comm))
         self.material = np.repeat(self.grid.stratum, self.grid.points_per_cell).astype(np.int64)
@@ -82,15 +93,25 @@ class PlaneStrain:
         self._hourglass = HOURGLASS_SHARE * shear[grid.stratum[: len(grid.hourglass)], None, None] * grid.hourglass
 
     def use_strength(self, factor: float) -> None:
-        """Divide cohesion and tan φ of every stratum by ``factor``; ψ stays as it is unless φ falls below it."""
-        friction = np.arctan(np.tan([s.friction_angle for s in self.strata]) / factor)
+        """Divide cohesion and tan φ of every stratum by ``factor``, as ``strength_of`` does."""
+        strength = strength_of(self.strata, self.flow, factor, self.form)
         self.table = mohr_coulomb.table(
             young=[s.youngs_modulus for s in self.strata],
             poisson=[s.poissons_ratio for s in self.strata],
-            cohesion=[s.cohesion / factor for s in self.strata],
-            friction=friction,
-            dilation=np.minimum([s.dilation_angle for s in self.strata], friction),
+            cohesion=strength.cohesion,
+            friction=strength.friction,
+            dilation=strength.dilation,
         )
+
+    @property
+    def associated(self) -> bool:
+        """Whether the flow rule is associated everywhere."""
+        return is_associated(self.strata, self.flow)
+
+    def points(self) -> np.ndarray:
+        """Coordinates (points, 2) of the quadrature points (m)."""
+        corners = self.grid.node_points[self.grid.global_dofs[self.grid.dofs[:, 0::2]] // 2]
+        return np.einsum("qn,cni->cqi", self.grid.shapes, corners).reshape(-1, 2)
 
     def hold(self, components: dict[str, str]) -> None:
         """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""

@@ -1,11 +1,12 @@
 """The limit load of a path of equilibria: the rule that ends the path, and the verdict on what it has shown."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from fem.errors import NoEquilibriumError
 from fem.path import EquilibriumPath
 
 Verdict = Literal["plateau", "peak", "no failure", "undecided"]
@@ -86,30 +87,18 @@ def find_limit_load(
     ductility: Callable[[EquilibriumPath], float],
     limit: float,
     rule: PlateauRule,
-    wanted: Sequence[float] = (),
-    keep: Callable[[float], None] = lambda factor: None,
     listener: PathListener | None = None,
 ) -> LimitLoad:
     """Follow a path until the load multiplier no longer grows or passes ``limit``.
 
-    On the way the ``wanted`` multipliers are gone to, and ``keep`` is called in equilibrium at each that can be
-    reached. Where there is overstress only relaxed states count as held.
+    Where there is overstress only relaxed states count as held. Raises NoEquilibriumError if there is none that does.
     """
-    left = sorted(factor for factor in wanted if factor > path.factor)
-    held, next_relaxation = path.factor, rule.first_relaxation
+    held, next_relaxation = -np.inf, rule.first_relaxation
     highest, summit = path.factor, path.mark()
     while True:
-        mark = path.mark()
         if not path.advance():
-            verdict, reason, remedy = Ending("undecided", path.reason, "try another mesh or a larger relaxation")
+            verdict, reason, remedy = _broken_off(path, ductility, rule)
             break
-        if left and path.factor >= left[0]:
-            factor = left.pop(0)
-            path.back(mark)
-            if path.reach(factor):
-                held = max(held, factor)
-                keep(factor)
-            continue
         if path.factor > highest:
             highest, summit = path.factor, path.mark()
         now = ductility(path)
@@ -125,6 +114,11 @@ def find_limit_load(
             break
     if held < (1.0 - rule.shortfall) * highest:
         held = max(held, _held_below(path, highest, summit))
+    if not np.isfinite(held):
+        raise NoEquilibriumError(
+            f'no state on the path is in equilibrium ({reason}); use flow = "davis", whose limit load is unique, or '
+            "try another mesh or element"
+        )
     growth = max(growth_per_doubling(path), 0.0)
     upper = max(held * (1.0 + growth), *(step.factor for step in path.steps), held)
     return LimitLoad(held, upper, verdict, reason, remedy)
@@ -135,7 +129,7 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
 
     Relaxation comes too seldom to find it on the way, and past a peak it finds less.
     """
-    end, steps, held = path.mark(), list(path.steps), 0.0
+    end, steps, held = path.mark(), list(path.steps), -np.inf
     for less in path.settings.reductions:
         path.back(summit)
         if path.reach(highest * (1.0 - less)):
@@ -146,20 +140,30 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
     return held
 
 
+def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> Ending:
+    """The ending of a path on which there is no next step: a plateau if it hardly rose any more."""
+    growth = growth_per_doubling(path)
+    if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
+        reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
+        return Ending("plateau", reason, "")
+    return Ending("undecided", path.reason, "try another mesh or element, or a smaller first_step")
+
+
 def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
     """Verdict, reason and remedy if the path is over."""
     growth = growth_per_doubling(path)
-    highest = max(step.factor for step in path.steps)
+    moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
+    highest, last = max(moving), moving[-1]
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
         return Ending("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
-    if ductility >= rule.earliest and path.factor < (1.0 - rule.fall) * highest:
-        return Ending("peak", f"it has fallen by {100 * (1.0 - path.factor / highest):.0f} % from its peak", "")
+    if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
+        return Ending("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
         return Ending("plateau", f"it {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
         verdict: Verdict = "plateau" if growth < rule.tolerated_growth else "undecided"
-        remedy = "refine the mesh, or use the quadratic element"
+        remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
         return Ending(verdict, f"at the end of the path it {doubled}", remedy)
     return None
 

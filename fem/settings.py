@@ -17,24 +17,34 @@ class FemSettings(Model):
 
     element: Literal["auto", "quadratic", "reduced", "bilinear"] = Field(
         default="auto",
-        description='"quadratic" (9 nodes), "reduced" (9 nodes, for dilating ground), "bilinear" (4 nodes), or "auto": '
-        "reduced where all friction dilates fully, quadratic elsewhere",
+        description='"quadratic" (9 nodes), "reduced" (9 nodes, for associated flow), "bilinear" (4 nodes), or "auto": '
+        "reduced where the flow is associated (the default), quadratic elsewhere",
     )
     sides: Sides = Field(
         default="roller",
         description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
     )
-    direction: Literal["downhill", "uphill"] = Field(default="downhill", description="where the ground is pushed")
+    direction: Literal["both", "downhill", "uphill"] = Field(
+        default="both",
+        description='where the ground is pushed, by the ends of its surface; "both": the smaller Kh counts',
+    )
     least_depth: Length = Field(
         default=Quantity(0.5, "0.5 m"),
         description="depth that a failure of cohesionless faces must reach to count; above it grains only roll down",
     )
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
-    flow: Literal["section", "associated"] = Field(
-        default="section", description='dilation angle as the strata say, or "associated": equal to the friction angle'
+    flow: Literal["davis", "associated", "section"] = Field(
+        default="davis",
+        description='what is done where ψ < φ: "davis" takes Davis\'s substitute (reduced strength, associated flow), '
+        '"associated" sets ψ = φ, "section" follows the non-associated path with ψ as the strata say',
+    )
+    davis: Literal["A", "B", "C"] = Field(
+        default="B", description="form of Davis's substitute in the factor of safety: A, B or C"
     )
     kh: RecordedKh = Field(
-        default=(0.2, 0.25, 0.3), description="seismic coefficients whose fields are kept, such as [0.2, 0.3]"
+        default=(),
+        description="seismic coefficients whose fields are kept, such as [0.2, 0.3]; 0.5 and 0.8 of the critical one "
+        "where none is given, which is always kept itself",
     )
     kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")
     first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of the seismic coefficient")
@@ -43,10 +53,10 @@ class FemSettings(Model):
         default=0.002,
         ge=0.0,
         le=0.1,
-        description="displacement over which overstress decays, in elastic displacements; used where ψ < φ",
+        description='displacement over which overstress decays, in elastic displacements; used with flow = "section"',
     )
     safety_factor_at: tuple[float, ...] = Field(
-        default=(), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
+        default=(0.0,), description="seismic coefficients at which the factor of safety is wanted, such as [0.0, 0.1]"
     )
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
 

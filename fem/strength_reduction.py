@@ -4,12 +4,18 @@ the ground fails (Zienkiewicz, Humpheson & Lewis 1975), an unknown along a path 
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from fem.continuation import StrengthReduction
-from fem.critical import apply_load, gravity_equilibrium, path_settings, push, seismic_load
+from fem.critical import ASSOCIATED_RULE, seismic_load
 from fem.errors import UnstableError
+from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, path_settings
+from fem.loads import push
 from fem.path import EquilibriumPath, PathStep
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
+from fem.skin import Skin, skins
+from fem.strength import strength_of
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
@@ -40,6 +46,8 @@ class SafetyFactor:
         Why the path ended, and what to do if it has no answer.
     steps : list of PathStep
         The path: the factor over the control displacement.
+    skin : float or None
+        The factor at which grains roll down a cohesionless face, if there is one (-).
     """
 
     kh: float
@@ -49,6 +57,7 @@ class SafetyFactor:
     reason: str
     remedy: str
     steps: list[PathStep]
+    skin: float | None = None
 
 
 def safety_factor(
@@ -62,12 +71,17 @@ def safety_factor(
     """The factor of safety of a meshed section under its weight and ``kh``.
 
     Where the ground does not stand as it is, it is first made stronger, so that factors below 1 come out as well.
-    Raises InputError as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do.
+    Without shaking, sides that are not tied stay held horizontally, as is usual in strength reduction: were the K0
+    stress left on them as a force, it could fail ground that is weakened there before the slope does. Raises InputError
+    as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
     """
+    faces = _faces(section, settings, kh)
     for start in STARTS:
         try:
-            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, start)
+            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start)
             load = kh * seismic_load(problem, push(section, settings))
+            if kh == 0.0 and settings.sides != "tied":
+                problem.hold(UNDER_GRAVITY)
             if kh != 0.0:
                 apply_load(problem, constant, load, settings)
             break
@@ -84,13 +98,33 @@ def safety_factor(
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = abs(dot(control, problem.solve(forces)))
+    follow = path_settings(problem, settings)
     path = EquilibriumPath(
         problem, StrengthReduction(forces), control, DISPLACEMENT_UNIT * elastic, norm(forces),
-        replace(path_settings(problem, settings), first=0.2, largest=0.5), beta=1.0 / FACTOR_UNIT, factor=start,
+        replace(follow, first=0.2, largest=max(follow.largest, 0.5)), beta=1.0 / FACTOR_UNIT, factor=start,
     )  # fmt: skip
 
     def ductility(path: EquilibriumPath) -> float:
         return path.displacement / path.reference
 
-    found = find_limit_load(path, ductility, LARGEST_FACTOR, PlateauRule(), listener=listener)
-    return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps)
+    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+    found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
+    skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
+    return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
+
+
+def _faces(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
+    """The cohesionless faces that fall in the direction of the push; without shaking, in any."""
+    directions = ("downhill", "uphill") if kh == 0.0 else (settings.direction,)
+    return [f for d in directions for f in skins(section, settings.model_copy(update={"direction": d}))]
+
+
+def _rolling(face: Skin, section: Section, settings: FemSettings, kh: float) -> float:
+    """The factor of safety of the skin of a face, tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs).
+
+    tan φ is Davis's where that is the flow rule, in form A.
+    """
+    soil = next(s for s in section.strata if s.name == face.stratum)
+    push = kh * soil.density_seismic / (soil.density_ordinary - settings.vertical * soil.density_seismic)
+    friction = strength_of([soil], settings.flow, form="A").friction[0]
+    return float(np.tan(friction) / np.tan(face.angle + np.arctan(push)))

@@ -1,0 +1,122 @@
+"""The section in equilibrium under its weight (K0 stage), from which the seismic load starts."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fem import dolfinx_api as api
+from fem.continuation import NewtonSettings, ProportionalLoad
+from fem.errors import UnstableError
+from fem.loads import soils
+from fem.path import EquilibriumPath, PathSettings
+from fem.plane_strain import PlaneStrain
+from fem.settings import Element, FemSettings
+from fem.skin import Skin, strengthened
+from fem.strength import is_associated
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section, Stratum
+
+# What is held under gravity, so that the sides bear K0 stress.
+UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
+# Arc length, in elastic displacements under the whole load, after which applying a load is given up.
+LONGEST_LOADING = 10.0
+# Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
+LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
+
+
+def element_for(section: Section, settings: FemSettings) -> Element:
+    """The element as set, or the one that suits the flow rule; fem/README.md says why."""
+    if settings.element != "auto":
+        return settings.element
+    return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"
+
+
+def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
+    """How paths of this ground are followed: in long steps and without overstress where its flow is associated."""
+    newton = NewtonSettings(tolerance=settings.tolerance)
+    if problem.associated:
+        return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED)
+    return PathSettings(newton=newton, largest=LARGEST_OTHERWISE, relaxation=settings.relaxation)
+
+
+def gravity_equilibrium(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    faces: Sequence[Skin] = (),
+    strength_factor: float = 1.0,
+) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
+    """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
+
+    Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
+    forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
+    ones. Displacement and strain are counted from here. The ground just below cohesionless ``faces`` is strengthened,
+    see ``fem/skin.py``; ``strength_factor`` divides cohesion and tan φ. Raises InputError, UnstableError.
+    """
+    api.require()
+    strata = soils(section, settings)
+    element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
+    strips = [s for s in strong.strata if s.name not in mesh.strata]
+    problem = PlaneStrain(mesh, [*strata, *strips], element, comm, settings.threads, settings.flow, settings.davis)
+    _lay(strips, strong, problem)
+    problem.use_strength(strength_factor)
+    if settings.sides == "tied":
+        problem.tie("left", "right", section)
+    else:
+        problem.hold(UNDER_GRAVITY)
+    weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
+    if problem.exchange.norm(weight) == 0.0:
+        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
+    path = apply_load(problem, np.zeros_like(weight), weight, settings)
+    constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    if settings.sides != "tied":
+        held = "y" if settings.sides == "roller" else "xy"
+        problem.hold({"base": "xy", "left": held, "right": held})
+    if settings.vertical != 0.0:
+        lift = problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
+        apply_load(problem, constant, lift, settings)
+        constant = constant + lift
+    problem.displacement[:] = 0.0
+    problem.plastic_strain[:] = 0.0
+    problem.strain[:] = 0.0
+    return problem, constant, path
+
+
+def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
+    """Give the quadrature points in the ``strips`` of a strengthened section the soil of these."""
+    inside = strong.stratum_at(*problem.points().T)
+    for number, strip in enumerate(
+        problem.strata[len(problem.strata) - len(strips) :], len(problem.strata) - len(strips)
+    ):
+        problem.material[inside == strong.strata.index(strip)] = number
+
+
+def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
+    """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
+
+    Raises UnstableError if the ground does not carry it.
+    """
+    norm, dot = problem.exchange.norm, problem.exchange.dot
+    problem.use_elastic_tangent()
+    problem.factorise()
+    control = load / norm(load)
+    path = EquilibriumPath(
+        problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
+        norm(load) + norm(constant), replace(path_settings(problem, settings), first=0.2, largest=0.2),
+    )  # fmt: skip
+    carried = 0.0
+    while not path.reach(1.0):
+        if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
+            share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
+            raise UnstableError(
+                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
+                "factor of safety at Kh = 0"
+            )
+        if path.relax():
+            carried = path.factor
+    return path

@@ -1,0 +1,86 @@
+"""Strength and flow rule with which the strata enter an analysis, and Davis's substitute where ψ < φ.
+
+Ground that dilates by less than its friction angle has no unique limit load: the normality rule does not hold, and what
+a path of equilibria rises to depends on how it is followed. Davis (1968, in Lee, Soil Mechanics: Selected Topics)
+noticed that along a velocity characteristic, where the ground strains at no change of length, such material has the
+strength
+
+    τ = β (c + σ tan φ),    β = cos ψ cos φ / (1 - sin ψ sin φ)    (at most 1),
+
+and substitutes associated ground with c* = β c and tan φ* = β tan φ. Its limit load is unique, has strict bounds, and
+is never above that of ψ = φ. When the strength is divided by a factor λ, three forms are told apart (Tschuchnigg,
+Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
+
+    A   β of φ and ψ as given,
+    B   β of arctan(tan φ / λ) and arctan(tan ψ / λ),
+    C   β of arctan(tan φ / λ) and ψ, and 1 where ψ is the larger one.
+
+At λ = 1 all three are the same. Angles are in radians, cohesion in Pa.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from meshes.section.section import Stratum
+
+Flow = Literal["davis", "associated", "section"]
+DavisForm = Literal["A", "B", "C"]
+
+
+@dataclass(frozen=True)
+class Strength:
+    """What the strata bear and how they flow.
+
+    Attributes
+    ----------
+    cohesion : ndarray (strata,)
+        Cohesion (Pa).
+    friction : ndarray (strata,)
+        Friction angle (rad).
+    dilation : ndarray (strata,)
+        Dilation angle (rad).
+    """
+
+    cohesion: np.ndarray
+    friction: np.ndarray
+    dilation: np.ndarray
+
+
+def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
+    """β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ."""
+    return np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
+
+
+def strength_of(strata: Sequence[Stratum], flow: Flow, factor: float = 1.0, form: DavisForm = "B") -> Strength:
+    """The strength of the strata divided by ``factor``, and the flow rule of the analysis.
+
+    "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
+    one of Davis's three forms and then sets ψ = φ.
+    """
+    cohesion = np.array([s.cohesion for s in strata]) / factor
+    given = np.array([s.friction_angle for s in strata])
+    dilation = np.array([s.dilation_angle for s in strata])
+    friction = np.arctan(np.tan(given) / factor)
+    if flow == "section":
+        return Strength(cohesion, friction, np.minimum(dilation, friction))
+    if flow == "davis":
+        beta = {
+            "A": davis_factor(given, dilation),
+            "B": davis_factor(friction, np.arctan(np.tan(dilation) / factor)),
+            "C": davis_factor(friction, np.minimum(dilation, friction)),
+        }[form]
+        cohesion, friction = beta * cohesion, np.arctan(beta * np.tan(friction))
+    return Strength(cohesion, friction, friction)
+
+
+def is_associated(strata: Sequence[Stratum], flow: Flow) -> bool:
+    """Whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
+    return flow != "section" or all(s.dilation_angle == s.friction_angle for s in strata)
+
+
+def is_dilating_fully(strata: Sequence[Stratum]) -> bool:
+    """Whether ψ = φ in every stratum as given, so that there is nothing to substitute."""
+    return all(s.dilation_angle == s.friction_angle for s in strata)
