@@ -90,10 +90,8 @@ def gravity_equilibrium(
 def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
     """Give the quadrature points in the ``strips`` of a strengthened section the soil of these."""
     inside = strong.stratum_at(*problem.points().T)
-    for number, strip in enumerate(
-        problem.strata[len(problem.strata) - len(strips) :], len(problem.strata) - len(strips)
-    ):
-        problem.material[inside == strong.strata.index(strip)] = number
+    for strip in strips:
+        problem.material[inside == strong.strata.index(strip)] = problem.strata.index(strip)
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:

@@ -76,12 +76,12 @@ def of_verdict(verdict: Verdict, reason: str, remedy: str) -> Iterator[Doubt]:
 
 
 def of_dilation(result: CriticalResult, associated: CriticalResult | None) -> Iterator[Doubt]:
-    """Ground that dilates less cannot bear more: no limit load with ψ < φ is above that with ψ = φ (Radenkovic 1961)."""
+    """Ground that dilates less cannot bear more: no limit load is above that of ψ = φ (Radenkovic 1961)."""
     if associated is None or associated.direction != result.direction:
         return
     if result.kc > (1.0 + ROUNDING) * associated.kc:
         yield Doubt(
-            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above that with ψ = φ, {associated.kc:.3f}: it cannot be.",
+            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above {associated.kc:.3f}, that with ψ = φ: it cannot be.",
             f'take {associated.kc:.3f} as an upper limit, use flow = "davis", or refine the mesh',
         )
 
@@ -93,7 +93,7 @@ def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: Verdict) -> Iterato
     sides = touched_sides(mesh, mechanism)
     if sides:
         yield Doubt(
-            f"The ground that slides reaches the {' and the '.join(sides)} side, so that what is assumed there decides.",
+            f"The ground that slides reaches the {' and the '.join(sides)} side: what is assumed there decides.",
             'make the section wider, or compare sides = "fixed" and "roller"',
             contradiction=False,
         )
