@@ -81,7 +81,7 @@ def of_dilation(result: CriticalResult, associated: CriticalResult | None) -> It
         return
     if result.kc > (1.0 + ROUNDING) * associated.kc:
         yield Doubt(
-            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above {associated.kc:.3f}, that with ψ = φ: it cannot be.",
+            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above {associated.kc:.3f}, that with ψ = φ.",
             f'take {associated.kc:.3f} as an upper limit, use flow = "davis", or refine the mesh',
         )
 

@@ -1,0 +1,124 @@
+"""Judges of an answer, each shown what it must find and what it must let pass; and the slip surface."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.critical import CriticalResult
+from fem.fields import State, is_mechanism, slip_surface, touched_sides
+from fem.judges import (
+    Computed,
+    corner_angles,
+    doubts_of,
+    is_doubtful,
+    of_bounds,
+    of_cells,
+    of_dilation,
+    of_others,
+    of_verdict,
+    touches_base,
+)
+from tests.support.fem_problems import grid
+
+MESH = grid(np.linspace(0.0, 20.0, 21), np.linspace(0.0, 10.0, 11))
+MIDDLE = MESH.points[MESH.cells].mean(axis=1)
+
+
+def arc(x):
+    """A slip surface that daylights at x = 4 and x = 16 m, 5 m deep in the middle."""
+    return 10.0 - 5.0 * (1.0 - ((x - 10.0) / 6.0) ** 2)
+
+
+def failing(band=0.7, displacement=None):
+    """A state whose plastic shear strain is concentrated on the arc, above which the ground moves."""
+    x, z = MIDDLE.T
+    strain = 0.5 * np.exp(-(((z - arc(x)) / band) ** 2)) * (np.abs(x - 10.0) < 6.0)
+    above = (np.abs(MESH.points[:, 0] - 10.0) < 5.0) & (MESH.points[:, 1] > arc(MESH.points[:, 0]))
+    moved = np.outer(above, [1.0, -0.5]) if displacement is None else displacement
+    cells = len(MESH.cells)
+    return State("plateau", 0.3, moved, np.zeros((cells, 4)), strain + 1e-3, strain, np.ones(cells))
+
+
+def result(kc=0.3, direction="downhill", state=None, **more):
+    values = {
+        "kc": kc, "upper": kc, "verdict": "plateau", "element": "reduced", "flow": "davis", "direction": direction,
+        "sign": 1, "reason": "", "remedy": "", "steps": [], "states": [state or failing()], "solves": 0,
+        "gravity_iterations": 1, "gravity_plastic_share": 0.0, "skins": [],
+    }  # fmt: skip
+    return CriticalResult(**{**values, **more})
+
+
+def test_a_sound_answer_is_not_doubted():
+    assert doubts_of(result(), MESH, result(0.32)) == []
+
+
+def test_undecided_path_is_doubtful_and_says_why():
+    (doubt,) = of_verdict("undecided", "no step", "refine")
+    assert "no step" in doubt.what
+    assert doubt.remedy == "refine"
+    assert is_doubtful([doubt])
+
+
+def test_less_dilation_cannot_bear_more():
+    (doubt,) = of_dilation(result(0.167), result(0.145))
+    assert "0.167" in doubt.what
+    assert "0.145" in doubt.remedy
+    assert list(of_dilation(result(0.145), result(0.145))) == []
+    assert list(of_dilation(result(0.167), result(0.145, direction="uphill"))) == []
+
+
+def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilation():
+    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, own=False)).what
+    assert list(of_bounds(0.100, 0.123, 0.140, own=False)) == [], "less dilation may bear less than the lower bound"
+    assert "lower bound" in next(of_bounds(0.100, 0.123, 0.140, own=True)).what
+    assert list(of_bounds(0.141, 0.123, 0.140, own=True)) == []
+    assert list(of_bounds(0.141, None, None, own=True)) == []
+
+
+def test_changes_by_more_than_3_percent_are_told():
+    found = list(of_others(0.299, [Computed("cells of half the size", 0.267), Computed("another step", 0.298)]))
+    assert len(found) == 1
+    assert "-11 %" in found[0].what
+
+
+@pytest.mark.parametrize(("side", "column"), [("left", 0.0), ("right", 20.0)])
+def test_mechanism_at_a_side_is_told_and_no_contradiction(side, column):
+    moved = np.outer(np.abs(MESH.points[:, 0] - column) < 5.0, [1.0, 0.0])
+    state = failing(displacement=moved)
+    assert touched_sides(MESH, state) == (side,)
+    (doubt,) = doubts_of(result(state=state), MESH)
+    assert f"{side} side" in doubt.what
+    assert not is_doubtful([doubt])
+
+
+def test_mechanism_along_the_base_is_told():
+    strain = np.where(MIDDLE[:, 1] < 1.0, 0.5, 0.0)
+    state = replace(failing(), shear_strain=strain + 1e-3, plastic_shear_strain=strain)
+    assert touches_base(MESH, state)
+    assert not touches_base(MESH, failing())
+
+
+def test_narrow_cells_are_told_with_their_place():
+    flat = grid(np.array([0.0, 1.0]), np.array([0.0, 1.0]), move=lambda x, y: (x + 5.0 * y, y))
+    assert corner_angles(flat).min() == pytest.approx(np.degrees(np.arctan(1.0 / 5.0)))
+    (doubt,) = of_cells(flat)
+    assert "1 of 1 cells" in doubt.what
+    assert "11.3°" in doubt.what
+    assert list(of_cells(MESH)) == []
+
+
+def test_slip_surface_is_the_ridge_of_plastic_strain_and_ends_with_it():
+    line = slip_surface(MESH, failing())
+    inside = np.abs(line[:, 0] - 10.0) < 5.0
+    assert np.abs(line[inside, 1] - arc(line[inside, 0])).max() < 1.0, "within a cell"
+    assert 3.0 < line[0, 0] < 5.5
+    assert 14.5 < line[-1, 0] < 17.0
+
+
+def test_without_a_mechanism_there_is_no_slip_surface():
+    state = failing()
+    faint = replace(state, plastic_shear_strain=0.01 * state.plastic_shear_strain, shear_strain=np.full(200, 6e-3))
+    assert is_mechanism(state)
+    assert not is_mechanism(faint)
+    assert len(slip_surface(MESH, faint)) == 0
