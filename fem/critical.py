@@ -12,14 +12,13 @@ import numpy as np
 from fem.continuation import ProportionalLoad
 from fem.fields import State, state_of, touched_sides
 from fem.gravity import gravity_equilibrium, path_settings
-from fem.limit.bounds import governing_skins
 from fem.loads import Direction, sign_of
 from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
 from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import Element, FemSettings
-from fem.skin import Skin
-from fem.strength import Flow
+from fem.skin import Skin, skins
+from fem.strength import Flow, strength_of
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
@@ -132,7 +131,7 @@ def _towards(
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in one direction."""
     settings = settings.model_copy(update={"direction": direction})
-    faces = governing_skins(section, settings, davis=settings.flow == "davis")
+    faces = skins(section, settings, strength_of(section.strata, settings.flow).friction)
     problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
     at_rest, sign = problem.state(), sign_of(section, direction)
     path = seismic_path(problem, constant, sign, settings)
@@ -165,7 +164,7 @@ def _towards(
         solves=path.solves,
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
-        skins=faces,
+        skins=[face for face in faces if face.kh < kc],
     )
 
 

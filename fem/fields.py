@@ -1,12 +1,15 @@
 """Fields of a state of equilibrium for pictures and files, by cell and by corner, and the slip surface in them."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.kernels import mohr_coulomb
-from fem.plane_strain import PlaneStrain
 from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.plane_strain import PlaneStrain
 
 # A cell counts as failed when its mobilised strength is within this of the whole.
 AT_FAILURE = 0.99
@@ -34,8 +37,9 @@ class State:
         Mean over the cell [xx, yy, zz, xy], tension positive (Pa).
     shear_strain, plastic_shear_strain : ndarray (m,)
         Largest engineering shear strain in the plane, mean over the cell (-).
-    safety_factor : ndarray (m,)
-        The paper's: mobilised over available shear strength on the worst plane, 1 at failure (-).
+    mobilised : ndarray (m,)
+        Mobilised share of strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper
+        calls it the local safety factor.
     past_equilibrium : bool
         Whether there is no equilibrium at ``kh`` and the last state of the path stands in its place.
     """
@@ -46,16 +50,16 @@ class State:
     stress: np.ndarray
     shear_strain: np.ndarray
     plastic_shear_strain: np.ndarray
-    safety_factor: np.ndarray
+    mobilised: np.ndarray
     past_equilibrium: bool = False
 
     @property
     def failed(self) -> np.ndarray:
         """Which cells (m,) are at failure."""
-        return self.safety_factor >= AT_FAILURE
+        return self.mobilised >= AT_FAILURE
 
 
-def state_of(problem: PlaneStrain, mesh: QuadMesh, label: str, kh: float) -> State:
+def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> State:
     """The fields of a problem's accepted state, gathered on every rank."""
     grid = problem.grid
     share = grid.weights / grid.weights.sum(axis=1, keepdims=True)
@@ -64,7 +68,7 @@ def state_of(problem: PlaneStrain, mesh: QuadMesh, label: str, kh: float) -> Sta
         by_cell = values.reshape(*grid.weights.shape, *values.shape[1:])
         return np.einsum("cq,cq...->c...", share, by_cell)
 
-    safety = mohr_coulomb.local_safety_factor(problem.stress, problem.material, problem.table)
+    mobilised = mohr_coulomb.mobilised_strength(problem.stress, problem.material, problem.table)
     local = problem.exchange.to_local(problem.displacement)
     corner_values = local[grid.dofs[:, :8]].reshape(-1, 4, 2)
     parts = grid.comm.allgather(
@@ -73,7 +77,7 @@ def state_of(problem: PlaneStrain, mesh: QuadMesh, label: str, kh: float) -> Sta
             mean(problem.stress),
             mean(_shear(problem.strain)),
             mean(_shear(problem.plastic_strain)),
-            mean(np.minimum(safety, 1.0)),
+            mean(np.minimum(mobilised, 1.0)),
             grid.corners,
             corner_values,
         )

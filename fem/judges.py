@@ -6,13 +6,16 @@ section than the one at hand.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.critical import CriticalResult
 from fem.fields import State, touched_sides
-from fem.plateau import Verdict
 from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.critical import CriticalResult
+    from fem.plateau import Verdict
 
 # Relative differences that count: of two numbers that must stand in an order, and of one thing computed twice.
 ROUNDING, NOTABLE = 0.005, 0.03
@@ -53,13 +56,16 @@ class Computed:
         What was changed, such as "cells of half the size".
     kc : float
         Critical Kh (-).
+    decisive : bool
+        Whether a difference makes the answer doubtful: a finer mesh does, a poorer element does not.
     """
 
     what: str
     kc: float
+    decisive: bool = True
 
 
-def doubts_of(result: CriticalResult, mesh: QuadMesh, associated: CriticalResult | None = None) -> list[Doubt]:
+def doubts_of(result: "CriticalResult", mesh: QuadMesh, associated: "CriticalResult | None" = None) -> list[Doubt]:
     """What an answer shows by itself and beside that with ψ = φ."""
     return [
         *of_verdict(result.verdict, result.reason, result.remedy),
@@ -69,13 +75,13 @@ def doubts_of(result: CriticalResult, mesh: QuadMesh, associated: CriticalResult
     ]
 
 
-def of_verdict(verdict: Verdict, reason: str, remedy: str) -> Iterator[Doubt]:
+def of_verdict(verdict: "Verdict", reason: str, remedy: str) -> Iterator[Doubt]:
     """A path that ended before it had shown a limit load."""
     if verdict == "undecided":
         yield Doubt(f"The path ended before a limit load was found: {reason}.", remedy)
 
 
-def of_dilation(result: CriticalResult, associated: CriticalResult | None) -> Iterator[Doubt]:
+def of_dilation(result: "CriticalResult", associated: "CriticalResult | None") -> Iterator[Doubt]:
     """Ground that dilates less cannot bear more: no limit load is above that of ψ = φ (Radenkovic 1961)."""
     if associated is None or associated.direction != result.direction:
         return
@@ -86,7 +92,7 @@ def of_dilation(result: CriticalResult, associated: CriticalResult | None) -> It
         )
 
 
-def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: Verdict) -> Iterator[Doubt]:
+def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "Verdict") -> Iterator[Doubt]:
     """A mechanism that the edges of the section have a part in."""
     if verdict not in ("plateau", "peak"):
         return
@@ -158,6 +164,7 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
             yield Doubt(
                 f"With {other.what} the critical Kh is {other.kc:.3f} instead of {kc:.3f}, {100.0 * change:+.0f} %.",
                 "refine the mesh until it no longer matters, or run the bounds",
+                contradiction=other.decisive,
             )
 
 

@@ -137,7 +137,7 @@ def fem(
     ] = None,
     sides: Annotated[str | None, typer.Option(help="roller, fixed or tied.")] = None,
     element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
-    direction: Annotated[str | None, typer.Option(help="downhill or uphill.")] = None,
+    direction: Annotated[str | None, typer.Option(help="both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
     safety_factor: Annotated[
@@ -184,7 +184,7 @@ def plot(
     field: Annotated[
         str | None,
         typer.Option(
-            help="One field only: of the FEM, such as displacement or safety_factor, or of the discs: pore_springs, "
+            help="One field only: of the FEM, such as displacement or mobilised, or of the discs: pore_springs, "
             "velocity or force_chains."
         ),
     ] = None,

@@ -234,8 +234,10 @@ def yield_value(stress: Floats, material: Integers, table: Floats) -> Floats:
     return np.maximum(t + s * rows[:, rm.SIN_PHI] - rows[:, rm.STRENGTH], s + t - rows[:, rm.TENSION])
 
 
-def local_safety_factor(stress: Floats, material: Integers, table: Floats) -> Floats:
-    """Greatest tau / (c + N tan phi) over all planes through a point: 1 at yield, less inside. Shape (n,).
+def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Floats:
+    """Mobilised share of strength, the paper's local safety factor: 1 at yield, less inside. Shape (n,).
+
+    It is the greatest tau / (c + N tan phi) over all planes through a point.
 
     N is the normal stress, positive in compression. Where s and t are the centre and radius of the largest
     Mohr circle and A = c - s tan phi, the plane at twice the angle x has t sin x / (A + t tan phi cos x),

@@ -39,7 +39,7 @@ def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: 
     assert collection.time_values[0] == 0.1
     assert all(time < 5.0 for time in collection.time_values)
     fields = collection.read()[0]
-    assert set(fields.cell_data) >= {"stratum", "safety_factor", "stress_xx_yy_zz_xy_Pa", "plastic_shear_strain"}
+    assert set(fields.cell_data) >= {"stratum", "mobilised_strength", "stress_xx_yy_zz_xy_Pa", "plastic_shear_strain"}
     assert "displacement_m" in fields.point_data
     for name in ("fem_kh_0.100", "fem_kh_5.000", "fem_plateau", "fem_curve"):
         assert imread(out / f"figures/{name}.png").shape[1] == 1600

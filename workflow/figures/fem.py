@@ -1,4 +1,4 @@
-"""Pictures of the finite element analysis: displacement and local safety factor at each Kh, and the path of Kh."""
+"""Pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the path of Kh."""
 
 from typing import NamedTuple
 
@@ -48,13 +48,17 @@ def draw_state(run: Input, results: FemResults, state: State, store: Store) -> s
 
 def picture_of(run: Input, state: State) -> str:
     """The name of the picture of a state."""
-    is_end = not state.past_equilibrium and state.kh not in run.fem.kh
+    is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
 
 
 def conditions(run: Input, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
-    flow = "ψ = φ" if run.fem.flow == "associated" else "ψ as given (" + _dilations(run) + ")"
+    flow = {
+        "associated": "ψ = φ",
+        "davis": f"Davis's substitute for ψ = {_dilations(run)}",
+        "section": f"ψ as given ({_dilations(run)})",
+    }[run.fem.flow]
     kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
     return f"sides {run.fem.sides}, {flow}, {element} element, pushed {run.fem.direction}{kv}"
 
@@ -91,7 +95,7 @@ def _views(mesh: QuadMesh, state: State) -> Views:
         plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=CONTINUUM, lighting=False)
 
     def safety(plotter: pv.Plotter) -> None:
-        grid.cell_data["safety"] = np.digitize(state.safety_factor, SAFETY_BOUNDS[1:-1])
+        grid.cell_data["safety"] = np.digitize(state.mobilised, SAFETY_BOUNDS[1:-1])
         plotter.add_mesh(
             grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
             lighting=False, show_scalar_bar=False,
@@ -107,7 +111,12 @@ def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
     sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
     shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
-    axes = sheet.show(1, views.safety, window, "local safety factor τ / (c + N tan φ) on the worst plane")
+    axes = sheet.show(
+        1,
+        views.safety,
+        window,
+        "mobilised share of strength τ / (c + N tan φ) on the worst plane (the paper: local safety factor)",
+    )
     if len(views.slip):
         axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     label = "mobilised / available shear strength (-); 1: failure"

@@ -26,7 +26,7 @@ FIELDS = {
     "displacement": Field("displacement (m)", lambda state: np.hypot(*state.displacement.T), by_point=True),
     "displacement_x": Field("displacement to the right (m)", lambda state: state.displacement[:, 0], by_point=True),
     "displacement_z": Field("displacement upwards (m)", lambda state: state.displacement[:, 1], by_point=True),
-    "safety_factor": Field("mobilised / available shear strength (-)", lambda state: state.safety_factor, "YlOrRd"),
+    "mobilised": Field("mobilised share of strength (-)", lambda state: state.mobilised, "YlOrRd"),
     "shear_strain": Field("largest shear strain (-)", lambda state: state.shear_strain, "magma_r"),
     "plastic_shear_strain": Field("plastic shear strain (-)", lambda state: state.plastic_shear_strain, "magma_r"),
     "stress_xx": Field("stress xx (kPa), tension positive", _stress(0)),

@@ -23,15 +23,52 @@ def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
     )
 
 
+FLOWS = {
+    "davis": "by Davis's substitute where ψ < φ",
+    "associated": "with ψ = φ",
+    "section": "with ψ as given on a non-associated path",
+}
+
+
 def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
-    yield (f"Critical Kh = {answer.kc:.4f}, at most {answer.kc_upper:.4f}: {answer.verdict}, {answer.reason}.")
-    if answer.remedy:
-        yield f"To improve on this: {answer.remedy}."
+    yield (
+        f"Critical Kh = {answer.kc:.4f}, on this mesh at most {answer.kc_upper:.4f}, pushed {answer.direction} (to the "
+        f"{answer.towards}), {FLOWS[answer.flow]}: {answer.verdict}, {answer.reason}."
+    )
+    yield from beside_sentences(answer)
     for factor in answer.safety_factors:
+        rolls = factor.skin is not None and factor.skin < factor.factor
         yield (
-            f"Factor of safety at Kh = {factor.kh:g}: {factor.factor:.3f}, at most {factor.upper:.3f}: "
+            f"Factor of safety at Kh = {factor.kh:g}: {factor.factor:.3f}, on this mesh at most {factor.upper:.3f}: "
             f"{factor.verdict}, {factor.reason}."
+            + (
+                f" Grains roll down its face at {factor.skin:.3f}."
+                if factor.skin is not None and factor.skin < factor.factor
+                else ""
+            )
+        )
+    for doubt in answer.doubts:
+        yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
+
+
+def beside_sentences(answer: FemAnswer) -> Iterator[str]:
+    """What has to be known beside the critical Kh: ψ = φ, the opposite direction, the skin of cohesionless faces."""
+    if answer.associated is not None and answer.associated.verdict in ("plateau", "peak"):
+        more = 100.0 * (answer.associated.kc / answer.kc - 1.0) if answer.kc > 0.0 else 0.0
+        yield (
+            f"With ψ = φ it would be {answer.associated.kc:.4f} ({more:+.0f} %), which no smaller dilation can exceed: "
+            "what the ground bears lies between the two."
+        )
+    other = answer.opposite
+    if other is not None:
+        kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
+        at = f", where the ground only fails at the {' and the '.join(other.at_sides)} side" if other.at_sides else ""
+        yield f"Pushed {other.direction} it is {kh}{at}."
+    for skin in answer.skins:
+        yield (
+            f'Grains of "{skin.stratum}" roll down the face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m '
+            f"({skin.angle_deg:.0f}°) at Kh = {max(skin.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
         )
 
 

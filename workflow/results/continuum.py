@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from pydantic import Field
 
 from fem.settings import Element, FemSettings
+from fem.strength import Flow
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
 if TYPE_CHECKING:
@@ -63,24 +64,63 @@ class FactorOfSafety(Part):
 
     kh: float
     factor: float = Field(description="the largest divisor at which an equilibrium was found")
-    upper: float = Field(description="what it may be at most")
+    upper: float = Field(description="what this mesh may bear at most")
     verdict: Verdict
     reason: str
     curve: tuple[PathStep, ...]
+    skin: float | None = Field(description="the factor at which grains roll down a cohesionless face, if there is one")
+
+
+class OtherWay(Part):
+    """The critical Kh of the same mesh pushed the other way, or with another flow rule."""
+
+    kc: float
+    kc_upper: float
+    verdict: Verdict
+    reason: str
+    direction: Literal["downhill", "uphill"]
+    at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
+
+
+class SkinFailure(Part):
+    """A cohesionless face whose grains roll down before the slope as a whole fails."""
+
+    stratum: str
+    start_x_m: float
+    end_x_m: float
+    angle_deg: float
+    kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
+
+
+class Doubt(Part):
+    """What contradicts an answer, or is to be known beside it, and what to do."""
+
+    what: str
+    remedy: str
+    contradiction: bool = Field(description="whether it makes the answer doubtful")
 
 
 class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
     FILE: ClassVar[str] = "fem/critical.json"
+    VERSION: ClassVar[int] = 2
 
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_lower: float = Field(description="the same: the lower end of the bracket")
-    kc_upper: float = Field(description="what the critical Kh may be at most")
+    kc_upper: float = Field(description="what this mesh may bear at most; no bound of the section")
     verdict: Verdict
     reason: str
     remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
+    judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a doubt contradicts the answer")
+    doubts: tuple[Doubt, ...]
+    direction: Literal["downhill", "uphill"] = Field(description="where the ground fails, by the ends of its surface")
+    towards: Literal["left", "right"]
+    opposite: OtherWay | None = Field(description="the same pushed the other way, where both were asked for")
+    associated: OtherWay | None = Field(description="the same with ψ = φ, where that is something else")
+    skins: tuple[SkinFailure, ...]
+    flow: Flow
     element: Element
     settings: FemSettings
     dilation_deg: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")

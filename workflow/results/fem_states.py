@@ -52,5 +52,5 @@ def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:
         np.array(cells["stress_xx_yy_zz_xy_Pa"]),
         np.array(cells["shear_strain"]),
         np.array(cells["plastic_shear_strain"]),
-        np.array(cells["safety_factor"]),
+        np.array(cells["mobilised_strength"]),
     )

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from typing import TypeVar
 
+from fem.judges import Computed, of_bounds, of_others
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, made_from
@@ -83,6 +84,31 @@ class Results:
         if self.fem is None or self.no_answer("fem") or not self.fem.has_kc:
             return None
         return self.fem.kc
+
+    @property
+    def doubts(self) -> list[Doubt]:
+        """What contradicts the critical Kh of the FEM, or is to be known beside it."""
+        told = list(self.fem.doubts) if self.fem is not None else []
+        others = [
+            Computed(one.change, one.kc, decisive=one.name == "mesh")
+            for one in (self.variants.variants if self.variants is not None else ())
+            if one.kc is not None and one.name in ("mesh", "element")
+        ]
+        found = of_others(self.kc, others) if self.kc else ()
+        return [*told, *(Doubt.model_validate(doubt) for doubt in found), *self.doubts_by_bounds()]
+
+    def doubts_by_bounds(self) -> list[Doubt]:
+        """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ too."""
+        fem, bounds = self.fem, self.bounds
+        if fem is None or bounds is None or self.kc is None or bounds.sides != fem.settings.sides:
+            return []
+        if bounds.direction not in ("both", fem.direction):
+            return []
+        own = fem.flow == ("davis" if bounds.davis else "associated")
+        found = list(of_bounds(self.kc, bounds.lower, bounds.upper, own)) if own or not bounds.davis else []
+        if fem.associated is not None and not bounds.davis:
+            found += of_bounds(fem.associated.kc, bounds.lower, bounds.upper, own=True)
+        return [Doubt.model_validate(doubt) for doubt in found]
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
         """The name of the set of cases that counts, the calibrated one if there is one, and its cases by number."""

@@ -5,7 +5,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workflow.results.answer import SectionLabel, line
-from workflow.results.continuum import FactorOfSafety, FemAnswer, Gravity, KeptState, MeshCount, PathStep
+from workflow.results.continuum import (
+    Doubt,
+    FactorOfSafety,
+    FemAnswer,
+    Gravity,
+    KeptState,
+    MeshCount,
+    OtherWay,
+    PathStep,
+    SkinFailure,
+)
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
@@ -14,6 +24,7 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
+    from fem.assessment import Assessment
     from fem.critical import CriticalResult
     from fem.fields import State
     from fem.path import EquilibriumPath
@@ -48,13 +59,12 @@ def draw(job: Job) -> None:
 
 
 def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
-    """Find the critical Kh, and the factors of safety that are asked for; leaves fem/ and figures/fem_*.png.
+    """Find the critical Kh to both sides, that with ψ = φ, and factors of safety; leaves fem/ and figures/fem_*.png.
 
-    Every rank computes; only the one with a store writes. Raises InputError, UnstableError, and, when all is written,
-    NoAnswerError if the path ended undecided.
+    Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
+    when all is written, NoAnswerError if the path ended undecided.
     """
-    from fem.critical import critical_coefficient
-    from fem.strength_reduction import safety_factor
+    from fem.assessment import assess
     from workflow.figures.fem import draw_all
     from workflow.results.fem_states import FemResults
 
@@ -67,13 +77,10 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         )
 
     progress("gravity", None)
-    result = critical_coefficient(run, mesh, run.fem, comm, lambda path: tell("Kh", path))
-    factors = [
-        safety_factor(run, mesh, run.fem, kh, comm, lambda path: tell("factor of safety", path))
-        for kh in run.fem.safety_factor_at
-    ]
+    found = assess(run, mesh, run.fem, comm, tell)
+    result = found.critical
     if store is not None:
-        answer_of(run, mesh, result, factors).write(store)
+        answer_of(run, mesh, found).write(store)
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
         draw_all(run, FemResults.load(run, store), store)
@@ -81,8 +88,11 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(run: Input, mesh: "QuadMesh", result: "CriticalResult", factors: list["SafetyFactor"]) -> FemAnswer:
-    """The critical Kh with its bracket, the path to it, the states that are kept, and the factors of safety."""
+def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment") -> FemAnswer:
+    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
+    from fem.judges import is_doubtful
+
+    result = found.critical
     angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
     return FemAnswer(
         section=SectionLabel.of(run),
@@ -92,15 +102,47 @@ def answer_of(run: Input, mesh: "QuadMesh", result: "CriticalResult", factors: l
         verdict=result.verdict,
         reason=result.reason,
         remedy=result.remedy,
+        judgement="doubtful" if is_doubtful(found.doubts) else "sound",
+        doubts=tuple(Doubt.model_validate(doubt) for doubt in found.doubts),
+        direction=result.direction,
+        towards="right" if result.sign > 0 else "left",
+        opposite=_other_way(mesh, result.other),
+        associated=_other_way(mesh, found.associated),
+        skins=tuple(
+            SkinFailure(
+                stratum=skin.stratum,
+                start_x_m=skin.start,
+                end_x_m=skin.end,
+                angle_deg=float(np.degrees(skin.angle)),
+                kh=skin.kh,
+            )
+            for skin in result.skins
+        ),
+        flow=result.flow,
         element=result.element,
         settings=run.fem,
-        dilation_deg=angles if run.fem.flow == "section" else "equal to the friction angle",
+        dilation_deg="equal to the friction angle" if run.fem.flow == "associated" else angles,
         mesh=MeshCount.of(mesh),
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state) for state in result.states),
-        safety_factors=tuple(_factor_of_safety(factor) for factor in factors),
+        safety_factors=tuple(_factor_of_safety(factor) for factor in found.safety),
+    )
+
+
+def _other_way(mesh: "QuadMesh", result: "CriticalResult | None") -> OtherWay | None:
+    from fem.fields import touched_sides
+
+    if result is None:
+        return None
+    return OtherWay(
+        kc=result.kc,
+        kc_upper=result.upper,
+        verdict=result.verdict,
+        reason=result.reason,
+        direction=result.direction,
+        at_sides=touched_sides(mesh, result.mechanism) if result.verdict in ("plateau", "peak") else (),
     )
 
 
@@ -125,6 +167,7 @@ def _factor_of_safety(found: "SafetyFactor") -> FactorOfSafety:
         verdict=found.verdict,
         reason=found.reason,
         curve=tuple(PathStep.model_validate(step) for step in found.steps),
+        skin=found.skin,
     )
 
 
@@ -143,7 +186,7 @@ def write_fields(run: Input, mesh: "QuadMesh", states: list["State"], store: Sto
         grid = grid_of(run, mesh)
         grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
         grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
-        grid.cell_data["safety_factor"] = state.safety_factor
+        grid.cell_data["mobilised_strength"] = state.mobilised
         grid.cell_data["shear_strain"] = state.shear_strain
         grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
         add_texts(grid, "state", [state.label])

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 LARGEST_STEP = 0.1
+FLOWS = {
+    "davis": "Davis's substitute",
+    "associated": "ψ = φ",
+    "section": "the non-associated path with ψ as given",
+}
 
 
 def work(job: Job) -> None:
@@ -22,9 +27,10 @@ def work(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     run, store, progress = job.given, job.store, job.progress
-    element = FemAnswer.read(store).element
+    answer = FemAnswer.read(store)
     mesh = stored_mesh(run, store)
-    asked = [change for name in run.variants.which if (change := changed(run, name, element))]
+    one_way = _with(run, "fem", direction=answer.direction)
+    asked = [change for name in run.variants.which if (change := changed(one_way, name, answer.element))]
     found = []
     for number, (name, words, other) in enumerate(asked):
         progress(words, number / len(asked))
@@ -41,7 +47,7 @@ def changed(run: Input, name: str, element: str) -> tuple[str, str, Input] | Non
     if name == "mesh":
         return name, "cells of half the size", _with(run, "mesh", refine=2 * run.mesh.refine)
     if name == "element":
-        other = "bilinear" if element != "bilinear" else "quadratic"
+        other = "quadratic" if element != "quadratic" else "bilinear"
         return name, f"{other} element instead of {element}", _with(run, "fem", element=other)
     if name == "step" and fem.first_step < LARGEST_STEP:
         step = min(2.0 * fem.first_step, LARGEST_STEP)
@@ -50,10 +56,9 @@ def changed(run: Input, name: str, element: str) -> tuple[str, str, Input] | Non
         sides = "fixed" if fem.sides == "roller" else "roller"
         return name, f"sides {sides} instead of {fem.sides}", _with(run, "fem", sides=sides)
     dilates = all(stratum.dilation_angle == stratum.friction_angle for stratum in run.strata)
-    if name == "dilation" and fem.flow == "section" and not dilates:
-        return name, "ψ = φ instead of ψ as given", _with(run, "fem", flow="associated")
-    if name == "dilation" and fem.flow == "associated" and not dilates:
-        return name, "ψ as given instead of ψ = φ", _with(run, "fem", flow="section")
+    if name == "dilation" and not dilates:
+        flow = "section" if fem.flow == "davis" else "davis"
+        return name, f"{FLOWS[flow]} instead of {FLOWS[fem.flow]}", _with(run, "fem", flow=flow)
     return None
 
 

@@ -245,18 +245,18 @@ def test_pure_shear_without_strength_is_not_a_toss_up():
         assert np.all(np.abs(stress) <= 1e-15 * np.abs(trial).max(axis=1)[:, None])
 
 
-# --- local safety factor ---
+# --- mobilised share of strength ---
 
 
 @every
 @given(parameters(), stresses, st.integers(0, 2**31))
-def test_local_safety_factor_is_that_of_the_worst_plane(p, stress, seed):
+def test_mobilised_strength_is_that_of_the_worst_plane(p, stress, seed):
     _, cohesion, friction, _, _ = p
     scale = np.abs(stress).max() + cohesion
     (a,), (b,) = in_plane(stress)
     major, minor = max(a, stress[0, 2]), min(b, stress[0, 2])
     weakest = cohesion - major * math.tan(friction)
-    factor = mc.local_safety_factor(stress, np.zeros(1, int), mc.table(YOUNG, *p))[0]
+    factor = mc.mobilised_strength(stress, np.zeros(1, int), mc.table(YOUNG, *p))[0]
     if weakest <= 1e-6 * scale and (friction > 0.0 or cohesion == 0.0):  # an apex there is with friction only
         assert factor == math.inf or factor >= 1 - 1e-6
         return
@@ -280,20 +280,20 @@ def test_local_safety_factor_is_that_of_the_worst_plane(p, stress, seed):
 
 
 @pytest.mark.parametrize("flow", FLOWS)
-def test_local_safety_factor_is_one_at_yield_and_less_inside(flow):
+def test_mobilised_strength_is_one_at_yield_and_less_inside(flow):
     table = mc.table(YOUNG, 0.3, 1.0, *FLOWS[flow])
     trial, _ = many_trials(seed=5, n=2000)
     stress, _, _, region = updated(table, trial)
-    factor = mc.local_safety_factor(stress, np.zeros(len(trial), int), table)
+    factor = mc.mobilised_strength(stress, np.zeros(len(trial), int), table)
     np.testing.assert_allclose(factor[region != rm.ELASTIC], 1, rtol=1e-7)
     assert np.all(factor[region == rm.ELASTIC] < 1)
 
 
-def test_local_safety_factor_without_strength():
+def test_mobilised_strength_without_strength():
     table = mc.table(YOUNG, 0.3, [1.0, 0.0], [math.pi / 4, 0.0], 0.0)
     mean = np.array([[2], [1], [-1], [1], [-1], [-1]]) * [1, 1, 1, 0]
     stress = mean + np.array([[0], [0], [0], [0.5], [0.5], [0]]) * [1, -1, 0, 0]
-    factor = mc.local_safety_factor(stress, np.array([0, 0, 0, 0, 1, 1]), table)
+    factor = mc.mobilised_strength(stress, np.array([0, 0, 0, 0, 1, 1]), table)
     assert factor.tolist() == [math.inf, 1, 0, math.inf, math.inf, 1]
 
 

@@ -32,7 +32,8 @@ def state(run: Input, kh: float, past: bool, failed: float) -> KeptState:
 def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
     return FemAnswer(
         section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
-        remedy="", element="quadratic", settings=run.fem, dilation_deg={},
+        remedy="", judgement="sound", doubts=(), direction="downhill", towards="right", opposite=None,
+        associated=None, skins=(), flow="davis", element="quadratic", settings=run.fem, dilation_deg={},
         mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
         gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),
         states=(state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)),
@@ -133,15 +134,21 @@ def test_states_of_the_discs(s13: Input) -> None:
 @pytest.mark.parametrize(
     ("lower", "upper", "flow", "words"),
     [
-        (0.22, 0.26, "associated", "lies inside"),
-        (0.25, 0.26, "associated", "below the lower bound"),
-        (0.22, 0.23, "associated", "above the upper bound"),
-        (0.22, 0.26, "section", "is not judged by it"),
+        (0.22, 0.26, "associated", "contradicts it"),
+        (0.25, 0.26, "associated", "below the strict lower bound"),
+        (0.22, 0.23, "associated", "above the strict upper bound"),
+        (0.25, 0.26, "davis", "contradicts it"),
+        (0.22, 0.23, "davis", "no smaller ψ can exceed"),
+        (0.22, 0.23, "section", "no smaller ψ can exceed"),
     ],
 )
-def test_bounds_judge_only_their_like(lower: float, upper: float, flow: str, words: str) -> None:
+def test_upper_bounds_judge_every_smaller_dilation_and_lower_ones_their_own(
+    lower: float, upper: float, flow: str, words: str
+) -> None:
+    """The critical Kh is 0.24; the bounds are those of ψ = φ."""
     run = Input.parse({**slope(), "fem": {"flow": flow}})
-    told = dict(doubts(results(run, fem=fem(run), bounds=bounds(run, lower, upper))))
+    answer = fem(run).model_copy(update={"flow": flow})
+    told = dict(doubts(results(run, fem=answer, bounds=bounds(run, lower, upper))))
     assert words in told["Strict bounds"]
 
 

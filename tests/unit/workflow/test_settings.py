@@ -91,8 +91,9 @@ def test_the_commented_settings_of_the_example_exist() -> None:
     run = Input.parse(tomllib.loads(section + settings))
     plain = Input.parse(tomllib.loads(text))
     assert run.mesh.size == 1.5
-    assert run.fem.safety_factor_at == (0.0,)
-    assert run.fem.model_copy(update={"safety_factor_at": ()}) == plain.fem
+    assert run.fem.safety_factor_at == (0.0, 0.1)
+    assert run.fem.kh == (0.2, 0.25)
+    assert run.fem.model_copy(update={"safety_factor_at": (0.0,), "kh": ()}) == plain.fem
     assert run.dem == plain.dem
     assert run.variants == plain.variants
     assert run.figures == plain.figures

@@ -15,8 +15,8 @@ from workflow.stages.variants import changed
         ({}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of roller"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides roller instead of fixed"),
-        ({}, "dilation", "ψ = φ instead of ψ as given"),
-        ({"fem": {"flow": "associated"}}, "dilation", "ψ as given instead of ψ = φ"),
+        ({}, "dilation", "the non-associated path with ψ as given instead of Davis's substitute"),
+        ({"fem": {"flow": "associated"}}, "dilation", "Davis's substitute instead of ψ = φ"),
     ],
 )
 def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str) -> None:
