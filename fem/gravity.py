@@ -24,6 +24,9 @@ from meshes.section.section import Section, Stratum
 UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
+# Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
+# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help.
+PATIENT = 60, 8
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
 
@@ -105,7 +108,11 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     control = load / norm(load)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
-        norm(load) + norm(constant), replace(path_settings(problem, settings), first=0.2, largest=0.2),
+        norm(load) + norm(constant),
+        replace(
+            path_settings(problem, settings), first=0.2, largest=0.2,
+            newton=NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1]),
+        ),
     )  # fmt: skip
     carried = 0.0
     while not path.reach(1.0):

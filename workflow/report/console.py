@@ -38,15 +38,10 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     )
     yield from beside_sentences(answer)
     for factor in answer.safety_factors:
-        rolls = factor.skin is not None and factor.skin < factor.factor
+        skin = f" Grains roll down its face at {factor.skin:.3f}." if (factor.skin or 1e9) < factor.factor else ""
         yield (
             f"Factor of safety at Kh = {factor.kh:g}: {factor.factor:.3f}, on this mesh at most {factor.upper:.3f}: "
-            f"{factor.verdict}, {factor.reason}."
-            + (
-                f" Grains roll down its face at {factor.skin:.3f}."
-                if factor.skin is not None and factor.skin < factor.factor
-                else ""
-            )
+            f"{factor.verdict}, {factor.reason}.{skin}"
         )
     for doubt in answer.doubts:
         yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
