@@ -100,13 +100,14 @@ class Results:
     def doubts_by_bounds(self) -> list[Doubt]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ too."""
         fem, bounds = self.fem, self.bounds
-        if fem is None or bounds is None or self.kc is None or bounds.sides != fem.settings.sides:
+        if fem is None or bounds is None or self.kc is None:
             return []
-        if bounds.direction not in ("both", fem.direction):
+        if (bounds.sides, bounds.direction) != (fem.settings.sides, fem.direction):
             return []
-        own = fem.flow == ("davis" if bounds.davis else "associated")
-        found = list(of_bounds(self.kc, bounds.lower, bounds.upper, own)) if own or not bounds.davis else []
-        if fem.associated is not None and not bounds.davis:
+        found = list(of_bounds(self.kc, bounds.lower, bounds.upper, own=fem.flow == "associated"))
+        if fem.flow == "davis" and bounds.substitute is not None:
+            found += of_bounds(self.kc, bounds.substitute.lower, bounds.substitute.upper, own=True)
+        if fem.associated is not None:
             found += of_bounds(fem.associated.kc, bounds.lower, bounds.upper, own=True)
         return [Doubt.model_validate(doubt) for doubt in found]
 

@@ -4,7 +4,9 @@ import math
 import time
 from typing import TYPE_CHECKING
 
+from fem.loads import Direction
 from fem.settings import BoundsSettings
+from meshes.errors import InputError
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
@@ -16,8 +18,10 @@ from workflow.results.bounds import (
     VelocityResiduals,
     Verdict,
 )
+from workflow.results.continuum import FemAnswer
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
+from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
@@ -38,12 +42,24 @@ def work(job: Job) -> None:
     run, asked = job.given, job.given.bounds.in_a_run
     started = time.perf_counter()
     job.progress("first mesh", None)
+    one_way = run.fem.model_copy(update={"direction": direction_of(run, job.store)})
+    run = run.model_copy(update={"fem": one_way})
     found = kh_bounds(run, run.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
     answer = answer_of(run, found, asked, time.perf_counter() - started)
     answer.write(job.store)
     draw_all(run, found, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
+
+
+def direction_of(run: Input, store: Store) -> Direction:
+    """Where the ground is pushed; of both sides that to which it fails first, as the finite elements have found."""
+    if run.fem.direction != "both":
+        return run.fem.direction
+    try:
+        return FemAnswer.read(store).direction
+    except InputError:  # they have not run
+        return "downhill"
 
 
 def answer_of(run: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
@@ -56,7 +72,7 @@ def answer_of(run: Input, found: "KhBounds", asked: BoundsSettings, seconds: flo
         skins=tuple(SkinPart.model_validate(face) for face in found.skins),
         least_depth=run.fem.least_depth,
         sides=run.fem.sides,
-        direction=run.fem.direction,
+        direction="uphill" if run.fem.direction == "uphill" else "downhill",
         vertical=run.fem.vertical,
         seconds=round(seconds, 2),
         settings=asked,
