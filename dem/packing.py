@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.neighbours import find_pairs
+from dem.kernels.period import ENDLESS
 from dem.model import DiscModel
 from dem.springs import LayerSprings
 
@@ -129,7 +130,7 @@ def random_packing(
     deepest = np.inf
     for sweep in range(0, sweeps, 10):
         grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
-        i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0))
+        i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0), ENDLESS)
         spread_out(x, z, grown, i, j, outline, 10)
         deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
         deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))

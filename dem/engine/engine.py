@@ -50,6 +50,7 @@ def largest_step(model: DiscModel) -> StableStep:
         model.skin,
         LineContacts(model.line_disc, model.line_id, model.layer[model.line_disc]),
         springs_of(model),
+        model.repeats,
     )
     return StableStep(float(seconds), int(disc))
 
@@ -61,7 +62,7 @@ def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact")
     the element's push holds by friction is not counted for the pore spring once more.
     """
     soil = model.law == "soil"
-    return Law(soil, -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" and not soil else 0.0)
+    return Law(soil, -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" and not soil else 0.0, model.repeats)
 
 
 def springs_of(model: DiscModel) -> Springs:

@@ -57,9 +57,7 @@ def contact_forces(model: DiscModel, *, pulls: bool = False, crack_by: CrackBy =
         rim_i = rim + layout.rolling.reshape(-1, ROLL_FIELDS, LANES)[chunk, 2, owner % LANES]
     e = np.arange(len(model.line_disc))
     line_fx, line_fz, line_rim = links[start[-1] + 1 + e // LANES, 4:7, e % LANES].T
-    distance = model.distance()
-    nx = (model.x[model.pair_j] - model.x[model.pair_i]) / distance
-    nz = (model.z[model.pair_j] - model.z[model.pair_i]) / distance
+    nx, nz = model.branch() / model.distance()
     return ContactForces(fx, fz, rim, rim_i, fx * nx + fz * nz, fx * nz - fz * nx, line_fx, line_fz, line_rim)
 
 
@@ -107,5 +105,5 @@ def stress(model: DiscModel, forces: ContactForces, area: float, where: np.ndarr
     chosen = np.ones(len(model), bool) if where is None else where
     i, j = model.pair_i, model.pair_j
     share = 0.5 * (chosen[i].astype(float) + chosen[j])
-    branch = np.array([model.x[j] - model.x[i], model.z[j] - model.z[i]])
+    branch = model.branch()
     return -np.einsum("c,ac,bc->ab", share, np.array([forces.fx, forces.fz]), branch) / area

@@ -15,7 +15,8 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
-from dem.model import MEMORY, ROLLING_MEMORY, DiscModel
+from dem.model import DiscModel
+from dem.state import MEMORY, ROLLING_MEMORY
 
 FAR = 1e15  # m: where lanes without a disc are
 # what a run changes: field of the layout and array of the model

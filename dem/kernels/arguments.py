@@ -4,6 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.kernels.period import Period
+
 
 class Springs(NamedTuple):
     """Constants of all contacts.
@@ -48,11 +50,14 @@ class Law(NamedTuple):
         Least normal force of an element contact (N): 0, or -inf where its dashpot may pull.
     share : float
         Share of the element's normal force in Fn of eq. (16).
+    period : Period
+        After how much the ground repeats itself; only soil discs do.
     """
 
     soil: bool
     floor: float
     share: float
+    period: Period
 
 
 class Loads(NamedTuple):

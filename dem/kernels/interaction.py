@@ -61,6 +61,7 @@ from dem.kernels.layout import (
     X,
     Z,
 )
+from dem.kernels.period import image
 from dem.kernels.scratch import constant
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
@@ -136,10 +137,14 @@ class Contact(NamedTuple):
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def motion(b: int, q: int, discs: np.ndarray, scratch: np.ndarray, radii: float, slip_time: float) -> Motion:
+def motion(
+    b: int, q: int, discs: np.ndarray, scratch: np.ndarray, radii: float, slip_time: float, law: Law, soil: bool
+) -> Motion:
     """Of the contact in lane q of a slice. One square root, one division."""
     dx = scratch[X + q] - discs[b + X + q]
     dz = scratch[Z + q] - discs[b + Z + q]
+    if soil:
+        dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
     distance = math.sqrt(square)
     inverse = 1.0 / (distance * radii)
@@ -215,7 +220,7 @@ def between_discs(
     """
     discs, links = state.discs, state.links
     radii = links[d + RADII + q]
-    m = motion(b, q, discs, scratch, radii, slip_time)
+    m = motion(b, q, discs, scratch, radii, slip_time, law, soil)
     over = radii - m.distance
     kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
     ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]

@@ -8,6 +8,8 @@ would make the result depend on the skin. Springs' memory is carried over as it 
 import numpy as np
 from numba import njit
 
+from dem.kernels.period import ENDLESS, Period, folded, image
+
 PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
 
 
@@ -20,11 +22,12 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(
-    x: np.ndarray, z: np.ndarray, size: float
-) -> tuple[np.ndarray, np.ndarray, int, int, np.ndarray, np.ndarray]:
-    """Discs sorted into square cells no smaller than `size` (m), and at most four cells a disc.
+    x: np.ndarray, z: np.ndarray, size: float, length: float
+) -> tuple[np.ndarray, np.ndarray, int, int, float, np.ndarray, np.ndarray]:
+    """Discs sorted into cells no smaller than `size` (m), and at most four cells a disc; square, but where the columns
+    have to fill a period of this length.
 
-    Returns (column of each disc, row of each disc, columns, rows, first item of each cell, items).
+    Returns (column of each disc, row of each disc, columns, rows, their height (m), first item of each cell, items).
     """
     n = len(x)
     left, low = x.min(), z.min()
@@ -32,11 +35,15 @@ def cell_grid(
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 64.0:
         size *= 1.5
     columns, rows = int(width / size) + 1, int(height / size) + 1
+    across = size
+    if length < ENDLESS.length:
+        columns = max(int(length / size), 1)
+        across = length / columns
     column = np.empty(n, np.int32)
     row = np.empty(n, np.int32)
     start = np.zeros(columns * rows + 1, np.int32)
     for i in range(n):
-        column[i] = min(int((x[i] - left) / size), columns - 1)
+        column[i] = min(int((x[i] - left) / across), columns - 1)
         row[i] = min(int((z[i] - low) / size), rows - 1)
         start[row[i] * columns + column[i] + 1] += 1
     for c in range(columns * rows):
@@ -47,7 +54,7 @@ def cell_grid(
         c = row[i] * columns + column[i]
         items[free[c]] = i
         free[c] += 1
-    return column, row, columns, rows, start, items
+    return column, row, columns, rows, size, start, items
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -88,6 +95,48 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def near_pairs(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, factor: float, skin: float, period: Period
+) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs i < j nearer than factor (r_i + r_j) + skin, not both fixed, sorted by i.
+
+    A period must be longer than three such distances.
+    """
+    xs, zs = folded(x, z, period)
+    low = zs.min()
+    reach = 2.0 * factor * radius.max() + skin
+    column, row, columns, rows, size, start, items = cell_grid(xs, zs, reach, period.length)
+    room = 4 * len(x) + 16
+    first = np.empty(room, np.int32)
+    second = np.empty(room, np.int32)
+    count = 0
+    for i in range(len(x)):
+        for side in range(-1, 2):
+            c, middle = column[i] + side, row[i]
+            if c < 0 or c >= columns:
+                if period.length == ENDLESS.length:
+                    continue
+                # neighbours beyond a side are listed at the other one, higher or lower by the rise
+                c -= side * columns
+                middle = int(np.floor((zs[i] - side * period.rise - low) / size))
+            for cell in range(max(middle - 1, 0) * columns + c, min(middle + 2, rows) * columns + c, columns):
+                for e in range(start[cell], start[cell + 1]):
+                    j = items[e]
+                    if j <= i or (fixed[i] and fixed[j]):
+                        continue
+                    reach = factor * (radius[i] + radius[j]) + skin
+                    dx, dz = image(x[j] - x[i], z[j] - z[i], period)
+                    if dx * dx + dz * dz >= reach * reach:
+                        continue
+                    if count == room:
+                        room += room // 2
+                        first, second = longer(first, room), longer(second, room)
+                    first[count], second[count] = i, j
+                    count += 1
+    return first[:count], second[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def find_pairs(
     x: np.ndarray,
     z: np.ndarray,
@@ -98,53 +147,39 @@ def find_pairs(
     old_i: np.ndarray,
     old_j: np.ndarray,
     old_length: np.ndarray,
+    period: Period,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
 
-    Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by i; old is
+    Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by both; old is
     the number of the old pair with the same discs, or -1.
     """
-    n = len(x)
-    column, row, columns, rows, start, items = cell_grid(x, z, 2.0 * factor * radius.max() + skin)
-    by_lower, old_start = sort_by_lower(old_i, old_j, n)
-    room = 4 * n + len(old_i) + 16
+    near_i, near_j = near_pairs(x, z, radius, fixed, factor, skin, period)
+    by_lower, old_start = sort_by_lower(old_i, old_j, len(x))
+    room = len(near_i) + len(old_i)
     first = np.empty(room, np.int32)
     second = np.empty(room, np.int32)
     known = np.empty(room, np.int32)
     used = np.zeros(len(old_i), np.bool_)
+    near = 0
     count = 0
-    for i in range(n):
-        begin_i = count
-        for r in range(max(row[i] - 1, 0), min(row[i] + 2, rows)):
-            begin = start[r * columns + max(column[i] - 1, 0)]
-            end = start[r * columns + min(column[i] + 1, columns - 1) + 1]
-            for e in range(begin, end):
-                j = items[e]
-                if j <= i or (fixed[i] and fixed[j]):
-                    continue
-                reach = factor * (radius[i] + radius[j]) + skin
-                dx, dz = x[j] - x[i], z[j] - z[i]
-                if dx * dx + dz * dz >= reach * reach:
-                    continue
-                match = -1
-                for o in range(old_start[i], old_start[i + 1]):
-                    if max(old_i[by_lower[o]], old_j[by_lower[o]]) == j:
-                        match = by_lower[o]
-                        used[match] = True
-                if count >= room:
-                    room += room // 2 + 512
-                    first, second, known = longer(first, room), longer(second, room), longer(known, room)
-                first[count], second[count], known[count] = i, j, match
-                count += 1
+    for i in range(len(x)):
+        begin = count
+        while near < len(near_i) and near_i[near] == i:
+            match = -1
+            for o in range(old_start[i], old_start[i + 1]):
+                if max(old_i[by_lower[o]], old_j[by_lower[o]]) == near_j[near]:
+                    match = by_lower[o]
+                    used[match] = True
+            first[count], second[count], known[count] = i, near_j[near], match
+            near += 1
+            count += 1
         for o in range(old_start[i], old_start[i + 1]):
             c = by_lower[o]
             if not used[c] and old_length[c] != 0.0:
-                if count >= room:
-                    room += room // 2 + 512
-                    first, second, known = longer(first, room), longer(second, room), longer(known, room)
                 first[count], second[count], known[count] = i, max(old_i[c], old_j[c]), c
                 count += 1
-        sort_run(begin_i, count, second, known)
+        sort_run(begin, count, second, known)
     return first[:count].copy(), second[:count].copy(), known[:count].copy()
 
 

@@ -21,6 +21,7 @@ from numba import njit
 
 from dem.kernels.arguments import Springs
 from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
+from dem.kernels.period import Period, image
 
 
 class Bodies(NamedTuple):
@@ -97,7 +98,7 @@ def bound(block: np.ndarray, invmass: float, rim: float) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step(
-    bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs
+    bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
 ) -> tuple[float, int]:
     """Largest stable time step (s) and the disc that sets it; (inf, -1) without contacts.
 
@@ -109,7 +110,7 @@ def stable_step(
     dashpots = np.zeros((len(x), 6))
     for c in range(len(pairs.i)):
         a, b, k, length = pairs.i[c], pairs.j[c], pairs.kind[c], pairs.length[c]
-        dx, dz = x[b] - x[a], z[b] - z[a]
+        dx, dz = image(x[b] - x[a], z[b] - z[a], period)
         d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
         radii = radius[a] + radius[b]
         if length <= 0.0 and d > max(radii, -length) + skin:

@@ -216,6 +216,27 @@ def test_softened_springs_keep_overlap_and_slip() -> None:
     assert after.tangential == pytest.approx(0.1 * undone.tangential, abs=1e-6 * np.abs(before.normal).max())
 
 
+def test_shrunk_discs_keep_mass_and_spin_and_their_overlaps_change() -> None:
+    model = box(8, 6, EARTH, tilt=0.1, law="soil")
+    engine = Engine()
+    engine.run(model, 1.0)
+    mass, spin, edits = model.mass.copy(), model.spin.copy(), engine.measure(model).edits
+    over = model.radius[model.pair_i] + model.radius[model.pair_j] - model.distance()
+    deepest = over.max()
+    shrinking = ~model.fixed
+    model.set_radius(np.where(shrinking, model.radius - 0.25 * deepest, model.radius))
+    assert np.array_equal(model.mass, mass)
+    assert model.spin == pytest.approx(spin, rel=1e-12)
+    over = model.radius[model.pair_i] + model.radius[model.pair_j] - model.distance()
+    assert over.max() < 0.8 * deepest
+    ledger = engine.run(model, 1.0)
+    assert ledger is not None
+    assert ledger.edits < edits
+    assert abs(ledger.gap) < 1e-3 * ledger.turnover
+    with pytest.raises(ValueError, match="positive radii"):
+        model.set_radius(-model.radius)
+
+
 def test_cut_pore_springs_by_layer() -> None:
     model = box(8, 6)
     model.set_pore_springs()

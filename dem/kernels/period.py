@@ -1,0 +1,48 @@
+"""Kernel: ground that repeats itself, of which one period is looked at: its sides are tied to each other.
+
+Places are stored as they come, never brought back into the period: distances alone are those of the nearest image.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+
+class Period(NamedTuple):
+    """After how much the ground repeats itself.
+
+    Attributes
+    ----------
+    length : float
+        To the right (m).
+    rise : float
+        By which it lies higher there (m), negative where it falls.
+    """
+
+    length: float
+    rise: float
+
+
+# So long that the nearest image is always the thing itself, to the last bit.
+ENDLESS = Period(1e300, 0.0)
+
+
+@njit(forceinline=True, error_model="numpy")
+def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
+    """The way (m) to the image that is nearest along x."""
+    n = math.floor(dx / period.length + 0.5)
+    return dx - n * period.length, dz - n * period.rise
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
+    """The images of all places (m) in the period that begins with the leftmost of them."""
+    inside, height = x.copy(), z.copy()
+    left = x.min()
+    for i in range(len(x)):
+        n = math.floor((x[i] - left) / period.length)
+        inside[i] -= n * period.length
+        height[i] -= n * period.rise
+    return inside, height

@@ -1,0 +1,178 @@
+"""DiscState: the whole state of the discs as plain arrays, in the order the user numbered them.
+
+x to the right, z up (m); angles and spins positive counter-clockwise. Rotation is kept as radius times spin and radius
+times angle, since that is what contacts work with. Everything a run needs is here, so that a checkpoint is this and no
+more, and a run from a checkpoint has the same bits as the run without.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.acceleration import Acceleration
+from dem.kernels.period import ENDLESS, Period
+from dem.springs import Law, Mean, PairTable
+
+# what a pair remembers, of the paper's discs and of soil discs besides; a new one starts with nothing
+MEMORY = ("pore_length", "shear", "pore_shear", "force_x", "force_z")
+ROLLING_MEMORY = ("rolled", "torque")
+LINE_MEMORY = ("line_shear", "line_force_x", "line_force_z", "line_rolled", "line_torque")
+
+
+@dataclass(eq=False)
+class DiscState:
+    """n discs, their contacts and the table of springs.
+
+    Attributes
+    ----------
+    x, z, roll : (n,)
+        Position, and radius times angle turned (m).
+    vx, vz, vr : (n,)
+        Velocity, and radius times spin, at `time` (m/s).
+    vx_half, vz_half, vr_half : (n,)
+        The same half a step before (m/s).
+    radius : (n,)
+        m.
+    mass : (n,)
+        With the full density (kg/m).
+    weight : (n,)
+        Effective over full density.
+    inertia_ratio : (n,)
+        m r^2/I: 2 for a disc, 0 for one that cannot turn.
+    layer : (n,) int32
+        Number in the table of springs, -1 for boundary discs.
+    fixed : (n,) bool
+        Whether a disc keeps its velocity whatever pushes it.
+    x_list, z_list : (n,)
+        Position when the neighbour list was made (m).
+    order : (n,) int32
+        Numbers of the discs, sorted in space.
+    pair_i, pair_j : (pairs,) int32
+        The neighbour list.
+    shear, pore_shear : (pairs,)
+        Tangential forces kept by element and pore spring (N).
+    pore_length : (pairs,)
+        Distance at which the pore spring was set (m), negative once cracked, 0 without one.
+    force_x, force_z : (pairs,)
+        Force on pair_j in the last step (N), for the ledger.
+    rolled, torque : (pairs,)
+        Rolling moment over r_i r_j/(r_i + r_j) kept by the spring, and that of spring and dashpot in the last step (N);
+        empty for the paper's discs.
+    lines : (k, 6)
+        Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
+    line_disc, line_id : (contacts with lines,)
+        Discs near rigid lines, and numbers of those.
+    line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
+        The same memory of theirs (N).
+    energy_sums : (slices, 7)
+        Work and losses so far (J/m), columns as in `kernels.stepping`.
+    springs : PairTable
+        Constants by kind of pair.
+    mean, law : str
+        How they were made of the layers' constants, and which law holds.
+    period : (float, float) or None
+        Length along x, and rise of z, after which the ground repeats itself (m); None where it does not.
+    gravity : (float, float)
+        m/s2.
+    acceleration : Acceleration
+        Of the frame, in time.
+    skin : float
+        Margin of the neighbour list (m).
+    time, steps, last_dt : float, int, float
+        Time (s), steps taken, and the step that the half-step velocities belong to (s), 0 if set by hand.
+    lists_made : int
+        How often the neighbour list was made.
+    energy_known, energy_edited, turnover : float
+        Energy at the end of the last run, energy that came with changes between runs, and the most in play (J/m).
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    roll: np.ndarray
+    vx: np.ndarray
+    vz: np.ndarray
+    vr: np.ndarray
+    vx_half: np.ndarray
+    vz_half: np.ndarray
+    vr_half: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+    weight: np.ndarray
+    inertia_ratio: np.ndarray
+    layer: np.ndarray
+    fixed: np.ndarray
+    x_list: np.ndarray
+    z_list: np.ndarray
+    order: np.ndarray
+    pair_i: np.ndarray
+    pair_j: np.ndarray
+    shear: np.ndarray
+    pore_shear: np.ndarray
+    pore_length: np.ndarray
+    force_x: np.ndarray
+    force_z: np.ndarray
+    rolled: np.ndarray
+    torque: np.ndarray
+    lines: np.ndarray
+    line_disc: np.ndarray
+    line_id: np.ndarray
+    line_shear: np.ndarray
+    line_force_x: np.ndarray
+    line_force_z: np.ndarray
+    line_rolled: np.ndarray
+    line_torque: np.ndarray
+    energy_sums: np.ndarray
+    springs: PairTable
+    mean: Mean
+    law: Law
+    period: tuple[float, float] | None
+    gravity: tuple[float, float]
+    acceleration: Acceleration
+    skin: float
+    time: float = 0.0
+    steps: int = 0
+    last_dt: float = 0.0
+    lists_made: int = 0
+    energy_known: float = float("nan")
+    energy_edited: float = 0.0
+    turnover: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @property
+    def memory(self) -> tuple[str, ...]:
+        """Names of what a pair remembers."""
+        return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
+
+    @property
+    def spin(self) -> np.ndarray:
+        """Angular velocity (1/s), counter-clockwise."""
+        return self.vr / self.radius
+
+    @property
+    def angle(self) -> np.ndarray:
+        """How far each disc has turned (rad), counter-clockwise."""
+        return self.roll / self.radius
+
+    def kind(self, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """Column of the table of springs for pairs of discs."""
+        code = np.where(self.layer < 0, self.springs.size - 1, self.layer).astype(np.uint16)
+        return code[i] * np.uint16(self.springs.size) + code[j]
+
+    @property
+    def repeats(self) -> Period:
+        """After how much the ground repeats itself."""
+        return ENDLESS if self.period is None else Period(*self.period)
+
+    def branch(self) -> np.ndarray:
+        """Way from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
+        i, j = self.pair_i, self.pair_j
+        dx, dz = self.x[j] - self.x[i], self.z[j] - self.z[i]
+        length, rise = self.repeats
+        n = np.floor(dx / length + 0.5)
+        return np.array([dx - n * length, dz - n * rise])
+
+    def distance(self) -> np.ndarray:
+        """Distance of the centres of all listed pairs (m), to the nearest image."""
+        return np.hypot(*self.branch())
