@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, check_velocity, corner_rates, dissipation
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
-from fem.limit.lower_bound import STRESS_MARGIN, LowerBound, lower_bound
-from fem.limit.upper_bound import STRAIN_MARGIN, UpperBound, upper_bound
+from fem.limit.lower_bound import LowerBound, lower_bound
+from fem.limit.upper_bound import UpperBound, upper_bound
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
@@ -30,8 +30,8 @@ YIELD_WORK_WEIGHT = 0.5
 SINGULAR_SHARE, SINGULAR_TIMES, NARROW_ANGLE = 0.03, 20.0, 0.1
 # The indicator of either half of a bisected cell, over that of the whole: the gap falls faster than the area.
 HALF_SHARE = 0.3
-# The second attempt at a bound whose check failed keeps this many times the distance from yield surface or flow rule.
-SECOND_MARGIN = 10.0
+# Attempts at a bound, and how much more margin the next one has, over what the last one fell short of its own.
+ATTEMPTS, SHORTFALLS = 3, 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,8 +250,8 @@ def bracket(
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], StressField | None]:
     """The stress field that was found, what went wrong, and the same as a strict bound if it passes its check."""
 
-    def attempt(margin: float) -> tuple[LowerBound, StressCheck]:
-        found = lower_bound(problem, margin * STRESS_MARGIN)
+    def attempt(more_margin: np.ndarray | float) -> tuple[LowerBound, StressCheck]:
+        found = lower_bound(problem, more_margin)
         return found, check_stress(problem, found.stress, found.multiplier)
 
     found, check, notes = _first_that_holds("lower bound", attempt)
@@ -261,8 +261,8 @@ def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], St
 def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Mechanism | None]:
     """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check."""
 
-    def attempt(margin: float) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, margin * STRAIN_MARGIN)
+    def attempt(more_margin: np.ndarray | float) -> tuple[UpperBound, VelocityCheck]:
+        found = upper_bound(problem, more_margin)
         return found, check_velocity(problem, found.velocity)
 
     found, check, notes = _first_that_holds("upper bound", attempt)
@@ -273,17 +273,24 @@ F = TypeVar("F", LowerBound, UpperBound)
 C = TypeVar("C", StressCheck, VelocityCheck)
 
 
-def _first_that_holds(name: str, attempt: Callable[[float], tuple[F, C]]) -> tuple[F, C | None, list[str]]:
-    """The first of two attempts, the second with more margin, whose check holds; its check is None if neither does."""
+def _first_that_holds(name: str, attempt: Callable[[np.ndarray | float], tuple[F, C]]) -> tuple[F, C | None, list[str]]:
+    """The first of a few attempts whose check holds, None for the check if none does.
+
+    The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
+    against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
+    fell short of its margin.
+    """
     notes: list[str] = []
-    for margin in (1.0, SECOND_MARGIN):
-        found, check = attempt(margin)
+    more_margin: np.ndarray | float = 0.0
+    for _ in range(ATTEMPTS):
+        found, check = attempt(more_margin)
         if found.solution.none:
             return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
         if found.solution.ended:
             notes.append(f"{name}: the solver ended early ({found.solution.ended})")
         if check.holds:
             return found, check, notes
+        more_margin = more_margin + SHORTFALLS * np.nan_to_num(found.shortfall)
     return found, None, [*notes, f"{name} refused: {check}"]
 
 

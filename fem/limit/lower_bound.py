@@ -11,6 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.limit import cone_program
+from fem.limit.bound_checks import yield_slack
 from fem.limit.limit_problem import LimitProblem
 from fem.limit.point_freedom import DEPENDENT, stress_free_corners
 
@@ -38,6 +39,8 @@ class LowerBound:
     yield_work : ndarray (m, 3)
         Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. It is
         large where the yield surface keeps the load multiplier down.
+    shortfall : ndarray (m, 3)
+        How much nearer to the yield surface the stress at every corner is than was asked for.
     solution : cone_program.Solution
         What the solver left.
     """
@@ -45,11 +48,14 @@ class LowerBound:
     multiplier: float
     stress: np.ndarray
     yield_work: np.ndarray
+    shortfall: np.ndarray
     solution: cone_program.Solution
 
 
-def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBound:
+def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
+
+    ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -57,7 +63,8 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
     cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
-    kept = margin * np.maximum(size, LEAST_MARGIN / STRESS_MARGIN)
+    more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
+    kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
     balance, dead, live = independent_equations(balance[:, free].tocsr(), dead, live, points)
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(balance.T.tocsr(), cohesion, friction, ones, dead, live, stress_margin=kept)
@@ -66,8 +73,10 @@ def lower_bound(problem: LimitProblem, margin: float = STRESS_MARGIN) -> LowerBo
     found = found + cone_program.smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
     stress[free], work[free] = found, np.abs(found * (balance.T @ solution.rates))
-    yield_work = work.reshape(-1, 3, 3).sum(axis=2)
-    return LowerBound(solution.multiplier, stress.reshape(-1, 3, 3), yield_work, solution)
+    stress, work = stress.reshape(-1, 3, 3), work.reshape(-1, 3, 3).sum(axis=2)
+    shortfall = np.zeros(work.shape)
+    shortfall.ravel()[free[::3]] = np.maximum(kept - yield_slack(problem, stress).ravel()[free[::3]], 0.0)
+    return LowerBound(solution.multiplier, stress, work, shortfall, solution)
 
 
 def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]:

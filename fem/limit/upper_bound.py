@@ -30,17 +30,23 @@ class UpperBound:
         Dissipation less the work of the dead load, where that of the live load is 1, as the solver has it.
     velocity : ndarray (m, 6 nodes, 2)
         Velocities of every cell at its corners, then at the middles of its edges.
+    shortfall : ndarray (m, 3)
+        How much nearer every corner is to breaking the flow rule than was asked for, as a velocity: volumetric rate
+        less sin φ times the shear rate, times the root of a third of the area.
     solution : cone_program.Solution
         What the solver left.
     """
 
     multiplier: float
     velocity: np.ndarray
+    shortfall: np.ndarray
     solution: cone_program.Solution
 
 
-def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBound:
+def upper_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
+
+    ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -53,6 +59,7 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
     # Corners of unstrained points, and of cells that are held altogether, have no strain rate at all.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
+    more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[corners]
     program = cone_program.ConeProgram(
         strain[strains],
         np.repeat(problem.cohesion, 3)[corners],
@@ -60,12 +67,19 @@ def upper_bound(problem: LimitProblem, margin: float = STRAIN_MARGIN) -> UpperBo
         size[corners],
         basis.T @ dead,
         basis.T @ live,
-        strain_margin=margin * size[corners],
-        strain_share=margin,
+        strain_margin=STRAIN_MARGIN * size[corners] + more,
+        strain_share=STRAIN_MARGIN,
     )
     solution = cone_program.solve(program)
     rates = _corrected(program, solution.rates)
-    return UpperBound(solution.multiplier, (basis @ rates).reshape(-1, 2)[nodes], solution)
+    xx, yy, xy = (program.strain @ rates).reshape(-1, 3).T
+    slack = xx + yy - np.sin(program.friction) * np.hypot(xx - yy, xy)
+    short = np.maximum(program.strain_margin - slack, 0.0)
+    short[slack < 0.0] += cone_program.FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
+    shortfall = np.zeros(len(areas))
+    shortfall[corners] = np.where(program.friction > 0.0, short, 0.0)
+    velocity = (basis @ rates).reshape(-1, 2)[nodes]
+    return UpperBound(solution.multiplier, velocity, shortfall.reshape(-1, 3), solution)
 
 
 def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matrix:

@@ -14,7 +14,10 @@ import numpy as np
 from meshes.errors import InputError
 from meshes.section.section import Section
 
-NUMBERS = tuple(range(30))
+NUMBERS = (
+    *(0, 1, 2, 3, 6, 11, 14, 15, 18, 19, 20, 21, 23, 24, 25),
+    *(26, 27, 28, 29, 30, 31, 34, 35, 36, 38, 41, 42, 43, 44, 45),
+)
 
 
 def random_section(number: int) -> Section:
@@ -65,8 +68,8 @@ class _Layers:
         self.ends = np.round(np.maximum(np.minimum(wanted, before), self.lowest), 2)
         if kind != "wedge":
             return [[0.0, float(self.ends[0])], [self.width, float(self.ends[1])]]
-        share = float(self.draw.uniform(0.4, 0.7))
-        tip = [round(share * self.width, 2), float((1.0 - share) * before[0] + share * before[1])]
+        x = round(float(self.draw.uniform(0.4, 0.7)) * self.width, 2)
+        tip = [x, float(before[0] + (before[1] - before[0]) * x / self.width)]
         if self.draw.uniform() < 0.5:
             self.ends[1] = before[1]
             return [[0.0, float(self.ends[0])], tip]
