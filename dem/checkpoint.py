@@ -7,17 +7,17 @@ from typing import Any
 import h5py
 import numpy as np
 
+from meshes.files import whole
+
 PLAIN = "plain"  # attribute that holds all values that are no arrays, as JSON
 
 
 def write(path: Path, arrays: dict[str, np.ndarray], plain: dict[str, Any]) -> None:
-    """Writes a file beside and moves it into place. plain: what JSON can hold, infinite numbers included."""
-    beside = path.with_name(path.name + ".part")
-    with h5py.File(beside, "w") as file:
+    """Writes the file as a whole. plain: what JSON can hold, infinite numbers included."""
+    with whole(path) as beside, h5py.File(beside, "w") as file:
         for name, values in arrays.items():
             file.create_dataset(name, data=values)
         file.attrs[PLAIN] = json.dumps(plain)
-    beside.replace(path)
 
 
 def read(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""The folder of a run: every file is written beside its place and then moved there whole."""
+"""The folder of a run, in which every file appears whole or not at all."""
 
 import errno
 import json
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
+from meshes.files import BESIDE, whole
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -30,10 +31,6 @@ def _by_numbers(name: str) -> list[str | int]:
     return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", name)]
 
 
-# What `writing` calls a file that is not whole yet: its writer's number, then its name.
-BESIDE = re.compile(r"\.(\d+)-.+")
-
-
 class Store:
     """The folder of one run; see the names of its files in the README."""
 
@@ -48,20 +45,15 @@ class Store:
         left behind.
         """
         target = self.folder / name
-        beside = target.with_name(f".{os.getpid()}-{target.name}")
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            yield beside
-            beside.replace(target)
+            with whole(target) as beside:
+                yield beside
         except OSError as error:
             reason = error.strerror or error
             other = Path(str(error.filename or target))
-            if other != beside and not target.is_relative_to(other):
+            if not BESIDE.fullmatch(other.name) and not target.is_relative_to(other):
                 raise InputError(str(other), [f"cannot be read: {reason}"]) from error
             raise InputError(str(target), [f"cannot be written: {reason}"]) from error
-        finally:
-            with suppress(OSError):
-                beside.unlink()
 
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path."""

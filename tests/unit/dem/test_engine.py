@@ -83,7 +83,7 @@ def test_checkpoint_holds_everything(tmp_path: Path) -> None:
     assert vars(again).keys() == vars(model).keys()
     assert np.array_equal(again.acceleration.x, QUAKE.x)
     assert np.array_equal(again.springs.pairs, model.springs.pairs)
-    assert not list(tmp_path.glob("*.part"))
+    assert not list(tmp_path.glob(".*"))
 
 
 @pytest.mark.parametrize("law", ["paper", "soil"])
