@@ -92,15 +92,15 @@ def safety_bounds(
     Both directions of the push are looked at. Raises InputError as ``kh_bounds`` does, UnstableError if no factor from
     0.02 to 20 is between safe and unsafe, BadMeshError if there are no triangles.
     """
-    mesh = first_mesh(section, settings.max_cells)
-    sides = [_Search(section, mesh, fem, settings, sign, Start(kh, guess, davis)) for sign in (1, -1)]
-    sides[0].find()
-    sides[1].find(below=sides[0].upper)
-    lower = min(side.lower for side in sides)
-    upper = min(side.upper for side in sides)
+    start = Start(kh, guess, davis)
+    down = _Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)
+    down.find()
+    up = _Search(section, down.mesh, fem, settings, -1, start)
+    up.confirm(down)
+    lower, upper = min(down.lower, up.lower), min(down.upper, up.upper)
     if lower <= 0.0 and not math.isfinite(upper):
         raise UnstableError("no factor of safety from 0.02 to 20 could be bounded; check strengths and densities")
-    trials = [trial for side in sides for trial in side.trials]
+    trials = [*down.trials, *up.trials]
     return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials)
 
 
@@ -119,18 +119,25 @@ class _Search:
         self.trials: list[Trial] = []
         self.slope: float | None = None
 
-    def find(self, below: float = math.inf) -> None:
-        """Narrow the factor down; no further than to prove one of at least ``below``."""
-        if math.isfinite(below):
-            self.factor = below
-            self.measure(below, upper=False)
-            if self.lower >= below:
-                return
+    def find(self) -> None:
+        """Narrow the factor down on ever finer triangles."""
         while True:
             self.settle()
             if self.good or self.mesh_is_full:
                 return
             self.refine()
+
+    def confirm(self, other: "_Search") -> None:
+        """Prove that what the other push bears, this one bears, too; look for its own factor only where it does not."""
+        wanted = other.lower
+        if wanted > 0.0:
+            trial = self.measure(wanted)
+            if self.lower >= wanted:
+                return
+            if trial.upper is not None and trial.upper > self.target:
+                return  # it does not fail here; a stress was not found
+            self.factor = wanted
+        self.find()
 
     @property
     def good(self) -> bool:
@@ -176,13 +183,18 @@ class _Search:
 
     def settle(self) -> None:
         """Trials on this mesh until the factor is close, then one that proves each bound."""
+        weakest = LARGEST
         last = self.measure(self.factor)
         for _ in range(TRIALS):
             middle = _middle(last)
-            step = 1.0 / STEP if middle is None else self.step(middle)
-            if middle is not None and self.slope is not None and abs(step - 1.0) < CLOSE:
-                break
-            self.factor = float(np.clip(self.factor * step, SMALLEST, LARGEST))
+            if middle is None:
+                weakest = min(weakest, last.factor)  # the ground is too weak to carry anything
+                step = 1.0 / STEP
+            else:
+                step = min(self.step(middle), math.sqrt(weakest / last.factor))
+                if self.slope is not None and abs(step - 1.0) < CLOSE:
+                    break
+            self.factor = float(np.clip(last.factor * step, SMALLEST, LARGEST))
             trial = self.measure(self.factor)
             self.learn(last, trial)
             last = trial
