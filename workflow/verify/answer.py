@@ -45,7 +45,9 @@ class Answer:
     failures: tuple[str, ...] = ()
 
 
-def answer(case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None) -> Answer:
+def answer(
+    case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None, bounds: BoundsSettings = BOUNDS
+) -> Answer:
     """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``."""
     found = known or Answer(case.name)
     kept = tuple(text for text in found.failures if text.split(":")[0] not in parts)
@@ -53,7 +55,7 @@ def answer(case: Case, parts: Collection[Part] = PARTS, known: Answer | None = N
     for part in parts:
         started = time.process_time()
         try:
-            numbers = _bounds(case, found) if part == "bounds" else _elements(case, part)
+            numbers = _bounds(case, found, bounds) if part == "bounds" else _elements(case, part)
         except (UnstableError, InputError, BadMeshError) as error:
             numbers = dict.fromkeys(_fields(part))
             found = replace(found, failures=(*found.failures, f"{part}: {error}"))
@@ -66,14 +68,14 @@ def _fields(part: Part) -> tuple[str, str]:
     return ("lower", "upper") if part == "bounds" else (part, f"{part}_upper")
 
 
-def _bounds(case: Case, known: Answer) -> dict[str, Any]:
+def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, Any]:
     if case.fem.sides == "tied":
         raise UnstableError("a section that repeats has none")
     if case.published.expected == "kc":
-        found = kh_bounds(case.section, case.fem, BOUNDS)
+        found = kh_bounds(case.section, case.fem, settings)
         return {"lower": found.stress and found.lower, "upper": found.mechanism and found.upper}
     guess = known.associated or case.published.values[0].ends[0]
-    factor = safety_bounds(case.section, case.fem, BOUNDS, case.published.kh, guess)
+    factor = safety_bounds(case.section, case.fem, settings, case.published.kh, guess)
     return {"lower": factor.lower or None, "upper": factor.upper if factor.upper < float("inf") else None}
 
 

@@ -115,8 +115,6 @@ def _apart(case: Case, found: Answer) -> Iterator[str]:
             continue
         low, high = _median([value for value in case.published.values if value.kind == kind])
         off = max(ours[0] - high, low - ours[1], 0.0)
-        if kind == "upper bound" and low > ours[1]:
-            off = 0.0 if low >= ours[0] else off  # a bound that is not the best one is still right
         if off > TOLERANCE[kind] * 0.5 * sum(ours):
             yield f"{kind}: {low:g} published, {ours[0]:.4g} to {ours[1]:.4g} here"
 

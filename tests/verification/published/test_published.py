@@ -1,0 +1,53 @@
+"""Published cases: a dozen by their bounds each time, all of them with everything in the long run."""
+
+import pytest
+
+from fem.settings import BoundsSettings
+from tests.support.published import PUBLISHED, cases
+from workflow.verify.answer import Answer, answer
+from workflow.verify.record import FILE, read_answers
+from workflow.verify.verdict import judge
+
+RECORDED = read_answers(PUBLISHED / FILE)
+# Of processor time, for bounds to 3 %; the dozen is to take less than a minute.
+QUICK = 4.0
+ROUGHLY = BoundsSettings(gap=0.05, max_cells=1500)
+
+
+def _dozen() -> list[str]:
+    """Twelve of those that are quick, from all over the collection, the same ones each time."""
+    quick = sorted(
+        name
+        for name, found in RECORDED.items()
+        if None not in (found.lower, found.upper, found.bounds_seconds) and found.bounds_seconds < QUICK
+    )
+    return quick[:: max(1, len(quick) // 12)][:12]
+
+
+@pytest.mark.parametrize("name", _dozen())
+def test_bounds_are_those_of_the_page_and_agree_with_what_was_published(name):
+    found = answer(cases()[name], ["bounds"], bounds=ROUGHLY)
+    before = RECORDED[name]
+    assert found.lower <= before.upper
+    assert found.upper >= before.lower
+    assert found.upper - found.lower <= 0.08 * found.upper
+    assert judge(cases()[name], found).word in ("right", "explained")
+
+
+def test_the_page_tells_of_every_case():
+    page = (PUBLISHED / "README.md").read_text(encoding="utf-8")
+    for name in cases():
+        assert f"({name}.toml)" in page
+        assert (PUBLISHED / "pictures" / f"{name}.png").exists()
+
+
+def test_nothing_recorded_is_wrong():
+    wrong = [name for name, case in cases().items() if judge(case, RECORDED.get(name)).word == "wrong"]
+    assert len(wrong) <= 0.05 * sum(not case.waits for case in cases().values()), wrong
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name, case in cases().items() if not case.waits])
+def test_elements_and_bounds_are_right(name):
+    verdict = judge(cases()[name], answer(cases()[name], known=Answer(name)))
+    assert verdict.word in ("right", "explained"), verdict.remarks
