@@ -87,9 +87,7 @@ def safety_bounds(
 ) -> SafetyBounds:
     """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
 
-    ``guess`` is where to begin, and only costs time.
-
-    Both directions of the push are looked at. Raises InputError as ``kh_bounds`` does, UnstableError if no factor from
+    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as ``kh_bounds`` does, UnstableError if no factor from
     0.02 to 20 is between safe and unsafe, BadMeshError if there are no triangles.
     """
     start = Start(kh, guess, davis)
