@@ -87,8 +87,9 @@ def safety_bounds(
 ) -> SafetyBounds:
     """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
 
-    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as ``kh_bounds`` does, UnstableError if no factor from
-    0.02 to 20 is between safe and unsafe, BadMeshError if there are no triangles.
+    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as
+    ``kh_bounds`` does, UnstableError if no factor from 0.02 to 20 is between safe and unsafe, BadMeshError if there are
+    no triangles.
     """
     start = Start(kh, guess, davis)
     down = _Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)
