@@ -18,6 +18,8 @@ from meshes.triangles import TriMesh
 # A mesh has twice as many cells as the one before. The cells to bisect are those with the largest indicators that add
 # up to half of the sum of all (the bulk criterion of Dörfler 1996).
 GROWTH, BULK_SHARE = 2.0, 0.5
+# One step more may take this factor if it should close the gap, for which it aims so much beyond it.
+MOST_GROWTH, AIM_BEYOND = 3.0, 1.15
 # A mesh is worth its time if it has this many times as many cells as the one before; what time goes with.
 LEAST_GROWTH, COST_EXPONENT = 1.2, 1.2
 # The search has stalled if so many meshes in a row left this share of the gap.
@@ -177,6 +179,14 @@ class Limits:
     seconds: float = np.inf
     enough: float = -np.inf
 
+    def growth(self, found: Bracket, cells: int) -> float:
+        """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.
+
+        The gap goes with one over the number of cells, or a little faster.
+        """
+        needed = AIM_BEYOND * found.gap / self.gap
+        return min(needed if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
+
     def reached(self, found: Bracket, cells: int) -> str:
         """Which of them ends the search, as ``Bracket.ended`` has it; empty if none does."""
         if found.gap <= self.gap:
@@ -242,9 +252,9 @@ def bracket(
         if ended:
             worst = problem.points[problem.mesh.cells[np.argmax(indicator)]].mean(axis=0)
             return replace(best, ended=ended, open_at=(float(worst[0]), float(worst[1])))
-        room = limits.max_cells / len(problem.mesh.cells)
+        growth = limits.growth(best, len(problem.mesh.cells))
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
-        mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
+        mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
 
 
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], StressField | None]:

@@ -1,0 +1,69 @@
+"""When the search for bounds goes on, how far the next mesh goes, and why it ends."""
+
+import numpy as np
+import pytest
+
+from fem.limit.adaptive_bounds import Bracket, Limits, MeshBounds
+from fem.settings import BoundsSettings
+
+
+class Found(Bracket):
+    """A bracket of bounds alone."""
+
+    def __init__(self, *bounds: tuple[float | None, float | None]) -> None:
+        meshes = [MeshBounds(100 * 2**k, low, high, (), 2.0**k) for k, (low, high) in enumerate(bounds)]
+        super().__init__(None, None, meshes, None)
+
+    @property
+    def lower(self) -> float:
+        return max((m.lower for m in self.meshes if m.lower is not None), default=-np.inf)
+
+    @property
+    def upper(self) -> float:
+        return min((m.upper for m in self.meshes if m.upper is not None), default=np.inf)
+
+    @property
+    def gap(self) -> float:
+        return 2.0 * (self.upper - self.lower) / (self.upper + self.lower) if np.isfinite(self.upper) else np.inf
+
+
+CLOSING = Found((0.2, 0.4), (0.25, 0.35), (0.28, 0.32))
+
+
+@pytest.mark.parametrize(
+    ("limits", "ended"),
+    [
+        (Limits(0.02, 10_000), ""),
+        (Limits(0.15, 10_000), "gap"),
+        (Limits(0.02, 10_000, enough=0.33), "enough"),
+        (Limits(0.02, 470), "triangles"),
+        (Limits(0.02, 10_000, seconds=15.0), "time"),  # 1 + 2 + 4 s, and 2^1.2 times 4 s for the next one
+        (Limits(0.02, 10_000, seconds=17.0), ""),
+    ],
+)
+def test_each_limit_ends_the_search(limits, ended):
+    assert limits.reached(CLOSING, 400) == ended
+
+
+def test_a_search_that_makes_no_progress_ends():
+    """As on the river bank before its skin was known: 0.1231 to 0.1402 on every mesh."""
+    same = (0.1231, 0.1402)
+    limits = Limits(0.02, 100_000)
+    assert limits.reached(Found((0.1, 0.2), same, same, same), 1000) == ""
+    assert limits.reached(Found((0.1, 0.2), (0.11, 0.2), same, same, same), 1000) == "stalled"
+    assert limits.reached(Found(*[(None, 0.2)] * 5), 1000) == "stalled"
+    assert limits.reached(Found(*[(None, 0.2)] * 4, (0.1, 0.2)), 1000) == ""
+
+
+def test_the_last_mesh_is_as_large_as_it_needs_to_be():
+    limits = Limits(0.06, 2000)
+    assert limits.growth(CLOSING, 400) == pytest.approx(1.15 * CLOSING.gap / 0.06)
+    assert limits.growth(Found((0.2, 0.4)), 100) == 2.0
+    assert limits.growth(CLOSING, 1500) == pytest.approx(2000 / 1500)
+
+
+def test_in_a_run_bounds_are_rough_and_quick_unless_they_are_asked_for():
+    assert BoundsSettings().in_a_run.gap == 0.05
+    assert BoundsSettings().in_a_run.seconds == 20.0
+    assert BoundsSettings(gap=0.1, seconds=5.0).in_a_run == BoundsSettings(gap=0.1, seconds=5.0)
+    assert BoundsSettings(run=True).in_a_run == BoundsSettings(run=True)
