@@ -12,6 +12,7 @@ import functools
 import itertools
 import math
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -184,10 +185,15 @@ def update(
             *wanted,
         )
 
+    _in_chunks(chunk, n, threads)
+
+
+def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
+    """Do the work for n points, divided among threads; each is told its first point and the one after its last."""
     chunks = max(1, min(threads, n // SMALLEST_CHUNK))
     own, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
-    futures = [_pool(len(others)).submit(chunk, *bounds) for bounds in others]
-    chunk(*own)
+    futures = [_pool(len(others)).submit(work, *bounds) for bounds in others]
+    work(*own)
     for future in futures:
         future.result()
 

@@ -18,6 +18,12 @@ KERNELS = sorted(str(path.relative_to(TOP)) for path in TOP.glob("*/kernels/*.py
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 # llvmlite is the layer of Numba in which its intrinsics are written.
 ALLOWED = {"numpy", "numba", "llvmlite", "math"} | set(sys.stdlib_module_names)
+SOURCES = {
+    str(path.relative_to(TOP)): path.read_text(encoding="utf-8")
+    for package in PACKAGES
+    for path in sorted((TOP / package).rglob("*.py"))
+}
+LONGEST_FILE = 400
 LAYOUT = {
     "pyproject.toml",
     "README.md",
@@ -125,9 +131,8 @@ def test_nothing_else_stands_at_the_top_level() -> None:
 
 
 def test_no_file_of_the_packages_is_longer_than_a_reader_likes() -> None:
-    sources = [path for package in PACKAGES for path in (TOP / package).rglob("*.py")]
-    lengths = {str(path.relative_to(TOP)): len(path.read_text(encoding="utf-8").splitlines()) for path in sources}
-    assert {path: count for path, count in lengths.items() if count > 450} == {}
+    lengths = {name: len(text.splitlines()) for name, text in SOURCES.items()}
+    assert {name: length for name, length in lengths.items() if length > LONGEST_FILE} == {}
 
 
 def test_no_file_imports_another_in_a_circle() -> None:
