@@ -183,10 +183,7 @@ def plot(
     folder: Folder,
     field: Annotated[
         str | None,
-        typer.Option(
-            help="One field only: of the FEM, such as displacement or mobilised, or of the discs: pore_springs, "
-            "velocity or force_chains."
-        ),
+        typer.Option(help="One field: such as mobilised; of the discs pore_springs, velocity or force_chains."),
     ] = None,
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
 ) -> None:

@@ -10,8 +10,6 @@ from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 from workflow.settings import Input
 
-DEFAULT_KH = 0.1
-
 NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
 NEWMARK_VALIDITY = (
     "rigid ground above one slip surface whose strength stays; no liquefaction, no change of shape; "
@@ -34,17 +32,15 @@ class Estimate:
     validity: str
 
 
-def mean_slope(run: Input) -> float:
-    """The slope of the ground from one end to the other (rad), without sign."""
+def mean_inclination(run: Input) -> float:
+    """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
     (x0, z0), (x1, z1) = run.surface[0], run.surface[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
 def constant_kh(run: Input) -> float:
-    """The constant Kh as set, or that of the slides, or 0.1 as in the paper."""
-    if run.sliding_block.kh is not None:
-        return run.sliding_block.kh
-    return float(getattr(getattr(run, "slide", None), "kh", DEFAULT_KH))
+    """The constant Kh as set for the sliding block, or that of the slides."""
+    return run.slide.kh if run.sliding_block.kh is None else run.sliding_block.kh
 
 
 def estimates(run: Input, kc: float | None) -> list[Estimate]:
@@ -76,7 +72,7 @@ def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
 
 
 def _smooth(run: Input) -> Estimate:
-    slope = mean_slope(run)
+    slope = mean_inclination(run)
     plane = SmoothPlane(slope)
     if plane.acceleration <= 0.0:
         words = "the ground is level from end to end: no acceleration"
