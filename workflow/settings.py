@@ -19,6 +19,9 @@ from meshes.settings import MeshSettings
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
+# Settings that name a file, by table and key.
+FILES = (("sliding_block", "accelerogram"), ("report", "logo"))
+
 
 class FigureSettings(Model):
     """Settings of the pictures and of the report, a table [figures]."""
@@ -27,6 +30,17 @@ class FigureSettings(Model):
         default=1600, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
     )
     report_animations: StrictBool = Field(default=True, description="true if the report shall hold the animations")
+
+
+class ReportSettings(Model):
+    """What stands at the head of the report, a table [report]; what is empty is left out."""
+
+    project: str = Field(default="", description="the name of the project")
+    client: str = Field(default="", description="for whom the report is")
+    author: str = Field(default="", description="who answers for it")
+    number: str = Field(default="", description="the number of the report, or its revision")
+    standard: str = Field(default="", description="the standard that it follows")
+    logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
 
 
 Variant = Literal["mesh", "element", "step", "dilation", "sides"]
@@ -75,6 +89,7 @@ class Input(Section):
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
     )
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
+    report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
@@ -109,14 +124,25 @@ class Input(Section):
                 replaced = {other for key in given for other in REPLACES.get((table, key), ())} - given.keys()
                 kept = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
                 data[table] = merged(kept, given)
-        return cls.parse(data, str(path))
+        read = cls.parse(data, str(path))
+        if missing := [
+            f"{key} = {file}: there is no such file" for key, file in read.files().items() if not file.is_file()
+        ]:
+            raise InputError(str(path), missing)
+        return read
+
+    def files(self) -> dict[str, Path]:
+        """The files that the settings name, by table and key."""
+        named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
+        return {f"{table}, {key}": Path(name) for (table, key), name in named.items() if name}
 
 
 def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
-    """Make the path of the accelerogram, if one is named, an absolute one."""
-    block = data.get("sliding_block")
-    if isinstance(block, dict) and isinstance(name := block.get("accelerogram"), str) and name:
-        block["accelerogram"] = str((folder / name).absolute())
+    """Make the paths of the files that settings name absolute ones."""
+    for table, key in FILES:
+        values = data.get(table)
+        if isinstance(values, dict) and isinstance(name := values.get(key), str) and name:
+            values[key] = str((folder / name).absolute())
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from meshes.section.sentences import sentences
 BOUNDARIES = ("surface", "base", "left", "right")
 
 # Tables that stand in the same file and belong to those who mesh, solve and draw.
-SETTINGS_TABLES = ("mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures")
+SETTINGS_TABLES = ("mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures", "report")
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.

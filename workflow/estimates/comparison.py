@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from workflow.estimates import accelerogram
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
@@ -21,10 +21,24 @@ HAMADA_VALIDITY = (
 )
 
 
+Kind = Literal["block", "smooth block", "regression", "regression as printed"]
+
+
 @dataclass(frozen=True)
 class Estimate:
-    """One estimate: ``displacement_m`` or None where there is none, with what it rests on."""
+    """One estimate of a displacement, with what it rests on.
 
+    Attributes
+    ----------
+    kind : what sort of method it is
+    method : the method in words
+    displacement_m : the displacement; None where the method gives none
+    words : what went into it, and what came out
+    source : where the method was published
+    validity : what it is valid for
+    """
+
+    kind: Kind
     method: str
     displacement_m: float | None
     words: str
@@ -59,7 +73,7 @@ def _constant(run: Input, kc: float) -> Estimate:
     slide = rectangular_pulse(kc, kh, seconds)
     words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
-    return Estimate(f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
+    return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
 
 def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
@@ -68,7 +82,7 @@ def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
     peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f}"
     for way, slide in named:
-        yield Estimate(f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
+        yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
 
 
 def _smooth(run: Input) -> Estimate:
@@ -82,7 +96,7 @@ def _smooth(run: Input) -> Estimate:
             f"and after 9 s it has gone {plane.distance(9.0):.0f} m at {plane.speed(9.0):.1f} m/s; it does not stop"
         )
     return Estimate(
-        "block without friction on the mean slope", None, words, "the paper, Sec. 5",
+        "smooth block", "block without friction on the mean slope", None, words, "the paper, Sec. 5",
         "no strength at all is left on the slip surface; a limit, not an estimate",
     )  # fmt: skip
 
@@ -99,10 +113,10 @@ def _regressions(run: Input) -> Iterator[Estimate]:
         words = (
             f"cases {which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
         )
+        slide = hamada(ground.thickness, ground.gradient)
+        yield Estimate("regression", "Hamada et al., D = 0.75 √H ∛θ", slide, words, HAMADA, HAMADA_VALIDITY)
         yield Estimate(
-            "Hamada et al., D = 0.75 √H ∛θ", hamada(ground.thickness, ground.gradient), words, HAMADA, HAMADA_VALIDITY
-        )
-        yield Estimate(
+            "regression as printed",
             "Hamada et al. as the paper prints it, D = 0.75 ∛H ∛θ",
             hamada_as_printed(ground.thickness, ground.gradient),
             words,

@@ -1,20 +1,30 @@
 """report.html: one page that holds everything, to be read on a screen or on paper."""
 
+import base64
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from workflow.estimates.comparison import constant_kh, estimates
+from meshes.errors import InputError
+from workflow.estimates.comparison import estimates
 from workflow.figures.fem import conditions
 from workflow.report import tables
+from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
+from workflow.report.findings import SPRINGS
+from workflow.report.labels import Labels
+from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
 from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
+from workflow.settings import ReportSettings
+
+LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 
 def page(results: Results, summary: Summary) -> str:
@@ -27,26 +37,64 @@ def page(results: Results, summary: Summary) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
-    return environment.get_template("template.html.jinja").render(
-        run=results.run,
-        results=results,
-        summary=summary,
-        title=results.run.title or results.run.name,
-        written=datetime.now().isoformat(" ", "minutes"),
-        strata_heads=[head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
-        strata=list(tables.strata_rows(results.run)),
-        conditions=conditions(results.run, results.fem.element) if results.fem is not None else "",
-        doubts=list(doubts(results)),
-        estimates=estimates(results.run, results.kc),
-        kh=constant_kh(results.run),
-        paper=rows(results),
-        is_s13=is_s13(results.run),
-        pictures=_pictures(results),
-        stages=results.stages,
-        versions=versions(),
-        machine=machine(),
-        input=results.run.to_toml(),
-    )
+    template, content = environment.get_template("template.html.jinja"), _content(results, summary)
+    first, second = Labels(), Labels()
+    template.render(content, labels=first)
+    second.known, second.contents = first.found, first.sections
+    return template.render(content, labels=second)
+
+
+def _content(results: Results, summary: Summary) -> dict[str, Any]:
+    """All that the template shows."""
+    run = results.run
+    return {
+        "run": run,
+        "results": results,
+        "summary": summary,
+        "title": run.title or run.name,
+        "head": _head(run.report),
+        "logo": _logo(run.report.logo),
+        "written": datetime.now().isoformat(" ", "minutes"),
+        "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
+        "strata": list(tables.strata_rows(run)),
+        "cases": list(tables.case_rows(run)),
+        "case_heads": tables.case_heads(),
+        "springs": SPRINGS,
+        "conditions": conditions(run, results.fem.element) if results.fem is not None else "",
+        "doubts": list(doubts(results)),
+        "assumptions": list(assumptions(run)),
+        "estimates": estimates(run, results.kc),
+        "kh": run.slide.kh,
+        "paper": rows(results),
+        "is_s13": is_s13(run),
+        "pictures": _pictures(results),
+        "stages": results.stages,
+        "versions": versions(),
+        "machine": machine(),
+        "written_heads": [symbol for _, symbol, _ in tables.WRITTEN],
+        "written_rows": list(tables.written_rows(run)),
+        "lines": list(tables.line_rows(run)),
+        "changed": list(tables.changed_settings(run)),
+    }
+
+
+def _head(report: ReportSettings) -> list[tuple[str, str]]:
+    """What the user wants at the head of the report: pairs of a word and a text."""
+    return [(name, text) for name, text in report if name != "logo" and text]
+
+
+def _logo(file: str) -> str:
+    """The logo as a URI of data; empty without one. Raises InputError if it cannot be read."""
+    if not file:
+        return ""
+    kind = LOGOS.get(Path(file).suffix.lower())
+    if kind is None:
+        raise InputError("report, logo", [f"{file}: expected a picture, one of {', '.join(LOGOS)}"])
+    try:
+        data = Path(file).read_bytes()
+    except OSError as error:
+        raise InputError("report, logo", [f"{file}: cannot be read: {error.strerror}"]) from None
+    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def _pictures(results: Results) -> dict[str, list[Any]]:
@@ -60,18 +108,3 @@ def _pictures(results: Results) -> dict[str, list[Any]]:
     for picture in collect(names, results.store.folder, settings.report_width, settings.report_animations):
         by_part.setdefault(picture.part, []).append(picture)
     return by_part
-
-
-def number(value: float | None, digits: int = 3) -> str:
-    """A number to so many places, or a dash."""
-    return "–" if value is None else f"{value:.{digits}f}"
-
-
-def scaled(value: float | None, unit: float) -> float | None:
-    """A value in multiples of a unit, where there is one."""
-    return None if value is None else value / unit
-
-
-def metres(value: float | None) -> str:
-    """A length in metres to the centimetre, or a dash."""
-    return "–" if value is None else f"{value:.2f} m"

@@ -1,6 +1,7 @@
 """The numbers of a run for summary.json, gathered from what the stages found."""
 
 from workflow.estimates.comparison import estimates
+from workflow.report.findings import findings
 from workflow.report.paper import rows
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers
@@ -29,6 +30,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
     return Summary(
+        in_short=tuple(findings(results)),
         section=SectionLabel.of(run),
         mesh=_mesh(results),
         fem=_fem(results),

@@ -1,13 +1,30 @@
-"""Sections as tables for people."""
+"""Sections, settings and cases as tables for people."""
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
-from meshes.section.section import Section
+from pydantic import BaseModel
+
+from dem.settings import Case
+from meshes.section.polyline import Line
+from meshes.section.section import Section, Stratum
+from workflow.settings import Input
 
 STRATA_HEADS = (
     "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ ord/seis\nt/m³", "c\nkPa", "φ/ψ\ndeg",
 )  # fmt: skip
+
+# The parameters of a stratum as they were written: field, symbol, and the SI unit of a plain number.
+WRITTEN = (
+    ("youngs_modulus", "E", "Pa"),
+    ("poissons_ratio", "ν", ""),
+    ("density_ordinary", "ordinary density", "kg/m³"),
+    ("density_seismic", "seismic density", "kg/m³"),
+    ("cohesion", "c", "Pa"),
+    ("friction_angle", "φ", "rad"),
+    ("dilation_angle", "ψ", "rad"),
+)
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:
@@ -29,3 +46,78 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{stratum.cohesion / 1e3:.4g}",
             f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation_angle):.3g}",
         ]
+
+
+def case_heads() -> list[tuple[str, str]]:
+    """What a case of liquefaction changes: the name of each factor, and what it is a factor on."""
+    return [(name.replace("_", " "), str(field.description)) for name, field in Case.model_fields.items()]
+
+
+def case_rows(run: Input) -> Iterator[list[str]]:
+    """Every case in which a stratum liquefies: its number, the strata, and its factors."""
+    for number, case in enumerate(run.slide.cases, start=1):
+        names = [stratum.name for stratum in run.strata if number in stratum.liquefies_in]
+        if names:
+            yield [str(number), ", ".join(names), *(f"{value:g}" for _, value in case)]
+
+
+def written_rows(run: Section) -> Iterator[list[str]]:
+    """The strata as the file gives them, with the units that were written there."""
+    for stratum in run.strata:
+        cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
+        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in WRITTEN), cases]
+
+
+def _written(stratum: Stratum, field: str, unit: str) -> str:
+    value = getattr(stratum, field)
+    written = getattr(value, "written", value)
+    if isinstance(written, str):
+        return written
+    return f"{written:g} {unit}".strip() if written else "0"
+
+
+def line_rows(run: Section) -> Iterator[tuple[str, str, str]]:
+    """The lines of the section: what each is, whether elevation or depth is given, and its points (m)."""
+    yield "ground surface", "elevation", _points(run.surface)
+    for stratum in run.strata:
+        if stratum.bottom is not None:
+            yield f"bottom of {stratum.name}", *_line(stratum.bottom)
+    yield "base", *_line(run.base)
+    if run.water_table is not None:
+        yield "water table", *_line(run.water_table)
+
+
+def _line(line: Line) -> tuple[str, str]:
+    given = line.depth if line.elevation is None else line.elevation
+    return "depth" if line.elevation is None else "elevation", _points(given)
+
+
+def _points(points: Any) -> str:
+    """Points as pairs, or the number that holds all along."""
+    if isinstance(points, float):
+        return f"{points:g}"
+    return "  ".join(f"({x:g}, {z:g})" for x, z in points)
+
+
+def changed_settings(run: Input) -> Iterator[tuple[str, str, str]]:
+    """The settings that differ from their defaults: name, value, and what it is."""
+    for table in run.tables():
+        settings: BaseModel = getattr(run, table)
+        for key, field in type(settings).model_fields.items():
+            value = getattr(settings, key)
+            if value != field.get_default(call_default_factory=True) and table != "report":
+                yield f"{table}.{key}", _plain(value), str(field.description or "")
+
+
+def _plain(value: Any) -> str:
+    """A setting as people read it."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, BaseModel):
+        return ", ".join(f"{name.replace('_', ' ')} {_plain(each)}" for name, each in value)
+    if isinstance(value, dict):
+        return ", ".join(f"{name}: {_plain(each)}" for name, each in value.items())
+    if isinstance(value, tuple | list):
+        return "; ".join(_plain(each) for each in value) or "none"
+    written = getattr(value, "written", value)
+    return f"{written:g}" if isinstance(written, float) else str(written)

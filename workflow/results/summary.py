@@ -101,6 +101,7 @@ class Summary(Answer):
 
     FILE: ClassVar[str] = "summary.json"
 
+    in_short: tuple[str, ...] = Field(description="what was found, in plain sentences, a paragraph each")
     section: SectionLabel
     mesh: MeshCount | None
     fem: FemSummary | None

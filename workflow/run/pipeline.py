@@ -20,7 +20,7 @@ from workflow.run.progress import Progress
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
+from workflow.settings import FILES, Input
 
 # What ends a stage without an answer; all else is a fault of the input, of the machine, or of the program.
 NO_ANSWER = (NoAnswerError, BadMeshError, UnstableError, DemError)
@@ -196,13 +196,14 @@ class Run:
 
 
 def leave_input(given: Input, store: Store) -> None:
-    """Leave section.toml, the input as used, and beside it the accelerogram that it names."""
-    record = Path(given.sliding_block.accelerogram) if given.sliding_block.accelerogram else None
-    if record is not None:
-        with store.writing(record.name) as path:
-            path.write_bytes(record.read_bytes())
-        block = given.sliding_block.model_copy(update={"accelerogram": record.name})
-        given = given.model_copy(update={"sliding_block": block})
+    """Leave section.toml, the input as used, and beside it the files that it names."""
+    for table, key in FILES:
+        settings = getattr(given, table)
+        if name := getattr(settings, key):
+            file = Path(name)
+            with store.writing(file.name) as path:
+                path.write_bytes(file.read_bytes())
+            given = given.model_copy(update={table: settings.model_copy(update={key: file.name})})
     store.write_text("section.toml", given.to_toml())
 
 

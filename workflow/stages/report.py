@@ -6,6 +6,7 @@ from pathlib import Path
 
 from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
+from workflow.settings import FILES
 
 REPORT = "report.html"
 
@@ -36,10 +37,9 @@ def draw(job: Job) -> None:
     draw_all(Results.of(job))
 
 
-def accelerogram(job: Job) -> Mapping[str, Path]:
-    """The accelerogram that the input names, if it names one: what the file holds counts, not where it lies."""
-    path = job.given.sliding_block.accelerogram
-    return {"the accelerogram": Path(path)} if path else {}
+def named(job: Job) -> Mapping[str, Path]:
+    """The files that the input names: what they hold counts, not where they lie."""
+    return job.given.files()
 
 
 STAGE = Stage(
@@ -49,9 +49,9 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("mesh", "fem", "variants", "bounds", "calibrate", "slide"),
-    tables=("sliding_block", "figures"),
-    ignores=("sliding_block.accelerogram",),
-    files=accelerogram,
+    tables=("sliding_block", "figures", "report"),
+    ignores=tuple(f"{table}.{key}" for table, key in FILES),
+    files=named,
     results=(Summary.FILE, REPORT),
     read=Summary.read,
     pictures=(

@@ -77,6 +77,10 @@ def test_a_record_is_looked_for_beside_the_file(tmp_path: Path, monkeypatch: pyt
     path = tmp_path / "a/slope.toml"
     path.parent.mkdir()
     path.write_text(tomli_w.dumps({**slope(), "sliding_block": {"accelerogram": "quake.csv"}}))
+    with pytest.raises(InputError, match=r"sliding_block, accelerogram = .*quake\.csv: there is no such file"):
+        Input.load(path)
+    for folder in (tmp_path, tmp_path / "a"):
+        (folder / "quake.csv").touch()
     assert Input.load(path).sliding_block.accelerogram == str(tmp_path / "a/quake.csv")
     monkeypatch.chdir(tmp_path)
     run = Input.load(path, dotted(["sliding_block.accelerogram=quake.csv"]))

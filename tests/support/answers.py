@@ -1,0 +1,57 @@
+"""Answers of the stages on the continuum, small and made by hand, for tests of what reads them."""
+
+from typing import Any
+
+from workflow.results.answer import SectionLabel
+from workflow.results.bounds import BoundsAnswer, Residuals
+from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
+from workflow.results.results import Results
+from workflow.results.variants import Variant
+from workflow.run.store import Store
+from workflow.settings import Input
+
+
+def state(run: Input, kh: float, past: bool, failed: float) -> KeptState:
+    return KeptState(
+        label=f"Kh = {kh}", kh=kh, past_equilibrium=past, largest_displacement_m=0.1,
+        failed_share_by_stratum={stratum.name: failed for stratum in run.strata},
+        slip_surface=tuple((float(x), 9.08 - 0.0454 * x - 6.0) for x in range(5, 200, 10)),  # in layers 4 and 5
+    )  # fmt: skip
+
+
+def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
+    return FemAnswer(
+        section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
+        remedy="", judgement="sound", doubts=(), direction="downhill", towards="right", opposite=None,
+        associated=None, skins=(), flow="davis", element="quadratic", settings=run.fem, dilation_deg={},
+        mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
+        gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),
+        states=(state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)),
+    )  # fmt: skip
+
+
+def bounds(run: Input, lower: float, upper: float) -> BoundsAnswer:
+    return BoundsAnswer(
+        section=SectionLabel.of(run), lower=lower, upper=upper, gap=0.1, verdict="bracketed", reason="",
+        words="so much", flow="associated, ψ = φ", substitute=None, skins=(), least_depth=0.5,
+        sides="roller", direction="downhill", vertical=0.0,
+        cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
+    )  # fmt: skip
+
+
+def results(run: Input, **answers: Any) -> Results:
+    """Results as if the stages had left these answers."""
+    return Results(run, Store("nowhere"), {}, {}, **answers)
+
+
+def variant(name: str, change: str, kc: float | None) -> Variant:
+    """The critical Kh with one thing changed."""
+    return Variant(
+        name=name,
+        change=change,
+        kc=kc,
+        kc_upper=kc,
+        verdict="plateau" if kc else "undecided",
+        reason="slow",
+        seconds=1.0,
+    )

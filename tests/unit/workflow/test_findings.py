@@ -1,0 +1,131 @@
+"""The first paragraphs of the report: every number in them is one that was found, with the digits it deserves."""
+
+import pytest
+
+from tests.support import dem_fixture
+from tests.support.answers import bounds, fem, results, variant
+from tests.support.sections import slope
+from workflow.report.findings import findings
+from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
+from workflow.results.cases import CaseAnswer, CasesAnswer, RandomCase, RandomPackings, Spread
+from workflow.results.results import Results
+from workflow.results.variants import VariantsAnswer
+from workflow.run.record import Entry
+from workflow.run.store import Store
+from workflow.settings import Input
+
+
+@pytest.fixture
+def run() -> Input:
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1, 2, 3]
+    return Input.parse(data)
+
+
+def text(found: Results) -> str:
+    return "\n".join(findings(found))
+
+
+def moving(slide: float) -> CaseAnswer:
+    return dem_fixture.case(0.1, slide).model_copy(update={"settled": False, "seconds_simulated": 60.2})
+
+
+def test_before_anything_was_computed_all_is_open(run: Input) -> None:
+    told = text(results(run))
+    assert "under Kh = 0.1 once upper has liquefied." in told
+    assert "The first question is still open" in told
+    assert "How far the section slides is still open: it has not been computed." in told
+
+
+def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
+    told = text(results(Input.parse(slope())))
+    assert "No layer is said to liquefy, so no slide was computed." in told
+    assert "How far the section slides" not in told
+
+
+def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
+    variants = VariantsAnswer(
+        variants=(
+            variant("element", "bilinear element instead of quadratic", 0.268),
+            variant("sides", "sides fixed instead of roller", 0.338),
+            variant("dilation", "ψ = φ instead of ψ as given", None),
+        )
+    )
+    told = text(results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2793, 0.2849)))
+    assert "it fails downhill, to the right, at Kh of about 0.23, under a horizontal acceleration of 2.3 m/s²." in told
+    assert "leaves open (bracket, element): 0.23 to 0.27." in told
+    assert "it would be 0.34 with sides fixed instead of roller." in told
+    assert "instead of ψ as given" not in told  # that one came to nothing
+    assert "Limit analysis proves that it is 0.279 to 0.285 for ground that dilates fully" in told
+
+
+def test_a_slope_that_stands_and_one_that_does_not(run: Input) -> None:
+    stands = text(results(run, fem=fem(run, 1.5, "no failure")))
+    assert "so it does under every Kh up to 1.50, where the search ended" in stands
+    ended = Entry({}, "no answer", reason="the section fails under its own weight")
+    falls = text(Results(run, Store("nowhere"), {"fem": ended}, {}))
+    assert "There is no answer to the first question: the section fails under its own weight." in falls
+
+
+def test_slides_that_end_and_slides_that_do_not(run: Input) -> None:
+    sets = {
+        "calibrated": {1: dem_fixture.case(0.1, 0.02), 2: dem_fixture.case(0.02, 3.23), 3: moving(39.5)},
+        "table2": {1: dem_fixture.case(0.1, 0.33)},
+    }
+    told = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=None)))
+    assert "In case 1 the section stays where it is, and moves less than 0.1 m." in told
+    assert "In case 2 it slides about 3 m, and comes to rest." in told
+    assert "In case 3 it had slid about 40 m after 60 s and was still moving: these are no final values." in told
+    assert "No interval is known, since only one packing was computed" in told
+    assert (
+        "Computed with the springs of the paper's Table 2 as printed instead: In case 1 it slides about 0.3 m" in told
+    )
+
+
+def test_an_interval_where_there_are_several_packings(run: Input) -> None:
+    spread = Spread.of([2.1, 3.0, 4.8])
+    case = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
+    random = RandomPackings(seeds=(), cases={2: case})
+    sets = {"calibrated": {2: dem_fixture.case(0.02, 3.0)}}
+    told = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=random)))
+    assert "On 3 random packings that fail at the same Kh the largest slide is 3 m (2 to 5 m) in case 2." in told
+
+
+def test_methods_that_disagree_are_told_to(run: Input) -> None:
+    """Hamada gives 3.2 m for this slope, and the block does not move at Kh = 0.1 with kc = 0.24."""
+    far = text(results(run, fem=fem(run), cases=CasesAnswer(sets={"calibrated": {3: moving(39.5)}}, random=None)))
+    assert "disagree by more than a factor of three: the discs slide about 40 m, the regression over observed " in far
+    assert "gives about 3 m and the rigid block on the slip surface does not move." in far
+    assert "look first at how soft the liquefied layers are taken to be" in far
+    near = CasesAnswer(sets={"calibrated": {2: dem_fixture.case(0.02, 3.0)}}, random=None)
+    told = text(results(run, cases=near))  # without a critical Kh there is no block
+    assert "disagree" not in told
+
+
+def test_what_is_doubtful_is_told(run: Input) -> None:
+    guessed = Input.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
+    calibration = dem_fixture.calibration(0.24, True)
+    told = text(results(guessed, dem=dem_fixture.critical(guessed, 0.24), calibration=calibration))
+    assert "the ground is a reconstruction" in told
+    assert "only with the stiffness of their springs times 0.0075" in told
+    assert "the discs lie in rows" in told
+    out_of_reach = text(results(run, calibration=dem_fixture.calibration(0.24, False)))
+    assert "no factor on the discs brings them to the critical Kh" in out_of_reach
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(39.53, "40 m"), (19.3, "19 m"), (7.13, "7 m"), (3.23, "3 m"), (1.44, "1.4 m"), (0.33, "0.3 m")],
+)
+def test_a_slide_has_the_digits_it_deserves(value: float, words: str) -> None:
+    assert about([value]) == words
+
+
+def test_numbers_in_sentences() -> None:
+    assert about([39.53, 19.3, 7.13]) == "40, 19 and 7 m"
+    assert (span([7.13, 39.5]), span([2.1, 2.2])) == ("7 to 40 m", "2 m")
+    assert rough(0.0) == 0.0
+    assert [coefficient(kh) for kh in (0.2345, 0.0341, 1.5, 0.0996)] == ["0.23", "0.034", "1.50", "0.10"]
+    assert (between([0.2345, 0.2387]), between([0.231, 0.232])) == ("0.23 to 0.24", "0.23")
+    assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+    assert [metres(value) for value in (None, 0.0, 0.33, -1.047, 39.53)] == ["–", "0 m", "0.33 m", "-1.0 m", "40 m"]

@@ -1,0 +1,49 @@
+"""What the analysis assumes, and what it cannot say: for a reviewer."""
+
+from collections.abc import Iterator
+
+from workflow.settings import Input
+
+SIDES = {
+    "roller": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
+    "fixed": "The sides are held in both directions, which helps it to stand.",
+    "tied": "Both sides move alike, as if the section were one of many in a row.",
+}
+FLOWS = {
+    "associated": "Ground that yields dilates with ψ = φ, which no soil does for long.",
+    "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968).",
+    "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
+}
+
+
+def assumptions(run: Input) -> Iterator[tuple[str, str]]:
+    """Pairs of a heading and sentences."""
+    yield "Plane strain", "The slope is as long across the section as it is needed to be; nothing holds it at its ends."
+    yield (
+        "Shaking",
+        "It acts as a horizontal force that does not change, Kh times g times the seismic density, and Kh is the same "
+        "everywhere: no waves, no amplification, no frequency. "
+        + (f"Kv = {run.fem.vertical:g} acts with it. " if run.fem.vertical else "No vertical acceleration. ")
+        + f"It pushes {run.fem.direction}.",
+    )
+    yield (
+        "Strength",
+        "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
+        + FLOWS[run.fem.flow],
+    )
+    yield (
+        "Water",
+        "It enters by the densities and strengths given: no pore pressure is computed, and none changes with strain.",
+    )
+    yield "Sides and base", f"{SIDES[run.fem.sides]} The base does not move."
+    if any(stratum.liquefies_in for stratum in run.strata):
+        yield (
+            "Liquefaction",
+            "Which layers liquefy, and how far, is given and not found. The slides start at once under a constant "
+            f"Kh = {run.slide.kh:g} that acts as long as they last, where an earthquake pushes both ways and ends.",
+        )
+        yield (
+            "Discs",
+            "Some thousand discs in a plane stand for the ground. Their springs are calibrated to the Kh of the finite "
+            "elements, and to nothing else: how stiff they are after failure, and how they dilate, is their own.",
+        )

@@ -1,0 +1,232 @@
+"""What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
+
+from collections.abc import Iterator
+
+from meshes.section.quantity import GRAVITY
+from workflow.estimates.comparison import Kind, estimates
+from workflow.report.numbers import about, between, coefficient, listed, span
+from workflow.results.cases import CaseAnswer
+from workflow.results.continuum import FemAnswer
+from workflow.results.results import Results
+
+# Variants that tell how good the computation is, and those that tell what an assumption is worth.
+NUMERICAL, ASSUMED = ("mesh", "element", "step"), ("dilation", "sides")
+SPRINGS = {
+    "calibrated": "discs that fail at the same Kh as the finite elements",
+    "table2": "the springs of the paper's Table 2 as printed",
+}
+DISAGREE = 3.0  # times: beyond this, methods do not say the same
+STAYS = 0.1  # m: a slide of less is told as none
+CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
+SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+
+
+def findings(results: Results) -> list[str]:
+    """Paragraphs: what was asked, where the section fails, how far it slides, and what of this is doubtful."""
+    paragraphs = (_asked(results), _failure(results), _slides(results), _disagreement(results), _doubtful(results))
+    return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]
+
+
+def _asked(results: Results) -> Iterator[str]:
+    names = [stratum.name for stratum in results.run.strata if stratum.liquefies_in]
+    question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
+    if names:
+        have = "has" if len(names) == 1 else "have"
+        kh = results.run.slide.kh
+        yield f"{question}, and how far it slides under Kh = {kh:g} once {listed(names)} {have} liquefied."
+    else:
+        yield f"{question}. No layer is said to liquefy, so no slide was computed."
+
+
+def _failure(results: Results) -> Iterator[str]:
+    fem, entry = results.fem, results.no_answer("fem")
+    if entry is not None:
+        yield f"There is no answer to the first question: {entry.reason}."
+    elif fem is None:
+        yield "The first question is still open: the finite element analysis has not run for this input."
+    elif fem.verdict == "no failure":
+        yield (
+            f"Without shaking the section stands, and so it does under every Kh up to {coefficient(fem.kc_lower)}, "
+            "where the search ended."
+        )
+    else:
+        yield from _critical(results, fem)
+
+
+def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
+    """At which Kh the continuum fails, how far that may be off, and what it hangs on."""
+    still = next((factor for factor in fem.safety_factors if factor.kh == 0.0), None)
+    safe = f", with a factor of safety of {still.factor:.2f}" if still is not None else ""
+    yield f"Without shaking the section stands{safe}."
+    yield (
+        f"By finite elements it fails {fem.direction}, to the {fem.towards}, at Kh of about {coefficient(fem.kc)}, "
+        f"under a horizontal acceleration of {fem.kc * GRAVITY:.2g} m/s²."
+    )
+    found = results.variants.variants if results.variants is not None else ()
+    variants = {variant.name: variant.kc for variant in found if variant.kc is not None}
+    numerical = [name for name in NUMERICAL if name in variants]
+    left_open = between([fem.kc, fem.kc_upper, *(variants[name] for name in numerical)])
+    yield f"What the computation itself leaves open ({', '.join(['bracket', *numerical])}): {left_open}."
+    assumed = [
+        f"{coefficient(variant.kc)} with {variant.change}"
+        for variant in found
+        if variant.name in ASSUMED and variant.kc is not None
+    ]
+    if fem.associated is not None and "dilation" not in variants:
+        assumed.insert(0, f"{coefficient(fem.associated.kc)} if the ground dilated fully (ψ = φ)")
+    if assumed:
+        yield f"More hangs on what was assumed: it would be {listed(assumed)}."
+    yield from _beside(results, fem)
+
+
+def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
+    """The other direction, the skin of cohesionless faces, and strict bounds."""
+    other = fem.opposite
+    if other is not None:
+        at_least = "more than " if other.verdict == "no failure" else ""
+        yield f"Pushed {other.direction} it takes {at_least}{coefficient(other.kc)}."
+    for skin in fem.skins:
+        yield (
+            f"Before that, at Kh = {coefficient(max(skin.kh, 0.0))}, single grains of {skin.stratum} roll down its "
+            f"face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m."
+        )
+    bounds = results.bounds
+    if bounds is not None and bounds.lower is not None and bounds.upper is not None:
+        yield (
+            f"Limit analysis proves that it is {bounds.lower:.3f} to {bounds.upper:.3f} for ground that dilates fully "
+            f"(ψ = φ, sides {bounds.sides}), and never above {bounds.upper:.3f} for such ground that dilates less."
+        )
+
+
+def _slides(results: Results) -> Iterator[str]:
+    """How far each case slides, and whether it comes to rest: on the springs that count first."""
+    first, cases = results.case_set()
+    if not cases:
+        entry = results.no_answer("calibrate") or results.no_answer("slide")
+        if any(stratum.liquefies_in for stratum in results.run.strata):
+            why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
+            yield f"How far the section slides is still open: {why}."
+        return
+    yield f"How far it slides was computed with {SPRINGS.get(first, first)}."
+    yield from _by_end(cases)
+    yield _interval(results)
+    for other, its in (results.cases.sets if results.cases is not None else {}).items():
+        if other != first and its:
+            yield f"Computed with {SPRINGS.get(other, other)} instead:"
+            yield from _by_end(its)
+
+
+def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
+    """The cases that come to rest, and those that were still moving."""
+    settled = {number: case.slide_max_m for number, case in cases.items() if case.settled}
+    moving = {number: case.slide_max_m for number, case in cases.items() if not case.settled}
+    stays = [number for number, slide in settled.items() if slide < STAYS]
+    slid = [number for number in settled if number not in stays]
+    if stays:
+        yield f"In {_of(stays)} the section stays where it is, and moves less than {STAYS:g} m."
+    if slid:
+        yield f"In {_of(slid)} it slides about {about([settled[number] for number in slid])}, and comes to rest."
+    if moving:
+        seconds = max(cases[number].seconds_simulated for number in moving)
+        lengths = about(list(moving.values()))
+        yield (
+            f"In {_of(list(moving))} it had slid about {lengths} after {seconds:.0f} s and was still moving: these are "
+            "no final values."
+        )
+
+
+def _interval(results: Results) -> str:
+    """The spread of the largest slide over random packings, where there are several."""
+    random = results.cases.random if results.cases is not None else None
+    spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
+    told = [
+        f"{about([spread.mean])} ({span(spread.values)}) in case {number}"
+        for number, spread in spreads.items()
+        if spread.mean is not None and len(spread.values) > 1
+    ]
+    if not told:
+        return "No interval is known, since only one packing was computed; slide.seeds = [1, 2, 3] gives one."
+    count = max(len(spread.values) for spread in spreads.values())
+    return f"On {count} random packings that fail at the same Kh the largest slide is {listed(told)}."
+
+
+def _of(numbers: list[int]) -> str:
+    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
+
+
+def _disagreement(results: Results) -> Iterator[str]:
+    """That methods disagree by more than a factor of three, and what to make of it."""
+    _, cases = results.case_set()
+    discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
+    observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
+    values = [*discs, *observed, *blocks]
+    if not discs or values == discs or max(values) <= DISAGREE * min(values):
+        return
+    told = [f"the discs slide about {span(discs)}"]
+    told += [f"the regression over observed slides gives about {span(observed)}"] if observed else []
+    told += [f"the rigid block on the slip surface {_slid(blocks)}"] if blocks else []
+    yield f"The methods disagree by more than a factor of three: {listed(told)}."
+    if blocks:
+        yield "The block keeps the strength that the ground had before it liquefied, and so is silent on such a slide."
+    if observed:
+        yield (
+            "The regression says what gentle slopes of liquefied sand have done on average, whatever the shaking and "
+            "their strength."
+        )
+    if observed and max(discs) > DISAGREE * min(observed):
+        yield (
+            "Discs that slide much farther say that little in the model holds the ground back: look first at how soft "
+            "the liquefied layers are taken to be, and whether the discs came to rest."
+        )
+
+
+def _displacements(results: Results, kind: Kind) -> list[float]:
+    found = (one for one in estimates(results.run, results.kc) if one.kind == kind)
+    return [one.displacement_m for one in found if one.displacement_m is not None]
+
+
+def _slid(blocks: list[float]) -> str:
+    return "does not move" if max(blocks) == 0.0 else f"slides about {span(blocks)}"
+
+
+def _doubtful(results: Results) -> Iterator[str]:
+    told = list(_doubts(results))
+    if told:
+        yield f"What is doubtful: {'; '.join(told)}."
+
+
+def _doubts(results: Results) -> Iterator[str]:
+    run, fem, discs = results.run, results.fem, results.dem
+    if run.reconstruction:
+        yield "the ground is a reconstruction"
+    if fem is not None and fem.verdict == "undecided":
+        yield f"the path of the finite elements ended undecided ({fem.reason})"
+    for doubt in results.doubts:
+        if doubt.contradiction:
+            yield doubt.what.rstrip(".")
+    yield from _doubts_of_calibration(results)
+    if discs is not None and discs.slip_surface.mean_distance_m is not None:
+        apart, heights = discs.slip_surface.mean_distance_m, run.outline()[:, 1]
+        if apart > SURFACES_APART * float(heights.max() - heights.min()):
+            yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
+    if discs is not None and discs.model.packing != "random":
+        yield "the discs lie in rows, which must climb over each other to slide"
+    _, cases = results.case_set()
+    escaped = [number for number, case in cases.items() if case.escaped]
+    if escaped:
+        yield f"discs have left the section in {_of(escaped)}"
+
+
+def _doubts_of_calibration(results: Results) -> Iterator[str]:
+    calibration = results.calibration
+    if calibration is None:
+        return
+    if calibration.verdict == "out of reach":
+        yield "no factor on the discs brings them to the critical Kh of the finite elements"
+    elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
+        name = calibration.parameter.replace("_", " ")
+        what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
+        yield (
+            f"the discs fail at the Kh of the finite elements only with {what} of their springs times "
+            f"{calibration.value:.2g}"
+        )

@@ -1,0 +1,53 @@
+"""The numbers of sections, tables and figures, so that text can refer to what stands further on."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Labels:
+    """Numbers are given in the order in which things stand. A page is rendered twice: the second time ``known`` holds
+    what the first one found.
+
+    Attributes
+    ----------
+    known : what was found before: "Table 3", "Figure 7", by name
+    found : what is found now
+    sections : headings by name, with their numbers
+    contents : the sections that were found before
+    counts : how many there are so far, by kind
+    """
+
+    known: dict[str, str] = field(default_factory=dict)
+    found: dict[str, str] = field(default_factory=dict)
+    sections: dict[str, str] = field(default_factory=dict)
+    contents: dict[str, str] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def _next(self, kind: str) -> int:
+        self.counts[kind] = self.counts.get(kind, 0) + 1
+        return self.counts[kind]
+
+    def table(self, name: str) -> str:
+        """The number of the table that stands here."""
+        return self._named(name, f"Table {self._next('table')}")
+
+    def figure(self, name: str) -> str:
+        """The number of the figure that stands here."""
+        return self._named(name, f"Figure {self._next('figure')}")
+
+    def section(self, name: str, title: str) -> str:
+        """The heading of the section that begins here, with its number."""
+        self.sections[name] = f"{self._next('section')} {title}"
+        return self.sections[name]
+
+    def _named(self, name: str, number: str) -> str:
+        self.found[name] = number
+        return number
+
+    def __contains__(self, name: str) -> bool:
+        """Whether there is something with this name, here or further on."""
+        return name in self.known
+
+    def see(self, name: str) -> str:
+        """The number of what has this name, wherever it stands."""
+        return self.known.get(name, "")

@@ -1,0 +1,66 @@
+"""How numbers are written: with the digits they deserve, and their units."""
+
+import math
+from collections.abc import Sequence
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A number to so many places, or a dash."""
+    return "–" if value is None else f"{value:.{digits}f}"
+
+
+def scaled(value: float | None, unit: float) -> float | None:
+    """A value in multiples of a unit, where there is one."""
+    return None if value is None else value / unit
+
+
+def metres(value: float | None) -> str:
+    """A length (m) in two digits or so, to the centimetre below a metre, or a dash."""
+    if value is None:
+        return "–"
+    size = abs(value)
+    if size < 0.005:
+        return "0 m"
+    return f"{value:.{2 if size < 1.0 else 1 if size < 10.0 else 0}f} m"
+
+
+def rough(value: float) -> float:
+    """A number to one digit, or to two where the first one is a 1: what a slide of discs is good for."""
+    if value == 0.0:
+        return 0.0
+    power = math.floor(math.log10(abs(value)))
+    first = abs(value) / 10.0**power
+    digits = 1 if first < 1.95 else 0
+    return round(value, digits - power)
+
+
+def about(lengths: Sequence[float]) -> str:
+    """Lengths (m) in a sentence: 40, 19 and 7 m."""
+    told = [_plain(rough(max(value, 0.0))) for value in lengths]
+    return f"{listed(told)} m"
+
+
+def span(lengths: Sequence[float]) -> str:
+    """The range of some lengths (m): 7 to 40 m, or one of them where all come to the same."""
+    low, high = _plain(rough(max(min(lengths), 0.0))), _plain(rough(max(max(lengths), 0.0)))
+    return f"{low} m" if low == high else f"{low} to {high} m"
+
+
+def _plain(value: float) -> str:
+    return f"{value:.0f}" if value >= 10.0 else f"{value:g}"
+
+
+def coefficient(kh: float) -> str:
+    """A seismic coefficient in two digits: 0.23, 0.034."""
+    return f"{kh:.2f}" if kh >= 0.0995 else f"{kh:.2g}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words as people list them: a, b and c."""
+    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
+
+
+def between(values: Sequence[float]) -> str:
+    """The range of some coefficients, or the one where all come to the same: 0.23 to 0.25."""
+    low, high = coefficient(min(values)), coefficient(max(values))
+    return low if low == high else f"{low} to {high}"
