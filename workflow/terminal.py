@@ -70,5 +70,7 @@ def _tell(job: Job, choice: Choice) -> None:
             for line in sentences(stage.name, job.given, job.store):
                 out.print(escape(line))
     if "report" in choice.chosen and job.store.has("report.html"):
+        for line in sentences("report", job.given, job.store):
+            out.print(escape(line))
         out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
     out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)

@@ -1,11 +1,14 @@
-"""What the stages found, in sentences: told after each command and at the top of the report."""
+"""What the stages found, in sentences: told after each command."""
 
 from collections.abc import Iterator
 
+from workflow.report.numbers import metres
+from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FemAnswer
+from workflow.results.summary import Summary
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -105,13 +108,20 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         )
 
 
-def slide_sentences(answer: CasesAnswer) -> Iterator[str]:
-    """How far each case slides, from dem/cases.json."""
+def slide_sentences(run: Input, answer: CasesAnswer) -> Iterator[str]:
+    """What the cases are, and how far each of them slides, from dem/cases.json."""
+    names = [name for name, _ in case_heads()]
+    told = [
+        f"case {number}, {layers}: {', '.join(map(' '.join, zip(names, factors, strict=True)))}"
+        for number, layers, *factors in case_rows(run)
+    ]
+    if told:
+        yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
     for name, number, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         yield (
-            f"Case {number} ({name}): slides at most {case.slide_max_m:.2f} m at x = {case.slide_max_at_x_m:.0f} m, "
-            f"settles {case.settlement_uphill_m:.2f} m uphill{settled}."
+            f"Case {number} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
+            f"settles {metres(case.settlement_uphill_m)} uphill{settled}."
         )
 
 
@@ -126,4 +136,6 @@ def sentences(name: str, run: Input, store: Store) -> Iterator[str]:
     elif name == "calibrate":
         yield from calibrate_sentences(CalibrationAnswer.read(store))
     elif name == "slide":
-        yield from slide_sentences(CasesAnswer.read(store))
+        yield from slide_sentences(run, CasesAnswer.read(store))
+    elif name == "report":
+        yield from Summary.read(store).in_short
