@@ -19,6 +19,7 @@ from dem.engine.packer import pack, unpack
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
+from dem.kernels.contact import KPN
 from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
@@ -62,7 +63,9 @@ def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact")
     the element's push holds by friction is not counted for the pore spring once more.
     """
     soil = model.law == "soil"
-    return Law(soil, -np.inf if pulls else 0.0, 1.0 if crack_by == "contact" and not soil else 0.0, model.repeats)
+    pores = bool(model.springs.pairs[KPN].any())
+    share = 1.0 if crack_by == "contact" and not soil else 0.0
+    return Law(soil, pores, -np.inf if pulls else 0.0, share, model.repeats)
 
 
 def springs_of(model: DiscModel) -> Springs:

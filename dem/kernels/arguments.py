@@ -46,6 +46,8 @@ class Law(NamedTuple):
     ----------
     soil : bool
         The law of soil discs (weaker of two strengths, cohesion, rolling resistance, a stop); else the paper's.
+    pores : bool
+        Whether there are pore springs at all.
     floor : float
         Least normal force of an element contact (N): 0, or -inf where its dashpot may pull.
     share : float
@@ -55,6 +57,7 @@ class Law(NamedTuple):
     """
 
     soil: bool
+    pores: bool
     floor: float
     share: float
     period: Period

@@ -34,20 +34,21 @@ def add(total: float, value: float) -> float:
 @njit(cache=True, forceinline=True, error_model="numpy")
 def contact(
     b: int, d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
-    booked: bool,
+    pores: bool, booked: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contact in lane q: writes forces and memory.
 
     Returns whether it is too deep, and what its dashpots, sliding, cracks and rolling took since the last step (J).
     """
     links = state.links
-    m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, soil, booked)
+    m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, soil, pores, booked)
     deep = now.over > scratch[constant(ALLOWED) + q] * links[d + RADII + q]
-    cracked = now.length != links[d + LENGTH + q]
+    if pores:
+        cracked = now.length != links[d + LENGTH + q]
+        links[d + PORE + q] = now.pore
+        if cracked:
+            links[d + LENGTH + q] = now.length
     links[d + SHEAR + q] = now.shear
-    links[d + PORE + q] = now.pore
-    if cracked:
-        links[d + LENGTH + q] = now.length
     links[d + FX + q] = now.push * m.nx + now.drag * m.nz
     links[d + FZ + q] = now.push * m.nz - now.drag * m.nx
     rim = now.drag * m.lever
@@ -59,20 +60,36 @@ def contact(
     return deep, now.damped, now.slid, now.cracked, now.rolled_off
 
 
+@njit(cache=True, forceinline=True, error_model="numpy")
+def all_lanes(
+    chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
+    booked: bool,
+) -> tuple[bool, float, float, float, float]:  # fmt: skip
+    """The contacts of one chunk, and the sums of what they took."""
+    too_deep = False
+    damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
+    d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
+    for lane in range(LANES):
+        deep, damped, slid, cracked, rolled = contact(
+            b, d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, booked
+        )
+        too_deep |= deep
+        if booked:
+            damping = add(damping, damped)
+            sliding = add(sliding, slid)
+            cracks = add(cracks, cracked)
+            rolling = add(rolling, rolled)
+    return too_deep, damping, sliding, cracks, rolling
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def contacts(chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law) -> bool:
     """Forces and memory of one chunk of contacts; True if an overlap is larger than allowed."""
-    too_deep = False
-    d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
-    if law.soil:
-        for lane in range(LANES):
-            deep, _, _, _, _ = contact(b, d, np.uint64(lane), w, state, scratch, slip_time, law, True, False)
-            too_deep |= deep
-    else:
-        for lane in range(LANES):
-            deep, _, _, _, _ = contact(b, d, np.uint64(lane), w, state, scratch, slip_time, law, False, False)
-            too_deep |= deep
-    return too_deep
+    if not law.soil:
+        return all_lanes(chunk, b, state, scratch, slip_time, law, False, True, False)[0]
+    if law.pores:
+        return all_lanes(chunk, b, state, scratch, slip_time, law, True, True, False)[0]
+    return all_lanes(chunk, b, state, scratch, slip_time, law, True, False, False)[0]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -80,29 +97,11 @@ def contacts_with_losses(
     chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
     """The same, with what dashpots, sliding, cracks and rolling took since the last step (J)."""
-    too_deep = False
-    damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
-    d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
-    if law.soil:
-        for lane in range(LANES):
-            deep, damped, slid, cracked, rolled = contact(
-                b, d, np.uint64(lane), w, state, scratch, slip_time, law, True, True
-            )
-            too_deep |= deep
-            damping = add(damping, damped)
-            sliding = add(sliding, slid)
-            cracks = add(cracks, cracked)
-            rolling = add(rolling, rolled)
-    else:
-        for lane in range(LANES):
-            deep, damped, slid, cracked, _ = contact(
-                b, d, np.uint64(lane), w, state, scratch, slip_time, law, False, True
-            )
-            too_deep |= deep
-            damping = add(damping, damped)
-            sliding = add(sliding, slid)
-            cracks = add(cracks, cracked)
-    return too_deep, damping, sliding, cracks, rolling
+    if not law.soil:
+        return all_lanes(chunk, b, state, scratch, slip_time, law, False, True, True)
+    if law.pores:
+        return all_lanes(chunk, b, state, scratch, slip_time, law, True, True, True)
+    return all_lanes(chunk, b, state, scratch, slip_time, law, True, False, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

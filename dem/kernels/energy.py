@@ -56,9 +56,9 @@ def contact_energy(
     share = 0.0
     if law.soil:
         share = layout.rolling[w + SHARE + q]
-        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, True, True)
+        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, True, True, True)
     else:
-        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, False, True)
+        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, False, True, True)
     book(now, out)
     rim = now.drag * m.lever - share * now.torque
     return now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx, rim, rim + now.torque

@@ -211,12 +211,13 @@ def between_discs(
     slip_time: float,
     law: Law,
     soil: bool,
+    pores: bool,
     booked: bool,
 ) -> tuple[Motion, Contact]:
     """The contact in lane q of the slice at b and the chunk at d (rolling memory at w); changes nothing.
 
-    soil, booked: whether the law of soil discs holds and losses are wanted, written out where this is called, so that
-    the compiler can leave out what is not.
+    soil, pores, booked: whether the law of soil discs holds, there are pore springs, and losses are wanted; written out
+    where this is called, so that the compiler can leave out what is not.
     """
     discs, links = state.discs, state.links
     radii = links[d + RADII + q]
@@ -244,12 +245,15 @@ def between_discs(
     shear = links[d + SHEAR + q]
     tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
 
-    kpn, fkps = scratch[constant(KPN) + q], scratch[constant(FKPS) + q]
-    length, old_pore = links[d + LENGTH + q], links[d + PORE + q]
-    pore_normal, pore_trial, pore_kept, new = pore(
-        length, m.distance, m.slip, old_pore, law.share * normal, kpn, scratch[constant(KPS) + q],
-        scratch[constant(TAN) + q], scratch[constant(BC) + q], scratch[constant(BETA) + q],
-    )  # fmt: skip
+    kpn, fkps, length, old_pore = 0.0, 0.0, 0.0, 0.0
+    pore_normal, pore_trial, pore_kept, new = 0.0, 0.0, 0.0, 0.0
+    if pores:
+        kpn, fkps = scratch[constant(KPN) + q], scratch[constant(FKPS) + q]
+        length, old_pore = links[d + LENGTH + q], links[d + PORE + q]
+        pore_normal, pore_trial, pore_kept, new = pore(
+            length, m.distance, m.slip, old_pore, law.share * normal, kpn, scratch[constant(KPS) + q],
+            scratch[constant(TAN) + q], scratch[constant(BC) + q], scratch[constant(BETA) + q],
+        )  # fmt: skip
 
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if soil:
@@ -279,12 +283,12 @@ def between_discs(
         cracking = (length > 0.0) & (new <= 0.0)
         slid += 0.0 if cracking else pore_lost
         cracked = pore_lost + snapped if cracking else 0.0
-    pores = 0.5 * pore_kept * pore_kept * fkps
+    in_pores = 0.5 * pore_kept * pore_kept * fkps
     if kpn > 0.0:
-        pores += 0.5 * pore_normal * pore_normal / kpn
+        in_pores += 0.5 * pore_normal * pore_normal / kpn
     return m, Contact(
         over, normal + pore_normal, tangential + pore_kept, torque, kept, pore_kept, rolled, new,
-        elements + 0.5 * kept * kept * fks, pores, rolling, damped, slid, cracked, rolled_off,
+        elements + 0.5 * kept * kept * fks, in_pores, rolling, damped, slid, cracked, rolled_off,
     )  # fmt: skip
 
 
