@@ -130,15 +130,20 @@ def _towards(
     listener: PathListener | None,
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in one direction."""
-    settings = settings.model_copy(update={"direction": direction})
+    settings, sign = settings.model_copy(update={"direction": direction}), sign_of(section, direction)
     faces = skins(section, settings, strength_of(section.strata, settings.flow).friction)
-    problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
-    at_rest, sign = problem.state(), sign_of(section, direction)
-    path = seismic_path(problem, constant, sign, settings)
-    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-    limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
-    relaxed = path.relax()
-    kc = max(limit.held, path.factor) if relaxed else limit.held
+    while True:
+        problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
+        at_rest = problem.state()
+        path = seismic_path(problem, constant, sign, settings)
+        rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+        limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
+        relaxed = path.relax()
+        kc = max(limit.held, path.factor) if relaxed else limit.held
+        governing = [face for face in faces if face.kh < kc]
+        if len(governing) == len(faces):
+            break
+        faces = governing  # the others need no strengthening, and must not have any
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
     problem.restore(at_rest)
     wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
@@ -164,7 +169,7 @@ def _towards(
         solves=path.solves,
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
-        skins=[face for face in faces if face.kh < kc],
+        skins=faces,
     )
 
 

@@ -164,8 +164,9 @@ def fem(
         "flow": "associated" if associated else None,
     }
     given = _input(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options}, settings)
-    if safety_factor and not given.fem.safety_factor_at:
-        wanted = given.fem.model_copy(update={"safety_factor_at": (0.0, *given.fem.kh)})
+    if safety_factor:
+        asked = tuple(sorted({0.0, *given.fem.kh, *given.fem.safety_factor_at}))
+        wanted = given.fem.model_copy(update={"safety_factor_at": asked})
         given = given.model_copy(update={"fem": wanted})
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])

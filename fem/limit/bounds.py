@@ -17,6 +17,7 @@ from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
+from fem.strength import is_dilating_fully
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
@@ -73,7 +74,7 @@ def kh_bounds(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
         )
     substitute = None
-    if settings.davis and any(s.dilation_angle < s.friction_angle for s in strata):
+    if settings.davis and fem.flow != "associated" and not is_dilating_fully(strata):
         substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
     return KhBounds(**vars(found), skins=tuple(faces), section=whole, substitute=substitute)
 

@@ -113,7 +113,8 @@ def test_two_processes_find_the_same_and_one_writes(tmp_path: Path) -> None:
         out = tmp_path / f"out{number}"
         command = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(number), sys.executable, "-m"]
         done = subprocess.run(
-            [*command, "workflow.cli", "fem", str(path), "--out", str(out), "--kh", "0.1", *SMALL],
+            [*command, "workflow.cli", "fem", str(path), "--out", str(out), "--kh", "0.1", "--direction", "downhill",
+             *SMALL],
             capture_output=True, text=True, timeout=180, stdin=subprocess.DEVNULL, check=True,
             cwd=TOP, env=outside_mpi,
         )  # fmt: skip
