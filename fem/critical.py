@@ -131,7 +131,8 @@ def _towards(
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in one direction."""
     settings, sign = settings.model_copy(update={"direction": direction}), sign_of(section, direction)
-    faces = skins(section, settings, strength_of(section.strata, settings.flow).friction)
+    sand = skins(section, settings, strength_of(section.strata, settings.flow).friction)
+    faces = [face for face in sand if face.kh <= 0.0]
     while True:
         problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
         at_rest = problem.state()
@@ -140,10 +141,10 @@ def _towards(
         limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
         relaxed = path.relax()
         kc = max(limit.held, path.factor) if relaxed else limit.held
-        governing = [face for face in faces if face.kh < kc]
-        if len(governing) == len(faces):
+        first = [face for face in sand if face.kh < kc]
+        if len(first) <= len(faces):
             break
-        faces = governing  # the others need no strengthening, and must not have any
+        faces = first  # their grains roll before: on with the ground below them
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
     problem.restore(at_rest)
     wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
