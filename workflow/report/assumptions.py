@@ -15,16 +15,22 @@ FLOWS = {
     "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
 }
 
+DIRECTIONS = {
+    "both": "It pushes downhill in one analysis and uphill in another.",
+    "downhill": "It pushes downhill.",
+    "uphill": "It pushes uphill.",
+}
+
 
 def assumptions(run: Input) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
-    yield "Plane strain", "The slope is as long across the section as it is needed to be; nothing holds it at its ends."
+    yield "Plane strain", "The slope is taken to be endless across the section: nothing holds it at its ends."
     yield (
         "Shaking",
         "It acts as a horizontal force that does not change, Kh times g times the seismic density, and Kh is the same "
         "everywhere: no waves, no amplification, no frequency. "
         + (f"Kv = {run.fem.vertical:g} acts with it. " if run.fem.vertical else "No vertical acceleration. ")
-        + f"It pushes {run.fem.direction}.",
+        + DIRECTIONS[run.fem.direction],
     )
     yield (
         "Strength",

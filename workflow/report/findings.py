@@ -82,9 +82,13 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
 def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
     """The other direction, the skin of cohesionless faces, and strict bounds."""
     other = fem.opposite
-    if other is not None:
-        at_least = "more than " if other.verdict == "no failure" else ""
-        yield f"Pushed {other.direction} it takes {at_least}{coefficient(other.kc)}."
+    if other is not None and other.verdict == "no failure":
+        yield f"Pushed {other.direction} it stands up to Kh = {coefficient(other.kc)} at least."
+    elif other is not None:
+        cut = (
+            f", but only at the {listed(other.at_sides)} side, where the section was cut off" if other.at_sides else ""
+        )
+        yield f"Pushed {other.direction} it fails at Kh of about {coefficient(other.kc)}{cut}."
     for skin in fem.skins:
         yield (
             f"Before that, at Kh = {coefficient(max(skin.kh, 0.0))}, single grains of {skin.stratum} roll down its "

@@ -8,6 +8,7 @@ from tests.support.sections import slope
 from workflow.report.findings import findings
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomCase, RandomPackings, Spread
+from workflow.results.continuum import Doubt, OtherWay, SkinFailure
 from workflow.results.results import Results
 from workflow.results.variants import VariantsAnswer
 from workflow.run.record import Entry
@@ -57,6 +58,24 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
     assert "it would be 0.34 with sides fixed instead of roller." in told
     assert "instead of ψ as given" not in told  # that one came to nothing
     assert "Limit analysis proves that it is 0.279 to 0.285 for ground that dilates fully" in told
+
+
+def test_what_stands_beside_the_critical_kh(run: Input) -> None:
+    """The other direction, what ψ = φ would give, faces without cohesion, and what contradicts the answer."""
+    other = OtherWay(kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",))
+    skin = SkinFailure(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
+    doubt = Doubt(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
+    known = Doubt(what="The base is near.", remedy="go deeper", contradiction=False)
+    more = {"opposite": other, "associated": other.model_copy(update={"kc": 0.3057}), "skins": (skin,)}
+    answer = fem(run).model_copy(update={**more, "doubts": (doubt, known)})
+    told = text(results(run, fem=answer))
+    assert "it would be 0.31 if the ground dilated fully (ψ = φ)." in told
+    assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
+    assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
+    assert "What is doubtful: A finer mesh gives 0.20." in told
+    assert "The base is near" not in told
+    stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
+    assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))
 
 
 def test_a_slope_that_stands_and_one_that_does_not(run: Input) -> None:
