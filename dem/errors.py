@@ -1,7 +1,9 @@
 """What can stop a run: each error names disc, time and place, and says what to do next."""
 
+from meshes.errors import NoAnswerError
 
-class DemError(RuntimeError):
+
+class DemError(NoAnswerError):
     """A run of the discs that cannot be trusted from here on."""
 
 

@@ -1,7 +1,9 @@
 """How an analysis can end without an answer."""
 
+from meshes.errors import NoAnswerError
 
-class UnstableError(RuntimeError):
+
+class UnstableError(NoAnswerError):
     """The ground does not stand under its own weight; says what share of it it carries."""
 
 

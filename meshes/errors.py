@@ -1,4 +1,4 @@
-"""What is told to a person whose input cannot be used."""
+"""What is told to a person whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
 
@@ -14,3 +14,18 @@ class InputError(ValueError):
         self.problems = tuple(problems)
         count = "1 problem" if len(self.problems) == 1 else f"{len(self.problems)} problems"
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
+
+
+class NoAnswerError(RuntimeError):
+    """An analysis that ended without an answer, though its input could be used.
+
+    Attributes
+    ----------
+    reason: why there is none.
+    remedy: what to try; empty where nobody knows.
+    """
+
+    def __init__(self, reason: str, remedy: str = "") -> None:
+        self.reason = reason
+        self.remedy = remedy
+        super().__init__(f"{reason}; {remedy}" if remedy else reason)

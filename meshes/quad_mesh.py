@@ -6,7 +6,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from meshes.quality import Quality, areas, quality, scaled_jacobians
 from meshes.section.section import BOUNDARIES
 
@@ -41,7 +41,7 @@ class QuadMesh:
         return np.bincount(self.stratum, weights=areas(self.points, self.cells), minlength=len(self.strata))
 
 
-class BadMeshError(RuntimeError):
+class BadMeshError(NoAnswerError):
     """A mesh with a cell that cannot be computed with; says which and where."""
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from meshes.quad_mesh import BadMeshError
 from meshes.section.section import Section
 from workflow import stages
@@ -317,7 +317,7 @@ def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) 
     except InputError as error:
         err.print(escape(str(error)), style="red", soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except pipeline.NO_ANSWER as error:
+    except NoAnswerError as error:
         what = "No usable mesh" if isinstance(error, BadMeshError) else "No answer"
         err.print(escape(f"{what}: {error}"), style="red", soft_wrap=True)
         sys.exit(NO_ANSWER)

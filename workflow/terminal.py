@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.report import tables
 from workflow.report.console import sentences
@@ -54,7 +55,7 @@ def execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
     try:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(job, choice, display, what)
-    except pipeline.NO_ANSWER:
+    except NoAnswerError:
         if verbosity > QUIET:
             _tell(job, choice)
         raise

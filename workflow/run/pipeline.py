@@ -7,9 +7,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Protocol
 
-from dem.errors import DemError
-from fem.errors import UnstableError
-from meshes.quad_mesh import BadMeshError
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
@@ -21,9 +18,6 @@ from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import FILES, Input
-
-# What ends a stage without an answer; all else is a fault of the input, of the machine, or of the program.
-NO_ANSWER = (NoAnswerError, BadMeshError, UnstableError, DemError)
 
 
 class Listener(Protocol):
@@ -71,7 +65,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         record, log = Record(job.store), Log(job.store)
         decisions = plan(job, record, choice)
         log.begin(what)
-        failures: dict[str, Exception] = {}
+        failures: dict[str, NoAnswerError] = {}
         try:
             with remembered() as check:
                 run = Run(job, record, log, Heeding(listener, check), failures)
@@ -102,7 +96,7 @@ class Run:
     record: Record
     log: Log
     listener: Listener
-    failures: dict[str, Exception] = field(default_factory=dict)
+    failures: dict[str, NoAnswerError] = field(default_factory=dict)
 
     def do(self, decision: Decision) -> None:
         """Do what was decided about a stage, unless one that it needs has no answer."""
@@ -140,7 +134,7 @@ class Run:
         start, failure = time.perf_counter(), None
         try:
             stage.work(replace(self.job, progress=progress))
-        except NO_ANSWER as error:
+        except NoAnswerError as error:  # all else is a fault of the input, of the machine, or of the program
             failure = error
         seconds = time.perf_counter() - start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
@@ -148,8 +142,8 @@ class Run:
         entry = Entry(
             inputs,
             "no answer" if failure else "part" if stage.partial(self.job) else "done",
-            failure.reason if isinstance(failure, NoAnswerError) else str(failure or ""),
-            failure.remedy if isinstance(failure, NoAnswerError) else "",
+            failure.reason if failure else "",
+            failure.remedy if failure else "",
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
