@@ -16,9 +16,6 @@ AT_FAILURE = 0.99
 # A mechanism: plastic shear strain this many times the elastic one; a side takes part if it moves this share of the
 # largest displacement.
 STANDS_OUT, TOUCHES = 10.0, 0.1
-# A slip surface ends where the strain is below this share of the largest; a jump from column to column costs so much
-# for each unit of slope beyond the steep one.
-FAINT, JUMP, STEEP = 0.1, 0.5, 1.5
 
 
 @dataclass(frozen=True)
@@ -108,45 +105,3 @@ def is_mechanism(state: State) -> bool:
     """Whether the plastic shear strain of a state stands out from the elastic one, as it does once the ground fails."""
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
     return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))
-
-
-def slip_surface(mesh: QuadMesh, state: State, columns: int = 100) -> np.ndarray:
-    """The ridge of plastic shear strain along x, (k, 2) in m, in the ground that fails; empty without a mechanism.
-
-    Of all lines with one point in each column, it is the one with the largest product of strains less a penalty for
-    jumps, found by dynamic programming. It ends where the strain is below a tenth of the largest.
-    """
-    if not is_mechanism(state):
-        return np.zeros((0, 2))
-    strain = state.plastic_shear_strain / state.plastic_shear_strain.max()
-    middle = mesh.points[mesh.cells].mean(axis=1)
-    half = np.ptp(mesh.points[mesh.cells][:, :, 0], axis=1) / 2.0
-    edges = np.linspace(mesh.points[:, 0].min(), mesh.points[:, 0].max(), columns + 1)
-    places = 0.5 * (edges[1:] + edges[:-1])
-    inside = [np.flatnonzero((np.abs(middle[:, 0] - x) <= half) & (strain > FAINT)) for x in places]
-    best: list[tuple[float, np.ndarray]] = [(0.0, np.zeros((0, 2)))]
-    run: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []  # cells, best sum up to each, and where that came from
-    for cells in [*inside, np.zeros(0, dtype=int)]:
-        if len(cells) and run:
-            jump = np.abs(middle[cells, 1][:, None] - middle[run[-1][0], 1][None, :]) / (edges[1] - edges[0])
-            sums = run[-1][1][None, :] - JUMP * np.maximum(jump - STEEP, 0.0)
-            run.append((cells, sums.max(axis=1) + np.log(strain[cells] / FAINT), sums.argmax(axis=1)))
-        elif len(cells):
-            run = [(cells, np.log(strain[cells] / FAINT), np.zeros(len(cells), dtype=int))]
-            first = places[next(k for k, here in enumerate(inside) if here is cells)]
-        elif run:
-            best.append(_traced(run, middle, first + (edges[1] - edges[0]) * np.arange(len(run))))
-            run = []
-    return max(best, key=lambda line: line[0])[1]
-
-
-def _traced(
-    run: list[tuple[np.ndarray, np.ndarray, np.ndarray]], middle: np.ndarray, x: np.ndarray
-) -> tuple[float, np.ndarray]:
-    """The best line through a run of columns, from its end to its start, and its sum."""
-    at = int(run[-1][1].argmax())
-    total, heights = float(run[-1][1][at]), []
-    for cells, _, before in reversed(run):
-        heights.append(middle[cells[at], 1])
-        at = int(before[at])
-    return total, np.column_stack([x, heights[::-1]])

@@ -6,7 +6,8 @@ import numpy as np
 import pyvista as pv
 from matplotlib.lines import Line2D
 
-from fem.fields import State, slip_surface
+from fem.fields import State
+from fem.slip_surface import slip_surface
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import foot
@@ -121,7 +122,7 @@ def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
         axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     label = "mobilised / available shear strength (-); 1: failure"
     sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
-    note = f"{conditions(run, element)}. Dotted: largest shear strain along x."
+    note = f"{conditions(run, element)}. Dotted: slip surface, where the section fails."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
     sheet.note(note)

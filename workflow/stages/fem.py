@@ -147,7 +147,7 @@ def _other_way(mesh: "QuadMesh", result: "CriticalResult | None") -> OtherWay | 
 
 
 def _kept(mesh: "QuadMesh", state: "State") -> KeptState:
-    from fem.fields import slip_surface
+    from fem.slip_surface import slip_surface
 
     return KeptState(
         label=state.label,

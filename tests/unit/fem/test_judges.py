@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.critical import CriticalResult
-from fem.fields import State, is_mechanism, slip_surface, touched_sides
+from fem.fields import State, is_mechanism, touched_sides
 from fem.judges import (
     Computed,
     corner_angles,
@@ -19,6 +19,7 @@ from fem.judges import (
     of_verdict,
     touches_base,
 )
+from fem.slip_surface import slip_surface
 from tests.support.fem_problems import grid
 
 MESH = grid(np.linspace(0.0, 20.0, 21), np.linspace(0.0, 10.0, 11))
