@@ -1,14 +1,16 @@
 """Element tests of the discs of every layer of a section, beside the soil they were made from."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from threading import Event
 from typing import Any
 
 import numpy as np
 
 from dem.errors import DemError
 from dem.laboratory.element_test import element_test
-from dem.laboratory.patch import PackingKind
+from dem.laboratory.patch import PackingKind, Sample
+from dem.side_by_side import StoppedError, side_by_side
 from dem.springs import LayerSprings
 from meshes.section.section import Section
 
@@ -36,19 +38,31 @@ def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> 
 
 
 def element_tests(
-    section: Section, layers: Sequence[LayerSprings], radius: float, *, seed: int = 0, workers: int = 1
+    section: Section,
+    layers: Sequence[LayerSprings],
+    radius: float,
+    *,
+    seed: int = 0,
+    workers: int = 1,
+    stop: Event | None = None,
 ) -> list[dict[str, Any]]:
-    """Every layer as a lattice and as a random packing, some at a time; a test that cannot be done says why."""
+    """Every layer as a lattice and as a random packing, some at a time; a test that cannot be done says why.
+
+    On an interrupt, or once `stop` is set, all of them end within an interval of their tests.
+    """
     stresses = middle_stresses(section)
     tasks = [(k, packing) for k in np.flatnonzero(stresses > 0.0) for packing in PACKINGS]
+    stop = stop or Event()
 
-    def work(task: tuple[int, PackingKind]) -> dict[str, Any]:
-        k, packing = task
+    def watch() -> None:
+        if stop.is_set():
+            raise StoppedError
+
+    def work(k: int, packing: PackingKind) -> dict[str, Any]:
         stratum, pressures = section.strata[k], [float(share * stresses[k]) for share in SHARES]
         try:
-            return element_test(layers[k], packing, radius, pressures, seed=seed).as_json(stratum)
+            return element_test(Sample(layers[k], packing, radius, seed), pressures, watch=watch).as_json(stratum)
         except (DemError, ValueError) as error:
             return {"stratum": stratum.name, "packing": packing, "soil": None, "assembly": None, "reason": str(error)}
 
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(work, tasks))
+    return side_by_side([partial(work, *task) for task in tasks], workers, stop)

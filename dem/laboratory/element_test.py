@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import SIZES, PackingKind, lattice_patch, random_patch
+from dem.laboratory.patch import Patch, Sample, Watch, no_watch
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import Strength, from_plane, from_principal, strength
-from dem.springs import LayerSprings
 from meshes.section.section import Stratum
 
 LARGEST_STRAIN = 0.2
@@ -25,8 +24,25 @@ INERTIAL = 3e-3  # number at most: what is weakly confined is tested more slowly
 
 @dataclass(frozen=True)
 class PressureTest:
-    """All that was done at one pressure (Pa): stiffness, isotropy (M_xx / M_zz - 1), curves and strengths, inertial
-    number: rate times diameter times sqrt(density / pressure); pore_springs: per free disc, once set."""
+    """All that was done at one pressure.
+
+    Attributes
+    ----------
+    pressure : float
+        Confining pressure (Pa).
+    stiffness : PlaneElastic
+        From small probes.
+    skewness : float
+        How far from isotropic: M_xx / M_zz - 1.
+    biaxial, shear : Curve
+        The two tests.
+    biaxial_strength, shear_strength : Strength
+        What they say about strength.
+    inertial_number : float
+        Rate times diameter times sqrt(density / pressure).
+    pore_springs : float
+        Per free disc, once set.
+    """
 
     pressure: float
     stiffness: PlaneElastic
@@ -43,17 +59,27 @@ class PressureTest:
 class ElementTest:
     """What the discs of a layer stand for as soil.
 
-    E (Pa), nu: of soil in plane strain with the initial tangent stiffness of the patch, mean over the pressures, G (Pa)
-    from shear; c (Pa), phi (rad): Mohr-Coulomb's line through the biaxial tests; c_shear, phi_shear: through the
-    simple-shear tests; dilation (rad): at the peak of the biaxial tests, mean. c_last, phi_last: through what is left
-    at their ends, the mean of the last tenth.
-    verdicts: a sentence for every test whose strength is not that of a peak or plateau.
+    Attributes
+    ----------
+    sample : Sample
+        What was tested.
+    stiffness : PlaneElastic
+        Initial tangent stiffness, mean over the pressures.
+    G : float
+        From shear (Pa).
+    c, phi : float
+        Mohr-Coulomb's line through the peaks of the biaxial tests (Pa, rad).
+    c_last, phi_last : float
+        Through what is left at their ends, the mean of the last tenth (Pa, rad).
+    c_shear, phi_shear : float
+        Through the peaks of the simple-shear tests (Pa, rad).
+    dilation : float
+        At the peaks of the biaxial tests, mean (rad).
+    tests : tuple of PressureTest
+        One for each pressure, rising.
     """
 
-    layer: LayerSprings
-    packing: PackingKind
-    radius: float
-    seed: int
+    sample: Sample
     stiffness: PlaneElastic
     G: float
     c: float
@@ -120,7 +146,7 @@ class ElementTest:
         """The discs beside the soil they were made from, as JSON can hold it; what could not be had is None."""
         return {
             "stratum": stratum.name,
-            "packing": self.packing,
+            "packing": self.sample.packing,
             "soil": {
                 "E_Pa": float(stratum.youngs_modulus),
                 "nu": float(stratum.poissons_ratio),
@@ -157,71 +183,66 @@ class ElementTest:
 
 
 def element_test(
-    layer: LayerSprings,
-    packing: PackingKind,
-    radius: float,
+    sample: Sample,
     pressures: Sequence[float],
     *,
-    seed: int = 0,
-    threads: int = 1,
     strain: float = LARGEST_STRAIN,
     rate: float = RATE,
-    size: tuple[int, int] | None = None,
+    threads: int = 1,
+    watch: Watch = no_watch,
 ) -> ElementTest:
-    """Tests a patch of a layer's discs at two or more confining pressures (Pa).
+    """Tests a sample at two or more confining pressures (Pa).
 
-    radius: mean, of the discs (m); seed: of the random packing; strain: the largest of either test; rate: strain per
-    sqrt(m / kn), so that all layers are tested equally slowly, but never faster than an inertial number of `INERTIAL`;
-    size: columns and rows of the patch, its frame included. Raises ValueError for what cannot be tested, DemError where
-    a patch does not come to rest under its pressure.
+    Parameters
+    ----------
+    sample
+        Discs of one layer.
+    pressures
+        Confining pressures (Pa).
+    strain
+        The largest of either test.
+    rate
+        Strain per sqrt(m / kn), so that all layers are tested equally slowly, but never faster than an inertial number
+        of `INERTIAL`.
+    threads
+        Of the engine; the result does not depend on them.
+    watch
+        Called all the time; what it raises ends the test.
+
+    Raises
+    ------
+    ValueError
+        For what cannot be tested.
+    DemError
+        Where a patch does not come to rest under its pressure.
     """
-    if packing not in ("lattice", "random"):
-        raise ValueError(f"packing is 'lattice' or 'random', not {packing!r}")
     if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
         raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
     if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
         raise ValueError(f"a strain of {strain} or a rate of {rate} cannot be tested: up to 0.5, and 0.01")
-    columns, rows = size or SIZES[packing]
-    if columns < 8 or rows < 8:
-        raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
-    tests = tuple(
-        _at_pressure(layer, packing, radius, p, seed, threads, strain, rate, (columns, rows)) for p in sorted(pressures)
-    )
+    tests = tuple(_at_pressure(sample.patch(threads, watch), p, strain, rate) for p in sorted(pressures))
     biaxial, shear = [t.biaxial_strength for t in tests], [t.shear_strength for t in tests]
     c, phi = from_principal([s.major for s in biaxial], [s.minor for s in biaxial])
     c_last, phi_last = from_principal([s.major_last for s in biaxial], [s.minor_last for s in biaxial])
     c_shear, phi_shear = from_plane([s.normal for s in shear], [s.shear for s in shear])
     stiffness = PlaneElastic(*(float(np.mean([getattr(t.stiffness, k) for t in tests])) for k in ("M", "lame", "G")))
     return ElementTest(
-        layer=layer, packing=packing, radius=radius, seed=seed, stiffness=stiffness, G=stiffness.G, c=c, phi=phi,
-        c_last=c_last, phi_last=phi_last, c_shear=c_shear, phi_shear=phi_shear,
-        dilation=float(np.mean([s.dilation for s in biaxial])), tests=tests,
+        sample=sample, stiffness=stiffness, G=stiffness.G, c=c, phi=phi, c_last=c_last, phi_last=phi_last,
+        c_shear=c_shear, phi_shear=phi_shear, dilation=float(np.mean([s.dilation for s in biaxial])), tests=tests,
     )  # fmt: skip
 
 
-def _at_pressure(
-    layer: LayerSprings,
-    packing: PackingKind,
-    radius: float,
-    pressure: float,
-    seed: int,
-    threads: int,
-    strain: float,
-    rate: float,
-    size: tuple[int, int],
-) -> PressureTest:
-    patch = lattice_patch(layer, radius, size) if packing == "lattice" else random_patch(layer, radius, size, seed)
-    confine(patch, pressure, threads)
+def _at_pressure(patch: Patch, pressure: float, strain: float, rate: float) -> PressureTest:
+    confine(patch, pressure)
     bonds = patch.model.set_pore_springs()
-    stiffness, skewness = probe(patch, pressure, threads)
-    quick = 2.0 * radius * float(np.sqrt(layer.density / pressure)) / patch.time_unit
-    rate = min(rate, INERTIAL / quick)
-    biaxial = load(patch.copy(), "biaxial", pressure, strain, rate, stiffness, threads)
-    shear = load(patch.copy(), "simple shear", pressure, strain, rate, stiffness, threads)
+    stiffness, skewness = probe(patch, pressure)
+    rate = min(rate, INERTIAL / patch.inertia(pressure))
+    biaxial = load(patch.copy(), "biaxial", pressure, strain, rate, stiffness)
+    shear = load(patch.copy(), "simple shear", pressure, strain, rate, stiffness)
     return PressureTest(
         pressure=pressure, stiffness=stiffness, skewness=skewness, biaxial=biaxial, biaxial_strength=strength(biaxial),
         shear=shear, shear_strength=strength(shear),
-        inertial_number=rate * quick,
+        inertial_number=rate * patch.inertia(pressure),
         pore_springs=bonds / float((~patch.frame).sum()),
     )  # fmt: skip
 

@@ -30,11 +30,28 @@ REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error,
 
 @dataclass(frozen=True)
 class Curve:
-    """A test, record by record (n,), and how it went.
+    """A test, record by record, and how it went.
 
-    strain: axial compression, or shear strain gamma; stress (n, 2, 2): tension positive (Pa); volumetric:
-    growth of the area (natural strain); unbalanced: ratio of forces; cracked: share of the pore
-    springs. rate: of the strain (1/s); stopped: why before the largest strain, empty if not.
+    Attributes
+    ----------
+    kind : "biaxial" or "simple shear"
+        What was done.
+    pressure : float
+        Stress that was kept (Pa, compression positive).
+    strain : (n,)
+        Axial compression (natural strain), or shear strain gamma.
+    stress : (n, 2, 2)
+        Mean stress in the region (Pa, tension positive).
+    volumetric : (n,)
+        Growth of the area (natural strain).
+    unbalanced : (n,)
+        Mean unbalanced force over mean contact force.
+    cracked : (n,)
+        Share of the pore springs that are cracked.
+    rate : float
+        Of the strain (1/s).
+    stopped : str
+        Why it ended before the largest strain, empty if it did not.
     """
 
     kind: Kind
@@ -70,14 +87,14 @@ class Curve:
         return self.deviator if self.kind == "biaxial" else self.shear
 
 
-def confine(patch: Patch, pressure: float, threads: int = 1) -> None:
+def confine(patch: Patch, pressure: float) -> None:
     """Brings a patch to this pressure, the same on all sides and without shear stress, and to rest there.
 
     Raises ConfinementError if it does not come to rest, OverlapError if its discs are too soft.
     """
     modulus = lattice_elastic(patch.model.springs.layers[0], pores=False).M
     unit = patch.time_unit
-    with Press(patch, threads) as press:
+    with Press(patch) as press:
         for _ in range(int(PATIENCE / 3.0)):
             stress = patch.stress()
             error = 0.5 * (stress + stress.T) + pressure * np.eye(2)
@@ -94,7 +111,7 @@ def confine(patch: Patch, pressure: float, threads: int = 1) -> None:
         patch.turn_to(np.zeros((2, 2)))
 
 
-def probe(patch: Patch, pressure: float, threads: int = 1) -> tuple[PlaneElastic, float]:
+def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
 
     What a copy does that is only held is taken off: no state of rest is perfect.
@@ -106,7 +123,7 @@ def probe(patch: Patch, pressure: float, threads: int = 1) -> tuple[PlaneElastic
     for name, way in ways.items():
         probed = patch.copy()
         unit = patch.time_unit
-        with Press(probed, threads) as press:
+        with Press(probed) as press:
             press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
         found[name] = probed.stress() / size
@@ -118,9 +135,7 @@ def probe(patch: Patch, pressure: float, threads: int = 1) -> tuple[PlaneElastic
     return stiffness, float(x[0, 0] / z[1, 1]) - 1.0
 
 
-def load(
-    patch: Patch, kind: Kind, pressure: float, strain: float, rate: float, stiffness: PlaneElastic, threads: int = 1
-) -> Curve:
+def load(patch: Patch, kind: Kind, pressure: float, strain: float, rate: float, stiffness: PlaneElastic) -> Curve:
     """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
 
     biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
@@ -136,7 +151,7 @@ def load(
     rows: list[np.ndarray] = []
     stopped = ""
     stress = patch.stress()
-    with Press(patch, threads) as press:
+    with Press(patch) as press:
         try:
             for interval in lengths:
                 wanted = -(stress[held, held] + pressure) / (stiffness.M * REACTION * interval)

@@ -5,7 +5,7 @@ measuring (Gauss), and neither platen nor membrane favours a place to fail. Stre
 that moves along with the frame and lies inside of it. Tension is positive, SI units, per metre out of plane.
 """
 
-from copy import deepcopy
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Literal
@@ -28,13 +28,81 @@ STEP = 0.6  # of the stable step
 SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
 
 
+Watch = Callable[[], None]
+
+
+def no_watch() -> None:
+    """For tests that nobody wants to stop."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What is put into the frame.
+
+    Attributes
+    ----------
+    layer : LayerSprings
+        The springs of its discs.
+    packing : "lattice" or "random"
+        How they lie.
+    radius : float
+        Their mean radius (m).
+    seed : int
+        Of a random packing.
+    size : (int, int) or None
+        Columns and rows, frame included; `SIZES` if None.
+    """
+
+    layer: LayerSprings
+    packing: PackingKind
+    radius: float
+    seed: int = 0
+    size: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        if self.packing not in SIZES:
+            raise ValueError(f"packing is 'lattice' or 'random', not {self.packing!r}")
+        columns, rows = self.size or SIZES[self.packing]
+        if columns < 8 or rows < 8:
+            raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
+
+    def patch(self, threads: int = 1, watch: Watch = no_watch) -> "Patch":
+        """The sample in its frame, not yet confined. Raises ValueError where there is no such random packing."""
+        size = self.size or SIZES[self.packing]
+        if self.packing == "lattice":
+            patch = lattice_patch(self.layer, self.radius, size)
+        else:
+            patch = random_patch(self.layer, self.radius, size, self.seed)
+        return replace(patch, threads=threads, watch=watch)
+
+
 @dataclass(eq=False)
 class Patch:
-    """A model, the frame (mask), the region (2, 2: low and high corner in the coordinates X) and F so far."""
+    """A sample in its frame, as it is now.
+
+    Attributes
+    ----------
+    model : DiscModel
+        All discs, the frame's among them.
+    frame : (n,)
+        Mask of the discs of the frame.
+    region : (2, 2)
+        Low and high corner of the region over which stress is averaged, in the coordinates X before any strain (m).
+    threads : int
+        Of the engine.
+    watch : callable
+        Called after every interval; what it raises ends the test, as an interrupt does.
+    deformation : (2, 2)
+        F, so far.
+    rates : (2, 2)
+        Velocity gradient of the frame (1/s).
+    """
 
     model: DiscModel
     frame: np.ndarray
     region: np.ndarray
+    threads: int = 1
+    watch: Watch = no_watch
     deformation: np.ndarray = field(default_factory=lambda: np.eye(2))
     rates: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
 
@@ -43,9 +111,16 @@ class Patch:
         """sqrt(m / kn) of a disc of the layer (s)."""
         return float(np.sqrt(self.model.mass.mean() / self.model.springs.layers[0].kn))
 
+    def inertia(self, pressure: float) -> float:
+        """Inertial number at this pressure (Pa) of a strain of 1 in a time unit: diameter times sqrt(density / p)."""
+        model = self.model
+        diameter = 2.0 * float(model.radius[~self.frame].mean())
+        density = model.springs.layers[0].density
+        return diameter * float(np.sqrt(density / pressure)) / self.time_unit
+
     def copy(self) -> "Patch":
         """Another patch in the same state."""
-        return deepcopy(self)
+        return replace(self, model=self.model.copy(), deformation=self.deformation.copy(), rates=self.rates.copy())
 
     def turn_to(self, rates: np.ndarray) -> None:
         """The frame's velocity gradient (2, 2) from now on (1/s).
@@ -108,9 +183,9 @@ class Patch:
 class Press:
     """Strains a patch: steps of the engine between changes of the frame's velocity."""
 
-    def __init__(self, patch: Patch, threads: int = 1) -> None:
+    def __init__(self, patch: Patch) -> None:
         self.patch = patch
-        engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=threads, ledger=False)
+        engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=patch.threads, ledger=False)
         self.run = Run(engine, patch.model, engine.step_of(patch.model))
 
     def __enter__(self) -> "Press":
@@ -121,8 +196,12 @@ class Press:
         self.run.close()
 
     def strain(self, rates: np.ndarray, duration: float) -> None:
-        """Takes the patch `duration` (s) on at this velocity gradient (1/s). Raises DemError."""
+        """Takes the patch `duration` (s) on at this velocity gradient (1/s).
+
+        Raises DemError, and whatever the patch's `watch` raises.
+        """
         patch, run = self.patch, self.run
+        patch.watch()
         patch.turn_to(rates)
         # contacts come and go, and the stable step with them
         steps = int(np.ceil(duration / (STEP * largest_step(patch.model).seconds)))

@@ -9,8 +9,19 @@ from dem.springs import LayerSprings
 
 @dataclass(frozen=True)
 class PlaneElastic:
-    """sigma_xx = M eps_xx + lame eps_zz, tau = G gamma, per metre out of plane (Pa).
+    """sigma_xx = M eps_xx + lame eps_zz, tau = G gamma, per metre out of plane.
 
+    Attributes
+    ----------
+    M : float
+        Constrained modulus (Pa).
+    lame : float
+        Lame's first constant (Pa).
+    G : float
+        Shear modulus (Pa).
+
+    Notes
+    -----
     E and nu are those of the soil that is as stiff in plane strain, to be compared with a Stratum's; a sheet of discs
     that may move out of the plane has E_2d = E / (1 - nu^2) and nu_2d = nu / (1 - nu) = lame / M.
     """

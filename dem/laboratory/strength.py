@@ -13,11 +13,24 @@ WINDOW = 0.05  # of the records on either side, for the slope at the peak
 
 @dataclass(frozen=True)
 class Strength:
-    """Where a test was strongest.
+    """Where a test was strongest, and what was left at its end.
 
-    verdict: "peak", "levels off", "still rising" (then it is what was mobilised at the largest strain) or "stopped".
-    strain there; major, minor: principal stresses; normal, shear: stresses on the horizontal plane; *_last: in the last
-    tenth of the test, mean (Pa, compression positive); dilation (rad), cracked: share of pore springs, at the peak.
+    Attributes
+    ----------
+    verdict : str
+        "peak", "levels off", "still rising" (then it is what was mobilised at the largest strain) or "stopped".
+    strain : float
+        At the largest resistance.
+    major, minor : float
+        Principal stresses there (Pa, compression positive).
+    normal, shear : float
+        Stresses on the horizontal plane there (Pa).
+    major_last, minor_last : float
+        Principal stresses in the last tenth of the test, mean (Pa).
+    dilation : float
+        Angle of dilation at the largest resistance (rad).
+    cracked : float
+        Share of the pore springs that are cracked there.
     """
 
     verdict: str

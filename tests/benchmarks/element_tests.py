@@ -12,7 +12,7 @@ import numpy as np
 
 from dem.laboratory.element_table import SHARES, middle_stresses
 from dem.laboratory.element_test import ElementTest, element_test
-from dem.laboratory.patch import PackingKind
+from dem.laboratory.patch import PackingKind, Sample
 from dem.springs import from_strata
 from meshes.section.section import Section, Stratum
 
@@ -41,7 +41,7 @@ def disc_row(test: ElementTest) -> str:
         for results in zip(*((t.biaxial_strength, t.shear_strength) for t in test.tests), strict=True)
     ]
     return (
-        f"| | {test.packing} | {test.E / 1e6:.1f} | {test.nu:.2f} | {test.G / 1e6:.1f} | "
+        f"| | {test.sample.packing} | {test.E / 1e6:.1f} | {test.nu:.2f} | {test.G / 1e6:.1f} | "
         f"{strengths(test.c, test.phi, reached[0])} | {np.degrees(test.dilation):.0f} | "
         f"{strengths(test.c_shear, test.phi_shear, reached[1])} |"
     )
@@ -67,7 +67,7 @@ def main() -> None:
         print(soil_row(stratum, stress))
         for packing in packings:
             pressures = [float(share * stress) for share in SHARES]
-            test = element_test(layer, packing, options.radius, pressures, seed=options.seed)
+            test = element_test(Sample(layer, packing, options.radius, options.seed), pressures)
             print(disc_row(test), flush=True)
             results.append(test.as_json(stratum))
     wall, cpu = time.perf_counter() - begin, time.process_time() - busy

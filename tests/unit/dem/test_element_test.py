@@ -1,7 +1,10 @@
 """Element tests of discs: the parts that need no long run, what they refuse, and what they hand on."""
 
 import json
+import signal
 from dataclasses import replace
+from threading import Timer, main_thread
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -10,12 +13,14 @@ from hypothesis import strategies as st
 
 from dem.engine.forces import contact_forces, stress
 from dem.errors import EscapeError, OverlapError
+from dem.laboratory.element_table import element_tests
 from dem.laboratory.element_test import ElementTest, element_test
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import lattice_patch, random_patch, share_inside
+from dem.laboratory.patch import Sample, lattice_patch, random_patch, share_inside
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import dilation, from_plane, from_principal, verdict
-from meshes.section.section import Stratum
+from meshes.section.section import Section, Stratum
+from tests.support import SECTIONS
 from tests.support.dem_cases import KN, RADIUS, SOIL
 
 SMALL = (12, 14)
@@ -27,7 +32,7 @@ STRATUM = Stratum(
 
 @pytest.fixture(scope="module")
 def sand() -> ElementTest:
-    return element_test(replace(SOIL, cohesion=0.0), "random", RADIUS, [2e6, 1e6], strain=0.1, size=SMALL)
+    return element_test(Sample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL), [2e6, 1e6], strain=0.1)
 
 
 coordinate = st.floats(-5.0, 5.0)
@@ -142,9 +147,13 @@ def test_frame_follows_its_affine_motion_to_rounding() -> None:
     ],
 )
 def test_refuses(changes: dict[str, object], words: str) -> None:
-    arguments = {"layer": SOIL, "packing": "lattice", "radius": RADIUS, "pressures": [1e4, 2e4]} | changes
+    sample = {"layer": SOIL, "packing": "lattice", "radius": RADIUS, "size": None}
+    test = {"pressures": [1e4, 2e4], "strain": 0.2, "rate": 2e-4}
     with pytest.raises(ValueError, match=words):
-        element_test(**arguments)  # type: ignore[arg-type]
+        element_test(
+            Sample(**{key: changes.get(key, value) for key, value in sample.items()}),  # type: ignore[arg-type]
+            **{key: changes.get(key, value) for key, value in test.items()},  # type: ignore[arg-type]
+        )
 
 
 def test_a_disc_outside_of_the_frame_is_found() -> None:
@@ -182,6 +191,18 @@ def test_as_json_holds_soil_beside_discs(sand: ElementTest) -> None:
     assert found["verdicts"] == list(sand.verdicts)
 
 
+def test_element_tests_hear_an_interrupt() -> None:
+    """Ctrl-C ends the tests of all layers within an interval of each, not when all of them are through."""
+    section = Section.read(SECTIONS / "s13.toml")
+    layers = [replace(SOIL, kn=4e6, ks=1.6e6, allowed_overlap=1.0)] * len(section.strata)
+    element_test(Sample(layers[0], "lattice", RADIUS, size=(8, 8)), [1e4, 2e4], strain=0.01)  # compiled by then
+    begin = perf_counter()
+    Timer(1.0, lambda: signal.pthread_kill(main_thread().ident, signal.SIGINT)).start()  # type: ignore[arg-type]
+    with pytest.raises(KeyboardInterrupt):
+        element_tests(section, layers, RADIUS, workers=2)
+    assert perf_counter() - begin < 6.0
+
+
 def test_quality_is_recorded(sand: ElementTest) -> None:
     assert 0.0 < sand.quality["unbalanced_median"] < 0.05
     assert 0.0 < sand.quality["inertial_number_largest"] < 5e-3
@@ -189,7 +210,7 @@ def test_quality_is_recorded(sand: ElementTest) -> None:
 
 
 def test_same_bits_twice_and_with_two_threads(sand: ElementTest) -> None:
-    again = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, threads=2, size=SMALL)
+    again = element_test(sand.sample, [1e6, 2e6], strain=0.1, threads=2)
     assert again.as_json(STRATUM) == sand.as_json(STRATUM)
-    other = element_test(sand.layer, "random", RADIUS, [1e6, 2e6], strain=0.1, seed=1, size=SMALL)
+    other = element_test(replace(sand.sample, seed=1), [1e6, 2e6], strain=0.1)
     assert other.phi != sand.phi
