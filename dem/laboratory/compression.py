@@ -1,0 +1,54 @@
+"""A patch of soil discs compressed beyond its peak: stiffness, peak, and what is left."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.laboratory.loading import confine, load, probe
+from dem.laboratory.patch import Sample, Watch, no_watch
+from dem.laboratory.strength import dilation
+
+STRAIN = 0.15  # axial, at the end
+AFTER = 0.08  # from here on is after the peak
+RATE = 4e-4  # strain per sqrt(m / kn)
+INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by less than seeds do
+
+
+@dataclass(frozen=True)
+class PatchStrength:
+    """What one patch did at one pressure.
+
+    Attributes
+    ----------
+    pressure : float
+        Confining pressure (Pa).
+    E : float
+        Young's modulus of soil in plane strain that is as stiff as the confined patch (Pa).
+    peak, after : float
+        Half the deviator at the peak, and its mean from a strain of `AFTER` to `STRAIN` (Pa).
+    dilation : float
+        Angle of dilation at the peak (rad).
+    """
+
+    pressure: float
+    E: float
+    peak: float
+    after: float
+    dilation: float
+
+
+def compress(sample: Sample, pressure: float, watch: Watch = no_watch) -> PatchStrength:
+    """Confines a sample, probes it, and compresses it in plane strain.
+
+    Raises DemError where it does not come to rest or cannot be compressed so far, and whatever `watch` raises.
+    """
+    patch = sample.patch(watch=watch)
+    confine(patch, pressure)
+    stiffness, _ = probe(patch, pressure)
+    rate = min(RATE, INERTIAL / patch.inertia(pressure))
+    curve = load(patch, "biaxial", pressure, STRAIN, rate, stiffness, to_the_end=True)
+    half = 0.5 * curve.deviator
+    at = int(np.argmax(half))
+    late = curve.strain > AFTER
+    after = float(half[late].mean()) if late.any() else float(half[-1])
+    return PatchStrength(pressure, stiffness.E, float(half[at]), after, dilation(curve, at))

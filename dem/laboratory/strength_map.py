@@ -1,0 +1,124 @@
+"""Strength and stiffness of random patches of soil discs, over the two groups that govern them.
+
+Discs that do not turn, of law "soil", in random packings of the porosity that `POROSITY` gives. Once they are stiff for
+their stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the
+friction mu of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a contact (N per metre) and the
+mean radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
+continuum is perfectly plastic, and knows no peak.
+
+The map is computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.
+"""
+
+import csv
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+from scipy.optimize import least_squares
+
+POROSITY = 0.22  # with which packings are made: near the critical state, so that no more than a fifth is lost after peak
+MAP = "strength_map.csv"
+EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
+
+
+@dataclass(frozen=True)
+class ContactStrength:
+    """Constants of contacts, and how well they meet what was wanted.
+
+    Attributes
+    ----------
+    friction : float
+        mu.
+    cohesion : float
+        C over the mean diameter (Pa).
+    expected : (n,)
+        Strength at the pressures that were asked for, by the map (Pa).
+    """
+
+    friction: float
+    cohesion: float
+    expected: np.ndarray
+
+
+@dataclass(frozen=True)
+class StrengthMap:
+    """What patches can do.
+
+    Attributes
+    ----------
+    friction : (m,)
+        mu of the contacts.
+    cohesion : (k,)
+        Cohesion numbers C / (2 r p).
+    after, peak : (m, k)
+        Half the deviator over the confining pressure, after the peak and there; mean over the seeds.
+    scatter : (m, k)
+        Standard deviation of `after` from seed to seed.
+    modulus : float
+        E of the soil as stiff in plane strain over kn, mean over all patches that carry shear.
+    seeds : int
+        How many patches each mean stands for.
+    """
+
+    friction: np.ndarray
+    cohesion: np.ndarray
+    after: np.ndarray
+    peak: np.ndarray
+    scatter: np.ndarray
+    modulus: float
+    seeds: int
+
+    @property
+    def strongest(self) -> float:
+        """The largest half deviator over the pressure in the map."""
+        return float(self.after.max())
+
+    def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
+        """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""
+        number = np.asarray(cohesion / np.asarray(pressure, float))
+        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
+        ratio = RegularGridInterpolator(
+            (self.friction, np.log(self.cohesion + EARLY)), np.log(self.after), bounds_error=False, fill_value=None
+        )(where)
+        return np.asarray(np.exp(ratio) * pressure)
+
+    def fit(self, wanted: np.ndarray, pressure: np.ndarray) -> ContactStrength:
+        """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures."""
+        highest = float(self.cohesion[-1] * np.max(pressure))
+
+        def miss(values: np.ndarray) -> np.ndarray:
+            return np.asarray(np.log(self.strength(values[0], values[1], pressure) / wanted))
+
+        scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
+        best = min(
+            (
+                least_squares(
+                    miss, [mu, c], bounds=([0.0, 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale]
+                )
+                for mu, c in ((0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
+            ),
+            key=lambda found: found.cost,
+        )
+        # a bound that the solver only comes near to is meant to be reached
+        mu, c = (0.0 if value < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True))
+        return ContactStrength(mu, c, self.strength(mu, c, pressure))
+
+
+@lru_cache(maxsize=1)
+def strength_map() -> StrengthMap:
+    """The map that comes with the package."""
+    with (files("dem.laboratory") / MAP).open(encoding="utf-8") as source:
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
+    friction, cohesion = (np.array(sorted({row[key] for row in rows})) for key in ("friction", "cohesion_number"))
+    by_place = {(row["friction"], row["cohesion_number"]): row for row in rows}
+
+    def table(key: str) -> np.ndarray:
+        return np.array([[by_place[mu, c][key] for c in cohesion] for mu in friction])
+
+    modulus = table("modulus")
+    return StrengthMap(
+        friction, cohesion, table("after"), table("peak"), table("scatter"),
+        float(np.median(modulus)), int(rows[0]["seeds"]),
+    )  # fmt: skip
