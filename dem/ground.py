@@ -24,8 +24,22 @@ LOOSER = 0.1  # porosity beyond that asked for
 class Ground:
     """Discs of a section before anything acts on them.
 
-    kind: "box", "lattice" or "random"; radius: their mean (m); rows: of a box, else 0; tilt: how far the u axis dips
-    below the horizontal (rad); origin: where u = v = 0 lies in the section (m); downhill: +1 or -1 along x.
+    Attributes
+    ----------
+    packing : Packing
+        Where they lie.
+    kind : str
+        "box", "lattice" or "random".
+    radius : float
+        Their mean radius (m).
+    rows : int
+        Of a box, else 0.
+    tilt : float
+        How far the u axis dips below the horizontal (rad).
+    origin : (float, float)
+        Where u = v = 0 lies in the section (m).
+    downhill : int
+        +1 where the ground falls along x, -1 where it rises.
     """
 
     packing: Packing
@@ -47,8 +61,9 @@ class Ground:
         return c * u + s * v, -s * u + c * v
 
     def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
-        """The discs at rest, without pore springs, under gravity."""
-        return self.packing.discs(layers, gravity=tilted_gravity(self.tilt), mean=settings.mean)
+        """The discs at rest, without pore springs, under gravity. Soil discs do not turn."""
+        gravity, soil = tilted_gravity(self.tilt), settings.model == "soil"
+        return self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
         """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""
@@ -98,6 +113,11 @@ def radius_for(section: Section, elements: int) -> float:
     return float(np.sqrt(section.layering.areas().sum() / elements / (4.0 * ROW)))
 
 
+def downhill(section: Section) -> int:
+    """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
+    return 1 if section.surface[0][1] >= section.surface[-1][1] else -1
+
+
 def mean_slope(section: Section) -> float:
     """Angle (rad) by which the line between the ends of the surface dips to the right."""
     (x0, z0), (x1, z1) = section.surface[0], section.surface[-1]
@@ -129,15 +149,13 @@ def _box(section: Section, radius: float) -> Ground:
     rim = packing.z[packing.free].max() + radius
     inset = 0.5 * (length - 2.0 * radius * (columns - 1))
     origin = start + inset * along + rim * down
-    ground = Ground(
-        packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), 1 if start[1] >= end[1] else -1
-    )
+    ground = Ground(packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), downhill(section))
     free = packing.free
-    packing.layer[free] = _strata(section, *ground.to_section(packing.x[free], packing.z[free]))
+    packing.layer[free] = in_stratum(section, *ground.to_section(packing.x[free], packing.z[free]))
     return ground
 
 
-def _strata(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Stratum of each place; of places a little outside, that of the nearest point straight above or below inside."""
     left, right = section.extent
     inside = np.clip(x, left, right)
@@ -154,12 +172,12 @@ def _strata(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> Ground:
     """A lattice or a random packing cut to the outline."""
-    outline, downhill = section.outline(), 1 if section.surface[0][1] >= section.surface[-1][1] else -1
+    outline = section.outline()
     if kind == "lattice":
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
     else:
         packing = _densest_that_fits(section, settings, radius)
-    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill)
+    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section))
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:

@@ -9,24 +9,42 @@ from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
 TABLE2_STRATA = 10
+STRETCH = {"soil": 12.0, "paper": 3.0}
+FACTORS = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
 class DemSettings(Model):
     """Settings of the discs and of the search for their critical Kh, a table [dem]."""
 
+    model: Literal["soil", "paper"] = Field(
+        default="soil",
+        description='"soil": random discs whose contacts are found in element tests, or "paper": rows, springs and pore '
+        "springs of the paper",
+    )
+    paper: StrictBool = Field(
+        default=False, description='true to run the paper\'s own discs, unchanged, beside those of model = "soil"'
+    )
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",
-        description='"box": rows along the mean surface, gravity tilted; "lattice": the same rows cut to the outline; '
-        '"random"; or "auto": box where surface and base are straight and parallel, random elsewhere',
+        description='of model = "paper": "box": rows along the mean surface, gravity tilted; "lattice": the same rows '
+        'cut to the outline; "random"; or "auto": box where surface and base are straight and parallel, random '
+        "elsewhere; soil discs are always random",
     )
     radius: Length | None = Field(default=None, description='(mean) radius of the discs, such as "0.75 m"')
     elements: int = Field(default=2500, ge=50, le=1_000_000, description="discs wanted where no radius is given")
     spread: float = Field(default=0.2, ge=0.0, lt=0.9, description="half width of the radii of a random packing")
-    porosity: float = Field(default=0.2, gt=0.1, lt=0.5, description="voids over area of a random packing, at least")
+    porosity: float = Field(
+        default=0.2,
+        gt=0.1,
+        lt=0.5,
+        description='of model = "paper": voids over area of a random packing, at least; soil discs have that of their '
+        "element tests",
+    )
     seed: int = Field(default=0, ge=0, description="seed of a random packing")
     springs: Literal["soil", "table2"] = Field(
-        default="soil", description='"soil": by eqs. (5)-(13) from the strata, or "table2": the paper\'s Table 2'
+        default="soil",
+        description='of model = "paper": "soil": by eqs. (5)-(13) from the strata, or "table2": the paper\'s Table 2',
     )
     stiffness_scale: float = Field(default=0.01, gt=0.0, description="factor on the springs of eqs. (9)-(13)")
     damping_ratio: float = Field(default=1.0, ge=0.0, description="factor on the dashpots sqrt(m K)")
@@ -40,15 +58,21 @@ class DemSettings(Model):
         default=4e-4, gt=0.0, le=1e-2, description="stands: mean unbalanced force over mean contact force, at most"
     )
     kinetic: float = Field(default=1e-5, gt=0.0, description="stands: kinetic over stored energy, at most")
-    growth: float = Field(default=3.0, gt=1.0, description="fails: displacement in elastic ones, at least")
+    growth: float | None = Field(
+        default=None,
+        gt=1.0,
+        description="fails: displacement in elastic ones, at least; if not given 3 for the paper's discs, and for soil "
+        "discs 12, where the path of the continuum ends at the latest",
+    )
     patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
     parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(
         default="auto",
         description="factor that calibration changes: on all stiffness, on friction, on stretch and cohesion of pore "
-        "springs, on both (strength), or on all of it; auto: by the sensitivities",
+        "springs, on both (strength), or on all of it; auto: by the sensitivities. Soil discs take strength, or none",
     )
     range: tuple[float, float] | None = Field(
-        default=None, description="least and largest factor allowed, [0.1, 10.0] if not given"
+        default=None,
+        description="least and largest factor allowed; if not given [0.1, 10.0], and [0.75, 1.33] for soil discs",
     )
     tolerance: float = Field(default=0.005, gt=0.0, le=0.1, description="allowed difference to the FEM's critical Kh")
     out_of_reach: Literal["stop", "go on"] = Field(
@@ -60,9 +84,32 @@ class DemSettings(Model):
     element_tests: StrictBool = Field(default=True, description="true to test patches of every layer's discs as well")
     workers: int = Field(default=2, ge=1, le=256, description="trials, or threads of one, at a time")
 
+    @property
+    def largest_stretch(self) -> float:
+        """`growth`, or what it is for the model: the displacement in elastic ones beyond which discs may fail."""
+        return self.growth or STRETCH[self.model]
+
+    @property
+    def factors(self) -> tuple[float, float]:
+        """`range`, or what it is for the model: the least and the largest factor that calibration may take."""
+        return self.range or FACTORS[self.model]
+
+    def as_paper(self) -> "DemSettings":
+        """The same settings for the paper's own discs as the paper used them: nothing calibrated."""
+        return self.model_copy(update={"model": "paper", "paper": False, "parameter": "none"})
+
     def problems(self, section: Section) -> list[str]:
         """What does not fit the section, one sentence each."""
         found = []
+        if self.model == "soil" and self.parameter not in ("auto", "strength", "none"):
+            found.append(
+                f'dem, parameter = "{self.parameter}": expected "strength" or "none"; soil discs have the stiffness of '
+                'their soil, other factors belong to model = "paper"'
+            )
+        if self.model == "soil" and self.packing not in ("auto", "random"):
+            found.append(
+                f'dem, packing = "{self.packing}": expected "random" or "auto"; rows belong to model = "paper"'
+            )
         if self.springs == "table2" and len(section.strata) != TABLE2_STRATA:
             found.append(
                 f'dem, springs = "table2": expected ten strata as in the paper, there are {len(section.strata)}; '
@@ -81,11 +128,21 @@ class DemSettings(Model):
 
 
 class Case(Model):
-    """What liquefaction does to the layers that name this case in `liquefies_in`: factors on their springs."""
+    """What liquefaction does to the layers that name this case in `liquefies_in`."""
 
-    stiffness: float = Field(gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
+    stiffness: float = Field(default=1.0, gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
     damping: float = Field(default=0.1, ge=0.0, le=1.0, description="factor on the dashpots")
     friction: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the friction")
+    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the cohesion of soil discs' contacts")
+    residual: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="residual strength of soil discs over the vertical effective stress in the middle of the layer",
+    )
+    volumetric_strain: float = Field(
+        default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
+    )
 
 
 class SlideSettings(Model):
@@ -97,11 +154,15 @@ class SlideSettings(Model):
         description="one table [[slide.cases]] for each, numbered from 1",
     )
     kh: float = Field(default=0.1, ge=0.0, le=1.0, description="seismic coefficient that is held")
+    kh_seconds: float | None = Field(
+        default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
+    )
     onset: float = Field(
         default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"
     )
-    kinetic: float = Field(default=5e-4, gt=0.0, description="settled: kinetic over stored energy, at most")
-    velocity: float = Field(default=0.01, gt=0.0, description="settled: speed of the surface (m/s), at most")
+    still: float = Field(
+        default=0.01, gt=0.0, description="at rest: movement of the surface (m) in 5 s, less than that twice in a row"
+    )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[int, ...] = Field(default=(), description="random packings to repeat the cases on, such as [1, 2, 3]")

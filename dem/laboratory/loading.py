@@ -135,11 +135,20 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     return stiffness, float(x[0, 0] / z[1, 1]) - 1.0
 
 
-def load(patch: Patch, kind: Kind, pressure: float, strain: float, rate: float, stiffness: PlaneElastic) -> Curve:
+def load(
+    patch: Patch,
+    kind: Kind,
+    pressure: float,
+    strain: float,
+    rate: float,
+    stiffness: PlaneElastic,
+    to_the_end: bool = False,
+) -> Curve:
     """A test from the confined state up to `strain`, at `rate` (strain per time unit of the patch).
 
     biaxial: shorter in z, the lateral stress kept at the pressure; simple shear: no strain along x, the vertical stress
-    kept. Once well past its peak a test is over; one that cannot go on ends with the reason in `stopped`.
+    kept. Once well past its peak a test is over, unless it is to go `to_the_end`; one that cannot go on ends with the
+    reason in `stopped`.
     """
     per_second = rate / patch.time_unit
     lengths = 1.0 + np.arange(INTERVALS) / GROWTH
@@ -160,7 +169,7 @@ def load(patch: Patch, kind: Kind, pressure: float, strain: float, rate: float, 
                 press.strain(drive, interval)
                 stress = patch.stress()
                 rows.append(_record(patch, kind, stress, bonds))
-                if _is_over(rows, kind):
+                if not to_the_end and _is_over(rows, kind):
                     break
         except DemError as error:
             stopped = str(error).removesuffix(f" {press.run.engine.kept}")

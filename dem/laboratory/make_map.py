@@ -29,7 +29,7 @@ def patch_strength(friction: float, cohesion_number: float, seed: int) -> PatchS
     """One patch, confined and compressed."""
     strength = Strength(friction, cohesion_number * 2.0 * RADIUS * PRESSURE)
     layer = soil_discs("map", KAPPA * PRESSURE, strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0)
-    return compress(Sample(layer, "random", RADIUS, seed), PRESSURE)
+    return compress(Sample(layer, "random", RADIUS, seed, law="soil"), PRESSURE)
 
 
 def main() -> None:

@@ -16,13 +16,15 @@ from dem.engine.engine import Engine, Run, largest_step
 from dem.errors import EscapeError
 from dem.model import DiscModel
 from dem.packing import ROW, Packing, random_packing
-from dem.springs import LayerSprings
+from dem.springs import Law, LayerSprings
 
 PackingKind = Literal["lattice", "random"]
 
 # columns and rows by default, frame included; a frame stiffens what lies near, where that is not affine anyway
 SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24, 27)}
-POROSITIES = (0.2, 0.21, 0.22, 0.24)  # of a random patch before it is confined: the first that its seed can do
+POROSITY = 0.22  # of soil discs: near the critical state, so that they lose no more than a fifth after the peak
+# of a random patch before it is confined: the first that its seed can do
+POROSITIES: dict[Law, tuple[float, ...]] = {"paper": (0.2, 0.21, 0.22, 0.24), "soil": (POROSITY, 0.225, 0.23, 0.24)}
 DASHPOTS = 0.2  # of sqrt(m k)
 STEP = 0.6  # of the stable step
 SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
@@ -51,6 +53,8 @@ class Sample:
         Of a random packing.
     size : (int, int) or None
         Columns and rows, frame included; `SIZES` if None.
+    law : "paper" or "soil"
+        Of the contacts; soil discs do not turn, and lie as loosely as in the slope.
     """
 
     layer: LayerSprings
@@ -58,6 +62,7 @@ class Sample:
     radius: float
     seed: int = 0
     size: tuple[int, int] | None = None
+    law: Law = "paper"
 
     def __post_init__(self) -> None:
         if self.packing not in SIZES:
@@ -72,7 +77,7 @@ class Sample:
         if self.packing == "lattice":
             patch = lattice_patch(self.layer, self.radius, size)
         else:
-            patch = random_patch(self.layer, self.radius, size, self.seed)
+            patch = random_patch(self.layer, self.radius, size, self.seed, self.law)
         return replace(patch, threads=threads, watch=watch)
 
 
@@ -242,21 +247,27 @@ def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SI
     return _patch(layer, x - middle[0], z - middle[1], np.full(len(x), radius), frame, half)
 
 
-def random_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["random"], seed: int = 0) -> Patch:
+def random_patch(
+    layer: LayerSprings,
+    radius: float,
+    size: tuple[int, int] = SIZES["random"],
+    seed: int = 0,
+    law: Law = "paper",
+) -> Patch:
     """Discs of `random_packing` in the same space; those at its rim, as deep as pore springs reach, are the frame."""
     half = radius * np.array([size[0], size[1] * ROW])
-    packing = _heap(float(half[0]), float(half[1]), radius, seed)
+    packing = _heap(float(half[0]), float(half[1]), radius, seed, law)
     x, z = packing.x, packing.z
     depth = np.minimum(half[0] - np.abs(x), half[1] - np.abs(z))
     reach = 2.0 * layer.alpha * radius
-    return _patch(layer, x, z, packing.radius, depth < reach, half - reach - radius)
+    return _patch(layer, x, z, packing.radius, depth < reach, half - reach - radius, law)
 
 
-@lru_cache(maxsize=8)
-def _heap(half_width: float, half_height: float, radius: float, seed: int) -> Packing:
+@lru_cache(maxsize=16)
+def _heap(half_width: float, half_height: float, radius: float, seed: int, law: Law) -> Packing:
     outline = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width, half_height]
     whole = None
-    for porosity in POROSITIES:
+    for porosity in POROSITIES[law]:
         try:
             whole = random_packing(
                 outline, lambda x, z: np.zeros(len(x), np.int32), radius, porosity=porosity, seed=seed
@@ -265,18 +276,27 @@ def _heap(half_width: float, half_height: float, radius: float, seed: int) -> Pa
         except ValueError:
             continue
     if whole is None:
-        raise ValueError(f"no random patch for seed {seed} up to a porosity of {POROSITIES[-1]}: take another seed")
+        raise ValueError(
+            f"no random patch for seed {seed} up to a porosity of {POROSITIES[law][-1]}: take another seed"
+        )
     free = whole.free
     return Packing(whole.x[free], whole.z[free], whole.radius[free], whole.layer[free], whole.lines)
 
 
 def _patch(
-    layer: LayerSprings, x: np.ndarray, z: np.ndarray, radius: np.ndarray, frame: np.ndarray, half: np.ndarray
+    layer: LayerSprings,
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    frame: np.ndarray,
+    half: np.ndarray,
+    law: Law = "paper",
 ) -> Patch:
     # dashpots have no part in what is at rest, and those of the layer would ask for a step four times as small
     mass = layer.density * np.pi * float(np.mean(radius**2))
     cn, ct = (DASHPOTS * float(np.sqrt(mass * k)) for k in (layer.kn, layer.ks))
     model = DiscModel.create(
-        x, z, radius, [replace(layer, cn=cn, ct=ct)], np.where(frame, -1, 0), skin=SKIN * float(radius.mean())
-    )
+        x, z, radius, [replace(layer, cn=cn, ct=ct)], np.where(frame, -1, 0), skin=SKIN * float(radius.mean()),
+        law=law, turns=law == "paper",
+    )  # fmt: skip
     return Patch(model, model.fixed.copy(), np.array([-half, half]))

@@ -1,6 +1,6 @@
 """Which contacts make discs the soil of each stratum: stiffness, friction and cohesion from the map of strengths.
 
-A stratum is looked at as a sample from the middle of it, confined at a quarter, a half and all of its vertical effective
+A stratum is looked at as a sample from its middle, confined at a quarter, a half and all of its vertical effective
 stress. Wanted at a confining pressure p is half the deviator at failure of Mohr and Coulomb,
 (p sin phi + c cos phi) / (1 - sin phi): c_u for a clay without friction, p sin phi / (1 - sin phi) for a sand.
 """

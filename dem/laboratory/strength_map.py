@@ -1,6 +1,6 @@
 """Strength and stiffness of random patches of soil discs, over the two groups that govern them.
 
-Discs that do not turn, of law "soil", in random packings of the porosity that `POROSITY` gives. Once they are stiff for
+Discs that do not turn, of law "soil", in random packings of the porosity that `patch.POROSITY` gives. Once they are stiff for
 their stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the
 friction mu of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a contact (N per metre) and the
 mean radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
@@ -18,7 +18,9 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
-POROSITY = 0.22  # with which packings are made: near the critical state, so that no more than a fifth is lost after peak
+POROSITY = (
+    0.22  # with which packings are made: near the critical state, so that no more than a fifth is lost after peak
+)
 MAP = "strength_map.csv"
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
@@ -94,9 +96,7 @@ class StrengthMap:
         scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
         best = min(
             (
-                least_squares(
-                    miss, [mu, c], bounds=([0.0, 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale]
-                )
+                least_squares(miss, [mu, c], bounds=([0.0, 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale])
                 for mu, c in ((0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
             key=lambda found: found.cost,

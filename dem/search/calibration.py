@@ -2,8 +2,11 @@
 
 A factor multiplies the constants of every layer alike, so that what tells the layers apart stays:
 stiffness: all springs, dashpots by its square root (the damping ratio stays); friction: of elements and pore springs;
-pore_strength: cohesion and stretch at which pore springs break; strength: friction and pore_strength together;
-all: stiffness and strength together.
+pore_strength: cohesion and stretch at which pore springs break, cohesion of soil discs; strength: friction and
+pore_strength together; all: stiffness and strength together.
+
+Soil discs take one factor on their strength, as the continuum's strength is reduced for a factor of safety: friction
+and cohesion alike, rolling and stiffness as they are. Their critical Kh without any factor is a prediction.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +17,6 @@ from threading import Event, Lock
 from typing import Any, Literal
 
 import numpy as np
-from scipy.optimize import brentq
 
 from dem.errors import DemError
 from dem.ground import Ground
@@ -28,8 +30,11 @@ from dem.springs import LayerSprings
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
-RANGE = (0.1, 10.0)
+NARROWINGS = 12  # searches at most once the target is bracketed
+NARROWEST = 1.003  # ratio of two factors between which no more is looked for
+SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
 
+Verdict = Literal["calibrated", "out of reach"]
 Key = tuple[str, float]  # parameter and factor
 OnSearch = Callable[[str, float, Search], None]
 
@@ -38,7 +43,28 @@ OnSearch = Callable[[str, float, Search], None]
 class Calibration:
     """The factor that meets the target, or the closest there is.
 
-    searches: the critical Kh of every parameter and factor that was tried, in the order of trying.
+    Attributes
+    ----------
+    target : float
+        Critical Kh of the continuum.
+    tolerance : float
+        Difference to it that is allowed.
+    parameter : str
+        What the factor multiplies.
+    value : float
+        The factor.
+    range : (float, float)
+        Least and largest factor allowed.
+    verdict : str
+        "calibrated" or "out of reach".
+    reason : str
+        In words.
+    search : Search
+        The critical Kh with that factor.
+    sensitivity : tuple of (parameter, factor, Search)
+        The critical Kh with each parameter halved and doubled; parameter "" is that without any factor.
+    trials : tuple of (factor, Search)
+        Every factor that the parameter was tried with, in the order of trying.
     """
 
     target: float
@@ -46,7 +72,7 @@ class Calibration:
     parameter: str
     value: float
     range: tuple[float, float]
-    verdict: Literal["calibrated", "out of reach"]
+    verdict: Verdict
     reason: str
     search: Search
     sensitivity: tuple[tuple[str, float, Search], ...]
@@ -92,6 +118,7 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
         replace(
             s, kn=s.kn * stiffness, ks=s.ks * stiffness, kpn=s.kpn * stiffness, kps=s.kps * stiffness,
             cn=s.cn * root, ct=s.ct * root, friction=s.friction * friction, cohesion=s.cohesion * pore,
+            contact_cohesion=s.contact_cohesion * pore,
             beta=1.0 + (s.beta - 1.0) * pore,
             pore_friction=None if s.pore_friction is None else s.pore_friction * friction,
         )
@@ -124,10 +151,15 @@ class Calibrator:
         self.lock = Lock()
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
-        """Discs at rest with a factor on a parameter, from the lattice or packing they all start with."""
+        """Discs at rest with a factor on a parameter.
+
+        The paper's begin again from the lattice or packing that all start with. Soil discs go on from where they came to
+        rest with their own strength: their ground is cut to the section's, and shall stay so.
+        """
         if factor == 1.0:
             return self.settled
-        return settle(self.ground, changed(self.layers, parameter, factor), self.settings)
+        begin = self.settled.copy() if self.settings.model == "soil" else None
+        return settle(self.ground, changed(self.layers, parameter, factor), self.settings, begin)
 
     def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
         """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less."""
@@ -176,7 +208,7 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
         return [p for p in reached if any((kc - target) * (base - target) <= 0.0 for kc in reached[p])]
 
     if not able():
-        low, high = calibrator.settings.range or RANGE
+        low, high = calibrator.settings.factors
         ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
         for p, search in zip(ONE_AT_A_TIME, ends, strict=True):
             reached[p].append(middle(search))
@@ -190,6 +222,8 @@ def best(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
     """Calibrates one parameter; "auto" is that of `choose`, or all together where that one jumps past the target."""
+    if parameter == "auto" and calibrator.settings.model == "soil":
+        parameter = "strength"
     if parameter != "auto":
         return calibrate(calibrator, target, parameter, table)
     found = calibrate(calibrator, target, choose(calibrator, table, target), table)
@@ -209,43 +243,57 @@ def middle(search: Search) -> float:
 def calibrate(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """The factor at which the critical Kh is within the tolerance of the target, by Brent's method on its logarithm.
+    """The factor at which the critical Kh is within the tolerance of the target.
 
-    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range. Only a search that
-    ended in a bracket counts as met.
+    Bracketed first by what is known of the parameter, then from 1 outwards to the end of the range; then narrowed down.
+    Only a search that ended in a bracket counts as met.
     """
     settings = calibrator.settings
-    low, high = settings.range or RANGE
+    low, high = settings.factors
     tried = {f: s for (p, f), s in calibrator.searches.items() if p in ("", parameter) and low <= f <= high}
 
-    def miss(log_factor: float) -> float:
-        factor = float(np.exp(log_factor))
-        search = tried[factor] = calibrator.search(parameter, factor, settings.workers)
-        gap = middle(search) - target
-        return 0.0 if _met(search, target, settings.tolerance) else gap
+    def met() -> bool:
+        return any(_met(search, target, settings.tolerance) for search in tried.values())
 
-    ends = _bracket(tried, target)
     for outwards in _outwards(middle(tried[1.0]) > target if 1.0 in tried else True, low, high, settings.workers):
-        if ends is not None or any(_met(s, target, settings.tolerance) for s in tried.values()):
+        if met() or _bracket(tried, target) is not None:
             break
         tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
+    for _ in range(NARROWINGS):
         ends = _bracket(tried, target)
-    if ends is not None and not any(_met(s, target, settings.tolerance) for s in tried.values()):
-        known = {float(np.log(f)): middle(tried[f]) - target for f in ends}
-        brentq(lambda a: known[a] if a in known else miss(a), *sorted(known), xtol=0.003, maxiter=12, disp=False)
+        if met() or ends is None or ends[1] / ends[0] < NARROWEST:
+            break
+        factor = _between(tried, target, *ends)
+        tried[factor] = calibrator.search(parameter, factor, settings.workers)
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
-    met = _met(tried[value], target, settings.tolerance)
-    reach = [middle(s) for s in tried.values()]
-    reason = (
-        f"critical Kh {middle(tried[value]):.4f}, the FEM's is {target:.4f}"
-        if met
-        else f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
+    verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
+    reason = f"critical Kh {middle(tried[value]):.4f}, the FEM's is {target:.4f}"
+    if verdict != "calibrated":
+        reason = _out_of_reach(settings, parameter, tried, value, target)
+    return Calibration(
+        target, settings.tolerance, parameter, value, (low, high), verdict, reason, tried[value], tuple(table),
+        tuple(tried.items()),
+    )  # fmt: skip
+
+
+def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
+    """A factor between two that have the target between them: where a straight line over the logarithm meets it, but
+    not next to an end, since the critical Kh of discs is no smooth function of the factor."""
+    below, above = middle(tried[low]) - target, middle(tried[high]) - target
+    share = float(np.clip(below / (below - above), SHORTEST, 1.0 - SHORTEST))
+    return float(low * (high / low) ** share)
+
+
+def _out_of_reach(
+    settings: DemSettings, parameter: str, tried: dict[float, Search], value: float, target: float
+) -> str:
+    """Why no factor meets the target, in words."""
+    reach = [middle(search) for search in tried.values()]
+    told = (
+        f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
         f"{max(reach):.3f}, closest to {target:.4f} at {value:.3g}: {middle(tried[value]):.4f}"
     )
-    return Calibration(
-        target, settings.tolerance, parameter, value, (low, high), "calibrated" if met else "out of reach", reason,
-        tried[value], tuple(table), tuple(tried.items()),
-    )  # fmt: skip
+    return f"these discs are not this soil: {told}" if settings.model == "soil" else told
 
 
 def _outwards(weaker: bool, low: float, high: float, count: int) -> Iterator[list[float]]:

@@ -1,0 +1,138 @@
+"""The ground of soil discs: filled in a little too high, settled, cut to the section, and settled again.
+
+Random packings sink by some per cent of their height as they settle. So that surface and interfaces stand where the
+section has them when anything begins, the box is filled above the surface; what stands above it after settling is
+taken away, and every disc that remains is given the stratum in which it has come to lie. Weight and mass follow from
+the void ratio that is measured then: section over discs. Both are done `ROUNDS` times.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dem.ground import Ground, downhill, in_stratum, radius_for
+from dem.laboratory.patch import POROSITY
+from dem.model import DiscModel
+from dem.packing import Packing, random_packing
+from dem.search.equilibrium import settle
+from dem.settings import DemSettings
+from dem.springs import LayerSprings
+from meshes.errors import InputError
+from meshes.section.section import Section
+
+ROUNDS = 2
+SINKS = 0.01  # of the section's height, in settling
+MARGIN = 2.0  # mean radii that the fill is higher still
+CUT = (
+    0.35  # mean radii below the surface: discs whose centre is higher go, so that the tops are level with it on average
+)
+FIRST_VOIDS = POROSITY / (1.0 - POROSITY)
+LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, where walls leave no room for less
+
+LayersOf = Callable[[float, float], Sequence[LayerSprings]]  # mean radius (m) and void ratio to springs
+
+
+@dataclass(frozen=True)
+class Deposit:
+    """Soil discs at rest in the section.
+
+    Attributes
+    ----------
+    ground : Ground
+        Where they lie.
+    layers : list of LayerSprings
+        Their springs.
+    settled : DiscModel
+        The discs at rest.
+    void_ratio : float
+        Area of the section over that of the discs, less one.
+    """
+
+    ground: Ground
+    layers: list[LayerSprings]
+    settled: DiscModel
+    void_ratio: float
+
+
+def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Deposit:
+    """Fills, settles and cuts.
+
+    layers_of gives the springs of all strata for a mean radius and a void ratio. Raises InputError where no packing
+    fits, NotSettledError where the ground does not come to rest.
+    """
+    radius = settings.radius or radius_for(section, settings.elements)
+    ground = _filled(section, settings, radius)
+    layers = list(layers_of(radius, FIRST_VOIDS))
+    settled = settle(ground, layers, settings)
+    for _ in range(ROUNDS):
+        ground = replace(ground, packing=cut(section, settled, ground))
+        layers = list(layers_of(radius, void_ratio(section, ground.packing)))
+        settled = settle(ground, layers, settings)
+    return Deposit(ground, layers, settled, void_ratio(section, ground.packing))
+
+
+def void_ratio(section: Section, packing: Packing) -> float:
+    """Area of the section over that of the discs that can move, less one."""
+    solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
+    return float(section.layering.areas().sum()) / solid - 1.0
+
+
+def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
+    """The discs where they lie now, without those above the surface, each in the stratum where it is."""
+    free = ~settled.fixed
+    level = np.interp(settled.x, *np.array(section.surface, float).T)
+    keep = ~free | (settled.z <= level - CUT * ground.radius)
+    x, z, layer = settled.x[keep], settled.z[keep], settled.layer[keep].copy()
+    inside = layer >= 0
+    layer[inside] = in_stratum(section, x[inside], z[inside])
+    return Packing(x, z, settled.radius[keep], layer, settled.lines)
+
+
+def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
+    """The ground that a checkpoint of settled soil discs stands for."""
+    packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
+    radius = settings.radius or radius_for(section, settings.elements)
+    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section))
+
+
+def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
+    """How far the ground stands above the section's surface, column by column of two diameters (m).
+
+    The top of the ground in a column is the highest rim of a disc in it.
+    """
+    free = ~model.fixed
+    x, top = model.x[free], (model.z + model.radius)[free]
+    column = ((x - x.min()) / (4.0 * radius)).astype(int)
+    highest = np.full(column.max() + 1, -np.inf)
+    np.maximum.at(highest, column, top)
+    middle = x.min() + 4.0 * radius * (np.arange(len(highest)) + 0.5)
+    filled = np.isfinite(highest)
+    return np.asarray((highest - np.interp(middle, *np.array(section.surface, float).T))[filled])
+
+
+def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
+    """A random packing up to above the surface; strata stretched with it."""
+    outline = section.outline()
+    lift = SINKS * float(np.ptp(outline[:, 1])) + MARGIN * radius
+    surface = np.array(section.surface, float)
+    on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
+    base = outline[~on_top]
+    base = base[np.argsort(base[:, 0], kind="stable")]
+    raised = outline + np.where(on_top, lift, 0.0)[:, None] * np.array([0.0, 1.0])
+
+    def stratum_at(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        low, high = np.interp(x, *base.T), np.interp(x, *surface.T)
+        return in_stratum(section, x, low + (z - low) * (high - low) / (high + lift - low))
+
+    last: ValueError | None = None
+    for more in LOOSER:
+        try:
+            packing = random_packing(
+                raised, stratum_at, radius, spread=settings.spread, porosity=POROSITY + more, seed=settings.seed
+            )
+        except ValueError as error:
+            last = error
+            continue
+        return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section))
+    raise InputError(section.name, [f"dem: {last}"])

@@ -1,0 +1,92 @@
+"""What a slide may not do unnoticed: lose ground, pass through the box, or come near its sides.
+
+Areas stand for volumes per metre (m2).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.slides.surface import Surface
+
+LOST = 0.01  # of the area, beyond what was asked for
+THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
+NEAR = 2.0  # diameters from a side
+PILED = 2.0  # mean radii that the surface at a side rises
+
+
+def ground_area(model: DiscModel, ground: Ground) -> float:
+    """Area below the surface of the discs, above the lowest of them."""
+    x, z = Surface.of(model, ground).points(model, ground).T
+    lowest = float(ground.to_section(model.x, model.z)[1][~model.fixed].min())
+    return float(np.sum(0.5 * (z[1:] + z[:-1] - 2.0 * lowest) * np.diff(x)))
+
+
+def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
+    """Area of the discs that can move, of all strata or of some."""
+    free = ~model.fixed if strata is None else np.isin(model.layer, strata) & ~model.fixed
+    return float(np.sum(np.pi * model.radius[free] ** 2))
+
+
+def pressed_through(model: DiscModel) -> int:
+    """How many discs that can move lie in fixed ones by more than a mean radius: the box no longer holds them."""
+    i, j = model.pair_i, model.pair_j
+    wall = model.fixed[i] != model.fixed[j]
+    over = model.radius[i] + model.radius[j] - model.distance()
+    deep = wall & (over > THROUGH * 0.5 * (model.radius[i] + model.radius[j]))
+    moving = np.where(model.fixed[i[deep]], j[deep], i[deep])
+    return len(np.unique(moving))
+
+
+def deepest_overlap(model: DiscModel) -> float:
+    """The largest overlap of two discs that can move, over their mean radius."""
+    i, j = model.pair_i, model.pair_j
+    inside = ~model.fixed[i] & ~model.fixed[j]
+    mean = 0.5 * (model.radius[i] + model.radius[j])
+    return float(np.max(((2.0 * mean - model.distance()) / mean)[inside], initial=0.0))
+
+
+def at_the_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[str]:
+    """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
+    before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
+    left, right = before[0, 0], before[-1, 0]
+    surface = Surface.of(start, ground)
+    slide, _ = surface.movement(model, ground)
+    there = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
+    reach = NEAR * 2.0 * ground.radius
+    told = []
+    for name, side in (("left", left), ("right", right)):
+        came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (np.abs(slide) > ground.radius)
+        near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
+        rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
+        if came.any():
+            told.append(
+                f"{int(came.sum())} discs of the surface slid to within two diameters of the {name} side: it takes part"
+            )
+        if rise > PILED * ground.radius:
+            told.append(f"the ground has piled up by {rise:.2g} m at the {name} side: take a longer section")
+    return told
+
+
+def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
+    """Liquefied layers that are less than two discs thick, each with the radius that it wants."""
+    told = []
+    free = ~start.fixed
+    for k in strata:
+        here = free & (start.layer == k)
+        if not here.any():
+            name = start.springs.layers[k].name
+            told.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
+            continue
+        x, z = ground.to_section(start.x[here], start.z[here])
+        column = ((x - x.min()) / (4.0 * ground.radius)).astype(int)
+        depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[here].mean()) for c in np.unique(column)]
+        thick = float(np.median(depth))
+        if thick < 4.0 * ground.radius:
+            told.append(
+                f'stratum "{start.springs.layers[k].name}" liquefies and is {thick:.2g} m thick, less than two discs: a '
+                f"radius of {thick / 4.0:.2g} m would show it"
+            )
+    return told

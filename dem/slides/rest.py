@@ -1,0 +1,44 @@
+"""When a slide is over: the surface no longer moves. And where the energy comes from that keeps it going if it is not.
+
+Single discs that rattle in loosened ground keep some kinetic energy for ever, so energy says little about rest. What a
+person looks at is the ground: every third of the surface, and its largest slide.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+WINDOW = 5.0  # s
+WINDOWS = 2  # in a row
+
+
+def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
+    """Whether nothing has moved by `still` (m) within each of the last windows.
+
+    times (n,): of the looks (s), rising; moved (n, k): what is watched at each look (m): slides and settlements of the
+    thirds, and the largest slide.
+    """
+    time, where = np.asarray(times, float), np.asarray(moved, float)
+    if len(time) == 0 or time[-1] - time[0] < WINDOWS * WINDOW - 1e-9:
+        return False
+    for k in range(WINDOWS):
+        inside = (time >= time[-1] - (k + 1) * WINDOW - 1e-9) & (time <= time[-1] - k * WINDOW + 1e-9)
+        if np.ptp(where[inside], axis=0).max() >= still:
+            return False
+    return True
+
+
+def what_drives(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
+    """Where the energy of the last window came from, in words.
+
+    weight, shaking (n,): work that gravity and the seismic force have done since the beginning (J per metre).
+    """
+    time = np.asarray(times, float)
+    first = int(np.searchsorted(time, time[-1] - WINDOW - 1e-9))
+    by_weight, by_shaking = (max(float(work[-1] - work[first]), 0.0) for work in (weight, shaking))
+    total = by_weight + by_shaking
+    if total <= 0.0:
+        return "nothing drives it: it slows down"
+    share = by_weight / total
+    told = f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from Kh"
+    return f"{told}: a flow failure, which goes on without shaking" if share > 0.9 else told
