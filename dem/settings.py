@@ -19,8 +19,8 @@ class DemSettings(Model):
 
     model: Literal["soil", "paper"] = Field(
         default="soil",
-        description='"soil": random discs whose contacts are found in element tests, or "paper": rows, springs and pore '
-        "springs of the paper",
+        description='"soil": random discs whose contacts are found in element tests, or "paper": rows, springs and '
+        "pore springs of the paper",
     )
     paper: StrictBool = Field(
         default=False, description='true to run the paper\'s own discs, unchanged, beside those of model = "soil"'

@@ -104,8 +104,8 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     if abs(stiffness / real - 1.0) > 1e-9:
         what = "stiffer" if stiffness > real else "softer"
         notes.append(
-            f"{what} than the soil: E is {stiffness / real:.2f} times its, so that kn is {stiffness / stress:.0f} times "
-            "the stress"
+            f"{what} than the soil: E is {stiffness / real:.2f} times its, so that kn is {stiffness / stress:.0f} "
+            "times the stress"
         )
     return SoilLayer(
         stratum, stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, tuple(notes)

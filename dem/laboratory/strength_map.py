@@ -1,9 +1,9 @@
 """Strength and stiffness of random patches of soil discs, over the two groups that govern them.
 
-Discs that do not turn, of law "soil", in random packings of the porosity that `patch.POROSITY` gives. Once they are stiff for
-their stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the
-friction mu of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a contact (N per metre) and the
-mean radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
+Discs that do not turn, of law "soil", in random packings of porosity `patch.POROSITY`. Once they are stiff for their
+stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the friction mu
+of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a contact (N per metre) and the mean
+radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
 continuum is perfectly plastic, and knows no peak.
 
 The map is computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.

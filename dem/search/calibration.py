@@ -153,8 +153,8 @@ class Calibrator:
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
 
-        The paper's begin again from the lattice or packing that all start with. Soil discs go on from where they came to
-        rest with their own strength: their ground is cut to the section's, and shall stay so.
+        The paper's begin again from the lattice or packing that all start with. Soil discs go on from where they came
+        to rest with their own strength: their ground is cut to the section's, and shall stay so.
         """
         if factor == 1.0:
             return self.settled
