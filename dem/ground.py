@@ -65,6 +65,17 @@ class Ground:
         gravity, soil = tilted_gravity(self.tilt), settings.model == "soil"
         return self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
 
+    def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
+        """Kh that comes on in `rise` seconds from `start` (s), is held, and goes again in a second; + is downhill.
+
+        seconds: from `start` until it begins to go; None if it never does.
+        """
+        on = self.shaking(0.0, kh, start, start + rise)
+        if seconds is None:
+            return on
+        off = self.shaking(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
+        return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
+
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
         """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""
         sign = self.downhill

@@ -187,8 +187,8 @@ def try_kh(
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
     hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
     below their limits. Fails: the displacement since `before` exceeds `largest_stretch` times the elastic one and grew
-    at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or when a
-    DemError stopped the discs.
+    at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or
+    when a DemError stopped the discs.
     flexibility: elastic displacement over Kh (m), infinite if not known: nothing fails then.
     """
     cycle = period(model, ground)

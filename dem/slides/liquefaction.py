@@ -1,7 +1,8 @@
 """Slides: layers liquefy under a seismic coefficient that is held, and the ground goes where it goes (Sec. 4(3)).
 
-What happens at the onset: pore springs of the liquefied layers are cut; their element springs, dashpots and friction
-take the factors of the case, in steps if it takes time; Kh comes on. The paper does all of it at once.
+What happens at the onset: pore springs of the liquefied layers are cut; their element springs, dashpots and strength
+take the factors of the case, in steps if it takes time; their discs shrink by the volume that drains away; Kh comes on.
+The paper does all of it at once.
 """
 
 import json
@@ -16,24 +17,53 @@ from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.search.equilibrium import kinetic_ratio
 from dem.settings import Case, SlideSettings
+from dem.slides.balance import (
+    LOST,
+    at_the_sides,
+    deepest_overlap,
+    disc_area,
+    ground_area,
+    pressed_through,
+    thin_layers,
+)
+from dem.slides.lost_strength import liquefied, residual_cohesion
+from dem.slides.rest import at_rest, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
-from dem.springs import LayerSprings
 
 STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
 LEAST_STEP = STEP / 4.0
 FADE = 20  # steps in which springs change at an onset that takes time
 LOOK = 0.5  # s between two rows of the history
-NO_LIMIT = 2.0  # overlap over radius: soft layers let discs go through each other
-PATIENT = 4  # looks in a row at rest
 MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of history.csv; energies in J per metre."""
+    """What one look at a slide found, a line of history.csv.
+
+    Attributes
+    ----------
+    time_s : float
+        Since the onset (s).
+    settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
+        Median settlement of each third of the surface (m).
+    slide_uphill_m, slide_middle_m, slide_downhill_m : float
+        Median slide of each third, horizontally downhill (m).
+    slide_max_m : float
+        Largest slide of the surface, smoothed (m).
+    kinetic_J, stored_J, dissipated_J : float
+        Energy that moves, is stored in springs, has gone into friction, dashpots and cracks (J per metre).
+    work_J, shaking_J : float
+        Work of weight, Kh and boundary together; of Kh alone (J per metre).
+    cracked : int
+        Pore springs that are cracked.
+    crack_opening_m : float
+        Widest gap between discs of the surface (m).
+    surface_speed_m_s : float
+        Largest speed of the surface, smoothed (m/s).
+    """
 
     time_s: float
     settlement_uphill_m: float
@@ -47,6 +77,7 @@ class Row:
     stored_J: float  # noqa: N815
     dissipated_J: float  # noqa: N815
     work_J: float  # noqa: N815
+    shaking_J: float  # noqa: N815
     cracked: int
     crack_opening_m: float
     surface_speed_m_s: float
@@ -59,7 +90,32 @@ OnLook = Callable[[DiscModel, Row, bool], None]
 class Slide:
     """A slide as it went: its history, and how it ended.
 
-    surface_*: tops of the discs that are the surface then (n, 2), m; step_share: time step over the stable one.
+    Attributes
+    ----------
+    rows : list of Row
+        One for every look.
+    settled : bool
+        Whether the surface has come to rest.
+    reason : str
+        Why the slide is over.
+    escaped : int
+        Discs outside of the rigid lines.
+    slide_max_at_x_m : float
+        Where the surface slid furthest (m).
+    slide : list of float
+        How far each disc of the surface slid, smoothed, from uphill to downhill (m).
+    surface_before, surface_after : list of [x, z]
+        Tops of the discs that are the surface then (m).
+    seconds_simulated : float
+        Since the onset (s).
+    step_share : float
+        Time step over the stable one.
+    overlap : float
+        Deepest overlap of two discs at any look, over their mean radius.
+    area_lost_share : float
+        Share of the ground's area that is gone beyond what drained away and what springs gave way.
+    notes : list of str
+        What a reader must know to believe the numbers: sides that take part, layers too thin, ground that was lost.
     """
 
     rows: list[Row] = field(default_factory=list)
@@ -72,6 +128,9 @@ class Slide:
     surface_after: list[list[float]] = field(default_factory=list)
     seconds_simulated: float = 0.0
     step_share: float = STEP
+    overlap: float = 0.0
+    area_lost_share: float = 0.0
+    notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
         """The numbers of a case. alone: the same ground under Kh alone, to tell sliding from giving way."""
@@ -86,6 +145,9 @@ class Slide:
             "cracked_pore_springs": self.rows[-1].cracked,
             "seconds_simulated": self.seconds_simulated,
             "step_share": self.step_share,
+            "overlap": self.overlap,
+            "area_lost_share": self.area_lost_share,
+            "notes": self.notes,
             "surface_before": self.surface_before,
             "surface_after": self.surface_after,
         }
@@ -98,25 +160,23 @@ class Slide:
         return out
 
 
-def liquefied(
-    layers: list[LayerSprings], which: list[int], case: Case | None, share: float = 1.0
-) -> list[LayerSprings]:
-    """The layers with some of them liquefied; share < 1: on the way, factors to that power. Overlap is not limited."""
-    out = []
-    for k, layer in enumerate(layers):
-        if case is not None and k in which:
-            power = [float(max(factor, 1e-12) ** share) if share < 1.0 else factor for factor in
-                     (case.stiffness, case.damping, case.friction)]  # fmt: skip
-            layer = layer.liquefied(*power)
-        out.append(LayerSprings(**{**asdict(layer), "allowed_overlap": NO_LIMIT}))
-    return out
-
-
 class Slider:
     """One slide: `run` takes it to its end, from the last checkpoint if there is one.
 
-    start: discs at rest with their pore springs; strata: numbers of those that liquefy; case: None for Kh alone.
-    folder: for checkpoint.h5 and rows.json, or None.
+    Parameters
+    ----------
+    start
+        Discs at rest, with their pore springs if they have any.
+    ground
+        Where they lie in the section.
+    strata
+        Numbers of the strata that liquefy.
+    case
+        What these lose; None for Kh alone.
+    settings
+        Kh, its time, and when a slide is over.
+    folder
+        For checkpoint.h5 and rows.json, or None.
     """
 
     def __init__(
@@ -133,7 +193,8 @@ class Slider:
         self.surface = Surface.of(start, ground)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist())
         self.layers = list(start.springs.layers)
-        self.quiet = 0
+        ratio = case.residual if case is not None else 0.0
+        self.residual = residual_cohesion(start, ground, strata, ratio)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.model = self._resumed() or self._begun()
 
@@ -153,10 +214,10 @@ class Slider:
                 slide.reason = f"stopped by {type(error).__name__}: {error}"
                 break
             row = self._look()
-            if self.quiet >= PATIENT:
-                slide.settled, slide.reason = True, "the surface and the energy have come to rest"
+            if self._at_rest():
+                slide.settled, slide.reason = True, "the surface has come to rest"
             elif self.model.time >= end - 1e-9:
-                slide.reason = f"still moving after {settings.duration:g} s"
+                slide.reason = f"still moving after {settings.duration:g} s; {self._driven_by()}"
             self._keep()
             if on_look is not None:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)
@@ -167,7 +228,7 @@ class Slider:
         if self.case is not None:
             model.cut_pore_springs(self.strata)
         rise = max(self.settings.onset, 1e-3)
-        model.acceleration = self.ground.shaking(0.0, self.settings.kh, model.time, model.time + rise)
+        model.acceleration = self.ground.held(self.settings.kh, model.time, rise, self.settings.kh_seconds)
         return model
 
     def _begin_again(self) -> None:
@@ -175,16 +236,24 @@ class Slider:
         if self.folder is not None:
             (self.folder / "checkpoint.h5").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
-        self.slide.rows, self.quiet = [], 0
+        self.slide.rows = []
         self.model = self._begun()
 
     def _liquefy(self) -> None:
         """Springs as the time since the onset asks for."""
         since, onset = self.model.time - self.start.time, self.settings.onset
         share = 1.0 if onset == 0.0 else min(1.0, (np.floor(FADE * since / onset + 1e-6) + 1.0) / FADE)
-        wanted = liquefied(self.layers, self.strata, self.case, share)
+        wanted = liquefied(self.layers, self.strata, self.case, share, self.residual)
         if list(self.model.springs.layers) != wanted:
             self.model.set_springs(wanted)
+        if self.case is not None and self.case.volumetric_strain > 0.0:
+            self._drain(share)
+
+    def _drain(self, share: float) -> None:
+        """Discs of the liquefied layers shrink by the volume that has drained so far; they keep their mass."""
+        drained = np.isin(self.start.layer, self.strata) & ~self.start.fixed
+        factor = float(np.sqrt(1.0 - self.case.volumetric_strain * share)) if self.case is not None else 1.0
+        self.model.radius[drained] = factor * self.start.radius[drained]
 
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""
@@ -202,14 +271,30 @@ class Slider:
         row = Row(
             time_s=model.time - self.start.time, **by_third, slide_max_m=float(smooth.max()),
             kinetic_J=ledger.kinetic, stored_J=ledger.stored, dissipated_J=ledger.dissipated,
-            work_J=ledger.weight + ledger.external + ledger.boundary, cracked=cracked_count(model),
+            work_J=ledger.weight + ledger.external + ledger.boundary, shaking_J=ledger.external,
+            cracked=cracked_count(model),
             crack_opening_m=crack_opening(model, ground, self.surface), surface_speed_m_s=float(speed.max()),
         )  # fmt: skip
         self.slide.rows.append(row)
-        still = kinetic_ratio(model) < self.settings.kinetic and row.surface_speed_m_s < self.settings.velocity
-        risen = row.time_s >= self.settings.onset
-        self.quiet = self.quiet + 1 if still and risen else 0
+        self.slide.overlap = max(self.slide.overlap, deepest_overlap(model))
         return row
+
+    def _at_rest(self) -> bool:
+        """Whether the surface has stopped, since the onset was over and Kh has gone if it is to go."""
+        settings = self.settings
+        begin = settings.onset if settings.kh_seconds is None else max(settings.onset, settings.kh_seconds + 1.0)
+        rows = [row for row in self.slide.rows if row.time_s >= begin - 1e-9]
+        watched = [
+            (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
+             row.settlement_middle_m, row.settlement_downhill_m, row.slide_max_m)
+            for row in rows
+        ]  # fmt: skip
+        return at_rest([row.time_s for row in rows], watched, settings.still)
+
+    def _driven_by(self) -> str:
+        rows = self.slide.rows
+        weight = [row.work_J - row.shaking_J for row in rows]
+        return what_drives([row.time_s for row in rows], weight, [row.shaking_J for row in rows])
 
     def _finished(self) -> Slide:
         slide, model = self.slide, self.model
@@ -219,7 +304,27 @@ class Slider:
         slide.surface_after = Surface.of(model, self.ground).points(model, self.ground).tolist()
         slide.seconds_simulated = model.time - self.start.time
         slide.escaped = escaped(model)
+        slide.notes = self._notes()
         return slide
+
+    def _notes(self) -> list[str]:
+        """What is to be told of this slide; its loss of area is worked out here."""
+        slide, model, start = self.slide, self.model, self.start
+        told = thin_layers(start, self.ground, self.strata) if self.case is not None else []
+        before, after = ground_area(start, self.ground), ground_area(model, self.ground)
+        asked = (disc_area(start, self.strata) - disc_area(model, self.strata)) * before / disc_area(start)
+        slide.area_lost_share = (before - after - asked) / before
+        if slide.area_lost_share > LOST:
+            told.append(
+                f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone, beyond {asked:.3g} m2 that were "
+                "to drain: discs lie deeper in each other, or left the section"
+            )
+        if (through := pressed_through(model)) > 0:
+            told.append(
+                f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
+                "box no longer holds them, and their layer is too soft for discs of this size"
+            )
+        return told + at_the_sides(model, start, self.ground)
 
     def _keep(self) -> None:
         """Rows first: those that are later than the checkpoint are forgotten when it is read."""
@@ -227,8 +332,14 @@ class Slider:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
         beside = self.folder / "rows.json.part"
-        state = {"rows": [asdict(row) for row in self.slide.rows], "quiet": self.quiet, "reason": self.slide.reason,
-                 "settled": self.slide.settled, "step_share": self.slide.step_share}  # fmt: skip
+        slide = self.slide
+        state = {
+            "rows": [asdict(row) for row in slide.rows],
+            "reason": slide.reason,
+            "settled": slide.settled,
+            "step_share": slide.step_share,
+            "overlap": slide.overlap,
+        }
         beside.write_text(json.dumps(state))
         beside.replace(self.folder / "rows.json")
         self.model.save(self.folder / "checkpoint.h5")
@@ -244,7 +355,7 @@ class Slider:
             return None
         since = model.time - self.start.time
         self.slide.rows = [Row(**row) for row in state["rows"] if row["time_s"] <= since + 1e-9]
+        self.slide.overlap = state["overlap"]
         if len(self.slide.rows) == len(state["rows"]):
-            self.quiet = state["quiet"]
             self.slide.reason, self.slide.settled = state["reason"], state["settled"]
         return model

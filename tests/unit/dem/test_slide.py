@@ -12,7 +12,8 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
-from dem.slides.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider, liquefied
+from dem.slides.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider
+from dem.slides.lost_strength import liquefied
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
 from meshes.section.section import Section

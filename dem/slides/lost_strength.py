@@ -1,0 +1,60 @@
+"""What liquefaction takes from layers, and what strength it leaves them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.settings import Case
+from dem.springs import LayerSprings
+
+NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
+
+
+def liquefied(
+    layers: list[LayerSprings],
+    which: list[int],
+    case: Case | None,
+    share: float = 1.0,
+    residual: Mapping[int, float] | None = None,
+) -> list[LayerSprings]:
+    """The layers with some of them liquefied; share < 1: on the way, factors to that power.
+
+    residual: cohesion of a contact (N) that each liquefied layer of soil discs keeps. Overlap is limited in soil discs
+    alone, which stiffen where they are deep in each other; the paper's may go through each other.
+    """
+    out = []
+    for k, layer in enumerate(layers):
+        if case is not None and k in which:
+            power = [float(max(factor, 1e-12) ** share) if share < 1.0 else factor for factor in
+                     (case.stiffness, case.damping, case.friction)]  # fmt: skip
+            kept = layer.contact_cohesion * (1.0 - share * (1.0 - case.cohesion)) + share * (residual or {}).get(k, 0.0)
+            layer = replace(layer.liquefied(*power), contact_cohesion=kept)
+        out.append(layer if layer.stop > 0.0 else replace(layer, allowed_overlap=NO_LIMIT))
+    return out
+
+
+def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], ratio: float) -> dict[int, float]:
+    """Cohesion of a contact (N) with which strata keep a strength of `ratio` times their vertical effective stress.
+
+    That is the stress in the middle of the stratum where it is thickest, of the discs above it; C is about the strength
+    times the diameter, which random patches show (C over diameter and stress between 0.1 and 1: `strength_map`).
+    """
+    if ratio == 0.0:
+        return {}
+    free = ~model.fixed
+    x, z = ground.to_section(model.x[free], model.z[free])
+    column = ((x - x.min()) / (8.0 * ground.radius)).astype(int)
+    weight = (model.mass * model.weight)[free] * float(np.hypot(*model.gravity)) / (8.0 * ground.radius)
+    layer = model.layer[free]
+    found = {}
+    for k in strata:
+        most = 0.0
+        for c in np.unique(column[layer == k]):
+            here = column == c
+            middle = float(np.median(z[here & (layer == k)]))
+            most = max(most, float(weight[here & (z > middle)].sum()))
+        found[k] = ratio * most * 2.0 * ground.radius
+    return found
