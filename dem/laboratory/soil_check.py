@@ -46,8 +46,8 @@ class LayerCheck:
     strength_soil_Pa: tuple[float, ...]  # noqa: N815
     strength_discs_Pa: tuple[float, ...]  # noqa: N815
     peak_discs_Pa: tuple[float, ...]  # noqa: N815
-    E_soil_Pa: float  # noqa: N815
-    E_discs_Pa: float  # noqa: N815
+    E_soil_Pa: float
+    E_discs_Pa: float
     c_soil_Pa: float  # noqa: N815
     c_discs_Pa: float  # noqa: N815
     phi_soil_deg: float
