@@ -24,6 +24,10 @@ class FemSettings(Model):
         default="roller",
         description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
     )
+    rigid_box: StrictBool = Field(
+        default=True,
+        description="true to find the critical Kh with fixed sides as well, which discs in their box are held against",
+    )
     direction: Literal["both", "downhill", "uphill"] = Field(
         default="both",
         description='where the ground is pushed, by the ends of its surface; "both": the smaller Kh counts',

@@ -16,6 +16,7 @@ from workflow.results.summary import (
     FemSummary,
     MadeWith,
     NoAnswer,
+    PaperModel,
     PaperSummary,
     Summary,
     VariantSummary,
@@ -42,6 +43,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         cases=_numbers(cases) or None,
         cases_springs=springs if cases else None,
         cases_table2=_numbers(printed) or None,
+        paper_model=_paper_model(results, printed),
         cases_random=results.cases.random if results.cases is not None else None,
         comparison=tuple(EstimateSummary.model_validate(one) for one in estimates(run, results.kc)),
         paper=paper or None,
@@ -53,6 +55,12 @@ def summary(results: Results, report_seconds: float) -> Summary:
         seconds={name: entry.seconds for name, entry in results.ends.items()} | {"report": round(report_seconds, 2)},
         made_with=MadeWith(versions=versions(), **machine()),
     )
+
+
+def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel | None:
+    if results.dem is None or results.dem.paper is None:
+        return None
+    return PaperModel(kc=results.dem.paper.search.kc, cases=_numbers(cases))
 
 
 def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
@@ -97,7 +105,17 @@ def _dem(results: Results) -> DemSummary | None:
     if discs is None:
         return None
     calibrated = None if calibration is None else Factor(parameter=calibration.parameter, value=calibration.value)
+    soil = discs.model.discs == "soil"
+    strength = calibration is not None and calibration.parameter == "strength"
+    fem = results.fem
     return DemSummary(
+        model=discs.model.discs,
+        sides="" if fem is None else fem.sides_for_discs if soil else fem.settings.sides,
+        kc_uncalibrated=discs.before.kc,
+        kc_target=None if calibration is None else calibration.target_kc,
+        strength_factor=calibration.value if strength and calibration is not None else None,
+        slip_surface_distance_m=discs.slip_surface.mean_distance_m,
+        layers=() if calibration is None else calibration.layers,
         elements=discs.model.elements,
         boundary_elements=discs.model.boundary_elements,
         kc_table2=discs.kc_table2,

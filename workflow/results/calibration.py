@@ -126,6 +126,27 @@ class LayerTest(Part):
     reason: str | None = Field(default=None, description="why the test could not be done")
 
 
+class LayerAnswer(Part):
+    """A stratum beside its soil discs, tested at three confining pressures; strengths are half the deviator."""
+
+    stratum: str
+    pressures_Pa: tuple[float, ...]
+    strength_soil_Pa: tuple[float, ...] = Field(description="at failure, by Mohr and Coulomb")
+    strength_discs_Pa: tuple[Known, ...] = Field(description="after the peak, at 8 to 15 % of compression")
+    peak_discs_Pa: tuple[Known, ...]
+    E_soil_Pa: float
+    E_discs_Pa: Known
+    c_soil_Pa: float
+    c_discs_Pa: Known
+    phi_soil_deg: float
+    phi_discs_deg: Known
+    dilation_deg: Known
+    friction: float = Field(description="of the contacts")
+    cohesion_N: float = Field(description="of a contact, per metre")
+    stiffness_N_m: float = Field(description="of a contact, normal, per metre")
+    notes: tuple[str, ...] = Field(description="what discs cannot have")
+
+
 class CalibrationAnswer(Answer):
     """The factor that brings the discs to the critical Kh of the continuum, or the closest that there is."""
 
@@ -144,6 +165,9 @@ class CalibrationAnswer(Answer):
     sensitivity: tuple[Sensitivity, ...]
     trials: tuple[FactorTrial, ...]
     element_tests: tuple[LayerTest, ...]
+    layers: tuple[LayerAnswer, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
+    predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
+    predicted_ratio: float | None = Field(default=None, description="that over the continuum's with the same sides")
 
     @classmethod
     def of(cls, found: "Calibration", element_tests: tuple[LayerTest, ...] = ()) -> Self:

@@ -31,6 +31,9 @@ class CaseNumbers(Part):
     cracked_pore_springs: int
     seconds_simulated: float = Field(description="since the onset")
     step_share: float = Field(description="time step over the stable one")
+    overlap: float = Field(description="deepest overlap of two discs, over their mean radius")
+    area_lost_share: float = Field(description="share of the ground's area that is gone beyond what drained")
+    notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
     slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
     slides_over_share_uphill: float = Field(description="the same of its uphill half")
     slides_over_share_downhill: float = Field(description="the same of its downhill half")

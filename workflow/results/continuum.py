@@ -100,6 +100,22 @@ class Doubt(Part):
     contradiction: bool = Field(description="whether it makes the answer doubtful")
 
 
+class RigidBox(Part):
+    """The same ground between sides that are held in both directions, as those of the discs' box are."""
+
+    kc: float = Field(description="the largest Kh at which an equilibrium was found")
+    kc_upper: float = Field(description="what the critical Kh may be at most")
+    verdict: Verdict
+    reason: str
+    slip_surface: Line = Field(description="points [x, elevation] of the largest shear strain along x (m)")
+    curve: tuple[PathStep, ...]
+
+    @property
+    def has_kc(self) -> bool:
+        """Whether the path came to a plateau or a peak."""
+        return self.verdict in ("plateau", "peak")
+
+
 class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
@@ -130,6 +146,19 @@ class FemAnswer(Answer):
     curve: tuple[PathStep, ...]
     states: tuple[KeptState, ...]
     safety_factors: tuple[FactorOfSafety, ...]
+    rigid_box: RigidBox | None = Field(
+        default=None, description="with fixed sides, where those of the answer are others and discs are to be compared"
+    )
+
+    @property
+    def kc_for_discs(self) -> float:
+        """The critical Kh that discs in their rigid box are held against."""
+        return self.rigid_box.kc if self.rigid_box is not None and self.rigid_box.has_kc else self.kc
+
+    @property
+    def sides_for_discs(self) -> str:
+        """The sides that this critical Kh is for."""
+        return "fixed" if self.rigid_box is not None and self.rigid_box.has_kc else self.settings.sides
 
     @property
     def has_kc(self) -> bool:

@@ -12,13 +12,14 @@ if TYPE_CHECKING:
 
 TrialVerdict = Literal["stands", "fails", "undecided"]
 SearchVerdict = Literal["bracketed", "stands everywhere", "fails under its own weight", "undecided"]
-SetOfSprings = Literal["before", "after"]
-SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calibrated"}
+SetOfSprings = Literal["before", "after", "paper"]
+SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calibrated", "paper": "of the paper"}
 
 
 class DiscModelAnswer(Part):
     """The discs at rest under their weight."""
 
+    discs: Literal["soil", "paper"] = Field(description="soil discs, or the paper's own")
     packing: str
     rows: int
     radius_m: float
@@ -35,7 +36,7 @@ class DiscModelAnswer(Part):
 class Parameters(Part):
     """The springs of the discs, and the factor of the calibration on one of their parameters."""
 
-    springs: Literal["soil", "table2"]
+    springs: Literal["soil", "table2", "element tests"]
     stiffness_scale: float
     mean: Literal["arithmetic", "harmonic"]
     stiffness: float | None = None
@@ -113,6 +114,13 @@ class SlipSurfaces(Part):
     columns: int | None = Field(default=None, description="columns of discs that were compared")
 
 
+class PaperDiscs(Part):
+    """The paper's own discs beside those that are calibrated: how they lie, and their critical Kh."""
+
+    model: DiscModelAnswer
+    search: DiscSearch
+
+
 class DiscsAnswer(Answer):
     """The discs, their critical Kh with both sets of springs, and the states that are drawn."""
 
@@ -124,12 +132,14 @@ class DiscsAnswer(Answer):
     after: DiscSearch
     states: tuple[DiscState, ...]
     slip_surface: SlipSurfaces
+    paper: PaperDiscs | None = Field(default=None, description="the paper's own discs, unchanged")
 
     @property
     def kc_table2(self) -> float | None:
         """The critical Kh with the springs of the paper's Table 2 as printed, where those were asked for."""
-        asked = self.before.parameters is not None and self.before.parameters.springs == "table2"
-        return self.before.kc if asked else None
+        search = self.paper.search if self.paper is not None else self.before
+        asked = search.parameters is not None and search.parameters.springs == "table2"
+        return search.kc if asked else None
 
     def states_of(self, which: SetOfSprings) -> dict[float, DiscState]:
         """The kept states of one set of springs, by their Kh."""

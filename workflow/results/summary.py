@@ -6,6 +6,7 @@ from pydantic import Field
 
 from fem.settings import Element, Sides
 from workflow.results.answer import Answer, Part, SectionLabel
+from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, RandomPackings
 from workflow.results.continuum import MeshCount, Verdict
 
@@ -49,8 +50,15 @@ class Factor(Part):
 class DemSummary(Part):
     """The discs."""
 
+    model: str = Field(description='"soil" or "paper"')
     elements: int
     boundary_elements: int
+    sides: str = Field(description="of the continuum that the discs are held against")
+    kc_uncalibrated: float | None = Field(description="soil discs: the prediction, without any factor")
+    kc_target: float | None = Field(description="the continuum's critical Kh that they are brought to")
+    strength_factor: float | None = Field(description="factor on friction and cohesion alike")
+    slip_surface_distance_m: float | None
+    layers: tuple[LayerAnswer, ...]
     kc_table2: float | None = Field(description="critical Kh with the springs of the paper's Table 2 as printed")
     kc: float | None
     kc_lower: float
@@ -96,6 +104,13 @@ class MadeWith(Part):
     processor: str
 
 
+class PaperModel(Part):
+    """The paper's own discs, unchanged."""
+
+    kc: float | None
+    cases: dict[int, CaseNumbers]
+
+
 class Summary(Answer):
     """What all stages found; a stage without an answer stands under ``no_answer``."""
 
@@ -111,6 +126,7 @@ class Summary(Answer):
     cases: dict[int, CaseNumbers] | None = Field(default=None, description="the cases on the springs that count")
     cases_springs: str | None = Field(default=None, description="which springs those are")
     cases_table2: dict[int, CaseNumbers] | None = None
+    paper_model: PaperModel | None = Field(default=None, description="the paper's own discs, where they were asked for")
     cases_random: RandomPackings | None = None
     comparison: tuple[EstimateSummary, ...]
     paper: tuple[PaperSummary, ...] | None = None

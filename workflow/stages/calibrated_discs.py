@@ -10,18 +10,19 @@ from threading import Event
 
 import numpy as np
 
-from dem.ground import Ground, ground_of, springs_of
+from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
+from dem.laboratory.soil_check import soil_checks
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
-from dem.search.equilibrium import Rest, Trial, settle, try_kh, unbalanced_ratio
+from dem.search.equilibrium import Rest, Trial, try_kh, unbalanced_ratio
+from dem.settings import DemSettings
 from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import compare, cracked_shares, slip_surface
-from dem.springs import LayerSprings
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
-from workflow.results.calibration import CalibrationAnswer, LayerTest
+from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import (
     SETS,
@@ -29,6 +30,7 @@ from workflow.results.discs import (
     DiscsAnswer,
     DiscSearch,
     DiscState,
+    PaperDiscs,
     Parameters,
     SetOfSprings,
     SlipSurfaces,
@@ -38,48 +40,43 @@ from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, discs_at_rest, ground_for, save
 
 JOURNAL = "dem/trials.jsonl"
-BRENT = 7  # searches that choosing the parameter and finding the factor takes, more or less
-
-
-@dataclass(frozen=True)
-class Discs:
-    """The discs of a section at rest, with their springs before calibration."""
-
-    ground: Ground
-    layers: list[LayerSprings]
-    settled: DiscModel
+PAPER_JOURNAL = "dem/paper_trials.jsonl"
+CALIBRATED = "dem/calibrated.h5"
+NARROWING = 7  # searches that finding the factor takes, more or less
 
 
 def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    discs = settled_discs(run, store, progress)
+    discs = discs_at_rest(run, store, run.dem, SETTLED, lambda what: progress(what, None))
     calibrator = _calibrator(run, store, discs, progress)
     base = calibrator.search("", 1.0, run.dem.workers)
     if base.kc is None:
-        discs_answer(run, discs, base, base, {}, Kept(), fem).write(store)
+        discs_answer(run, discs, (base, base), {}, Kept(), fem).write(store)
         CalibrationAnswer.not_asked_for(base, run.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
-    found = _solve(run, calibrator, fem.kc)
+    found = _solve(run, calibrator, _target(run, fem))
     parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
     calibrated = calibrator.settled_with(parameter, value)
-    _save(store, "dem/calibrated.h5", calibrated)
+    save(store, CALIBRATED, calibrated)
     progress("states of the discs at the recorded Kh", None)
-    kept = _keep_states(run, store, discs.ground, {"before": (discs.settled, base), "after": (calibrated, after)})
+    sets: Sets = {
+        "before": Start(discs.settled, discs.ground, base, run.dem),
+        "after": Start(calibrated, discs.ground, after, run.dem),
+    }
+    paper = None
+    if run.dem.model == "soil" and run.dem.paper:
+        paper, sets["paper"] = _paper(run, store, progress)
+    kept = _keep_states(run, store, sets)
     factor = {parameter: value} if found else {}
-    discs_answer(run, discs, base, after, factor, kept, fem).write(store)
-    if found is None:
-        CalibrationAnswer.not_asked_for(base, run.dem.tolerance).write(store)
-    else:
-        CalibrationAnswer.of(found).write(store)
-        if run.dem.element_tests:
-            progress("element tests of the discs of every layer", None)
-            CalibrationAnswer.of(found, _layer_tests(run, discs, parameter, value)).write(store)
+    discs_answer(run, discs, (base, after), factor, kept, fem).model_copy(update={"paper": paper}).write(store)
+    _write_calibration(run, store, progress, discs, base, found)
     calibrate_pictures(run, store)
     if found is not None and found.verdict != "calibrated" and run.dem.out_of_reach == "stop":
         raise NoAnswerError(
@@ -87,21 +84,15 @@ def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
         )
 
 
-def settled_discs(run: Input, store: Store, progress: Progress) -> Discs:
-    """Discs at rest under their weight, from the checkpoint if there is one."""
-    ground = ground_of(run, run.dem)
-    layers = springs_of(run, run.dem, ground.radius)
-    if store.has("dem/settled.h5"):
-        return Discs(ground, layers, DiscModel.load(store.folder / "dem/settled.h5"))
-    progress(f"{int(ground.packing.free.sum())} discs settle under their weight", None)
-    settled = settle(ground, layers, run.dem)
-    _save(store, "dem/settled.h5", settled)
-    return Discs(ground, layers, settled)
+def _target(run: Input, fem: FemAnswer) -> float:
+    """The critical Kh that the discs are to have: of a continuum with the sides of their box, for soil discs."""
+    return fem.kc_for_discs if run.dem.model == "soil" else fem.kc
 
 
 def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
     journal = Journal(store, JOURNAL)
-    wanted = 1 if run.dem.parameter == "none" else 1 + 2 * len(ONE_AT_A_TIME) + BRENT
+    single = run.dem.parameter == "none"
+    wanted = 1 if single else NARROWING + (1 if run.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = min(0.99, len(calibrator.searches) / wanted)
@@ -122,7 +113,48 @@ def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> C
 def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | None:
     if run.dem.parameter == "none":
         return None
-    return best(calibrator, target, run.dem.parameter, sensitivities(calibrator))
+    # soil discs take one factor on strength, so there is nothing to choose from
+    soil = run.dem.model == "soil"
+    table = [("", 1.0, calibrator.search("", 1.0))] if soil else sensitivities(calibrator)
+    return best(calibrator, target, run.dem.parameter, table)
+
+
+def _write_calibration(
+    run: Input, store: Store, progress: Progress, discs: Discs, base: Search, found: Calibration | None
+) -> None:
+    """The answer at once, and once more with the element tests when these are through."""
+    answer = CalibrationAnswer.not_asked_for(base, run.dem.tolerance) if found is None else CalibrationAnswer.of(found)
+    if run.dem.model == "soil" and found is not None and base.kc is not None:
+        ratio = base.kc / found.target
+        answer = answer.model_copy(update={"predicted_kc": base.kc, "predicted_ratio": ratio})
+    answer.write(store)
+    if not run.dem.element_tests or (found is None and run.dem.model == "paper"):
+        return
+    progress("element tests of the discs of every layer", None)
+    if run.dem.model == "soil":
+        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, workers=run.dem.workers)
+        layers = tuple(LayerAnswer.model_validate(check) for check in checks)
+        answer.model_copy(update={"layers": layers}).write(store)
+    elif found is not None:
+        tests = _layer_tests(run, discs, found.parameter, found.value)
+        answer.model_copy(update={"element_tests": tests}).write(store)
+
+
+def _paper(run: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, "Start"]:
+    """The paper's own discs, as the paper used them: at rest, and the Kh at which they fail."""
+    dem = run.dem.as_paper()
+    discs = discs_at_rest(run, store, dem, PAPER, lambda what: progress(f"the paper's discs: {what}", None))
+    journal = Journal(store, PAPER_JOURNAL)
+
+    def on_trial(trial: Trial, _model: DiscModel) -> None:
+        progress(f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None)
+
+    calibrator = Calibrator(
+        discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_trial=on_trial, on_search=journal.add
+    )
+    search = calibrator.search("", 1.0, dem.workers)
+    answer = PaperDiscs(model=_model_answer(run, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
+    return answer, Start(discs.settled, discs.ground, search, dem)
 
 
 def _layer_tests(run: Input, discs: Discs, parameter: str, value: float) -> tuple[LayerTest, ...]:
@@ -130,6 +162,27 @@ def _layer_tests(run: Input, discs: Discs, parameter: str, value: float) -> tupl
     springs = changed(discs.layers, parameter, value)
     tests = element_tests(run, springs, discs.ground.radius, seed=run.dem.seed, workers=run.dem.workers)
     return tuple(LayerTest.model_validate(test) for test in tests)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Discs at rest to be brought to the recorded Kh.
+
+    Attributes
+    ----------
+    settled : the discs
+    ground : where they lie
+    search : their critical Kh
+    dem : settings that they were made with
+    """
+
+    settled: DiscModel
+    ground: Ground
+    search: Search
+    dem: DemSettings
+
+
+Sets = dict[SetOfSprings, Start]
 
 
 @dataclass(frozen=True)
@@ -144,12 +197,16 @@ class Kept:
         return self.surfaces.get(which, np.zeros((0, 2)))
 
 
-def _keep_states(run: Input, store: Store, ground: Ground, sets: dict[SetOfSprings, tuple[DiscModel, Search]]) -> Kept:
+def _keep_states(run: Input, store: Store, sets: Sets) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
     recorded = [(which, kh, f"{kh:g}") for which in sets for kh in run.dem.kh]
-    ends = [(which, s.upper, "failing") for which, (_, s) in sets.items() if s.upper is not None and s.flexibility]
+    ends = [
+        (which, start.search.upper, "failing")
+        for which, start in sets.items()
+        if start.search.upper is not None and start.search.flexibility
+    ]
     stop = Event()
 
     def watch(_: Rest) -> None:
@@ -157,18 +214,19 @@ def _keep_states(run: Input, store: Store, ground: Ground, sets: dict[SetOfSprin
             raise StoppedError
 
     def reached(which: SetOfSprings, kh: float, label: str) -> DiscState:
-        start, search = sets[which]
-        model = start.copy()
-        trial = try_kh(model, start, ground, run.dem, 0.0, kh, search.flexibility, watch=watch)
+        start = sets[which]
+        before, ground, search = start.settled, start.ground, start.search
+        model = before.copy()
+        trial = try_kh(model, before, ground, start.dem, 0.0, kh, search.flexibility, watch=watch)
         file = f"dem/state_{which}_{label}.h5"
-        _save(store, file, model)
-        far = np.hypot(model.x - start.x, model.z - start.z)[~model.fixed]
+        save(store, file, model)
+        far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
         return DiscState.of(
             trial,
             set=which,
             file=file,
             cracked_share_by_stratum=cracked_shares(model),
-            slip_surface=line(slip_surface(model, start, ground)),
+            slip_surface=line(slip_surface(model, before, ground)),
             largest_displacement_m=float(far.max()),
         )
 
@@ -180,35 +238,41 @@ def _keep_states(run: Input, store: Store, ground: Ground, sets: dict[SetOfSprin
 def discs_answer(
     run: Input,
     discs: Discs,
-    base: Search,
-    after: Search,
+    searches: tuple[Search, Search],
     factor: dict[str, float],
     kept: Kept,
     fem: FemAnswer,
 ) -> DiscsAnswer:
-    """What dem/critical.json holds; ``base`` is the search before calibration, ``after`` that with the ``factor``."""
-    chosen = {"springs": run.dem.springs, "stiffness_scale": run.dem.stiffness_scale, "mean": run.dem.mean}
+    """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""
+    base, after = searches
     return DiscsAnswer(
         section=SectionLabel.of(run),
-        model=_model_answer(run, discs),
-        before=DiscSearch.of(base, Parameters.model_validate(chosen)),
-        after=DiscSearch.of(after, Parameters.model_validate({**chosen, **factor})),
+        model=_model_answer(run, run.dem, discs),
+        before=DiscSearch.of(base, _parameters(run.dem, {})),
+        after=DiscSearch.of(after, _parameters(run.dem, factor)),
         states=kept.states,
         slip_surface=_slip_surfaces(run, kept, fem),
     )
 
 
-def _model_answer(run: Input, discs: Discs) -> DiscModelAnswer:
+def _parameters(dem: DemSettings, factor: dict[str, float]) -> Parameters:
+    springs = "element tests" if dem.model == "soil" else dem.springs
+    chosen = {"springs": springs, "stiffness_scale": dem.stiffness_scale, "mean": dem.mean}
+    return Parameters.model_validate({**chosen, **factor})
+
+
+def _model_answer(run: Input, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
     ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return DiscModelAnswer(
+        discs=dem.model,
         packing=ground.kind,
         rows=ground.rows,
         radius_m=ground.radius,
         elements=int(packing.free.sum()),
         boundary_elements=int((~packing.free).sum()),
         tilt_deg=float(np.degrees(ground.tilt)),
-        seed=run.dem.seed if ground.kind == "random" else None,
+        seed=dem.seed if ground.kind == "random" else None,
         porosity=1.0 - solid / float(run.layering.areas().sum()),
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
@@ -217,8 +281,12 @@ def _model_answer(run: Input, discs: Discs) -> DiscModelAnswer:
 
 
 def _slip_surfaces(run: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
-    """The slip surfaces of the discs, and of the continuum at the last state of its path."""
+    """The slip surfaces of the discs, and of the continuum at the last state of its path, with the sides of the discs'
+    box where it was computed with these.
+    """
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
+    if run.dem.model == "soil" and fem.rigid_box is not None and fem.rigid_box.has_kc:
+        of_fem.append(fem.rigid_box.slip_surface)
     continuum = np.array(of_fem[-1] if of_fem else ()).reshape(-1, 2)
     agreement = compare(run, kept.surface("after"), continuum)
     return SlipSurfaces(
@@ -231,25 +299,23 @@ def _slip_surfaces(run: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
     )
 
 
-def _save(store: Store, name: str, model: DiscModel) -> None:
-    with store.writing(name) as path:
-        model.save(path)
-
-
 def calibrate_pictures(run: Input, store: Store) -> None:
     """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
     from workflow.figures import discs as dem_figures
 
-    ground = ground_of(run, run.dem)
-    start: dict[SetOfSprings, str] = {"before": "dem/settled.h5", "after": "dem/calibrated.h5"}
+    start: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
+    dem: dict[SetOfSprings, DemSettings] = {"before": run.dem, "after": run.dem, "paper": run.dem.as_paper()}
+
+    def placed(which: SetOfSprings, file: str) -> DiscModel:
+        settled = DiscModel.load(store.folder / start[which])
+        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(run, dem[which], settled))
+
     with store.writing("figures/dem_model.png") as path:
-        settled = dem_figures.in_section(DiscModel.load(store.folder / start["before"]), ground)
-        dem_figures.layers(settled, path, f"{run.title or run.name}: discs by layer, at rest under their weight")
-    for state in DiscsAnswer.read(store).states:
-        before, model = (
-            dem_figures.in_section(DiscModel.load(store.folder / name), ground)
-            for name in (start[state.set], state.file)
+        dem_figures.layers(
+            placed("before", SETTLED), path, f"{run.title or run.name}: discs by layer, at rest under their weight"
         )
+    for state in DiscsAnswer.read(store).states:
+        before, model = (placed(state.set, file) for file in (start[state.set], state.file))
         title = f"{run.title or run.name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
         with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
             dem_figures.state(model, before, path, title)

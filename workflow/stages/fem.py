@@ -14,6 +14,7 @@ from workflow.results.continuum import (
     MeshCount,
     OtherWay,
     PathStep,
+    RigidBox,
     SkinFailure,
 )
 from workflow.run.errors import NoAnswerError
@@ -65,6 +66,7 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
     when all is written, NoAnswerError if the path ended undecided.
     """
     from fem.assessment import assess
+    from fem.critical import critical_coefficient
     from workflow.figures.fem import draw_all
     from workflow.results.fem_states import FemResults
 
@@ -79,8 +81,14 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
     progress("gravity", None)
     found = assess(run, mesh, run.fem, comm, tell)
     result = found.critical
+    box = None
+    if run.fem.rigid_box and run.fem.sides != "fixed" and result.verdict != "undecided":
+        # the discs are pushed downhill, whatever direction counts
+        fixed = run.fem.model_copy(update={"sides": "fixed", "direction": "downhill", "kh": ()})
+        box = critical_coefficient(run, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
     if store is not None:
-        answer_of(run, mesh, found).write(store)
+        answer = answer_of(run, mesh, found)
+        answer.model_copy(update={"rigid_box": rigid_box(mesh, box) if box is not None else None}).write(store)
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
         draw_all(run, FemResults.load(run, store), store)
@@ -143,6 +151,20 @@ def _other_way(mesh: "QuadMesh", result: "CriticalResult | None") -> OtherWay | 
         reason=result.reason,
         direction=result.direction,
         at_sides=touched_sides(mesh, result.mechanism) if result.verdict in ("plateau", "peak") else (),
+    )
+
+
+def rigid_box(mesh: "QuadMesh", found: "CriticalResult") -> RigidBox:
+    """What is kept of the same search with fixed sides."""
+    from fem.fields import slip_surface
+
+    return RigidBox(
+        kc=found.kc,
+        kc_upper=found.upper,
+        verdict=found.verdict,
+        reason=found.reason,
+        slip_surface=line(slip_surface(mesh, found.states[-1])) if found.states else (),
+        curve=tuple(PathStep.model_validate(step) for step in found.steps),
     )
 
 

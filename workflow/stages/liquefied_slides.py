@@ -4,7 +4,7 @@ It leaves dem/cases.json, history.csv, and for every case a .pvd with discs and 
 dem/slide_* let a stopped run go on.
 """
 
-from dem.ground import Ground, ground_of
+from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.liquefaction import Row, Slide, Slider
 from meshes.errors import InputError
@@ -16,6 +16,7 @@ from workflow.results.history import SlideHistory, read_histories, write_histori
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.random_packings import random_packings
 from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
 
@@ -23,13 +24,13 @@ from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
 def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
     """Slides of the cases asked for, or of all. Raises InputError for cases that there are not."""
     wanted = _wanted(run, cases)
-    starts, ground = _starts(run, store), ground_of(run, run.dem)
-    tasks = _tasks(run, starts, ground, wanted)
+    starts = _starts(run, store)
+    tasks = _tasks(run, starts, wanted)
     recorder = Recorder(run, store, progress, len(tasks))
     slides = dict(zip(tasks, slide_all(run, store, tasks, recorder.look, recorder.end), strict=True))
     random: RandomPackings | None = None
     if run.slide.seeds and wanted:
-        random = random_packings(run, store, progress, FemAnswer.read(store).kc, wanted)
+        random = random_packings(run, store, progress, _target(run, store), wanted)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
@@ -48,18 +49,31 @@ def _wanted(run: Input, cases: tuple[int, ...] | None) -> list[int]:
     return [number for number in possible if cases is None or number in cases]
 
 
-def _starts(run: Input, store: Store) -> dict[str, DiscModel]:
-    """Discs at rest to start from: the calibrated ones, and those with Table 2 as printed where it was asked for."""
-    starts = {"calibrated": DiscModel.load(store.folder / "dem/calibrated.h5")}
-    if run.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
-        starts["table2"] = DiscModel.load(store.folder / "dem/settled.h5")
+def _target(run: Input, store: Store) -> float:
+    """The critical Kh that random packings are brought to."""
+    fem = FemAnswer.read(store)
+    return fem.kc_for_discs if run.dem.model == "soil" else fem.kc
+
+
+def _starts(run: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
+    """Discs at rest to start from: the calibrated ones, and the paper's as printed where these were asked for."""
+    calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
+    starts = {"calibrated": (calibrated, ground_for(run, run.dem, calibrated))}
+    paper = ""
+    if run.dem.model == "soil" and run.dem.paper:
+        paper = PAPER
+    elif run.dem.model == "paper" and run.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
+        paper = SETTLED
+    if paper:
+        settled = DiscModel.load(store.folder / paper)
+        starts["table2"] = settled, ground_for(run, run.dem.as_paper(), settled)
     return starts
 
 
-def _tasks(run: Input, starts: dict[str, DiscModel], ground: Ground, wanted: list[int]) -> list[Task]:
+def _tasks(run: Input, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
     """The cases on every set of springs, the last ones first since they take longest, and Kh alone."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
-    return [task(run, springs, number, start, ground) for number in numbers for springs, start in starts.items()]
+    return [task(run, springs, number, *start) for number in numbers for springs, start in starts.items()]
 
 
 def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:

@@ -3,10 +3,9 @@
 from collections.abc import Callable
 from functools import partial
 
-from dem.ground import Ground, ground_of, springs_of
 from dem.model import DiscModel
 from dem.search.calibration import Calibration, Calibrator, best, sensitivities
-from dem.search.equilibrium import Trial, settle
+from dem.search.equilibrium import Trial
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Slide
 from workflow.results.cases import RandomCase, RandomPackings, Seed, Spread
@@ -14,6 +13,7 @@ from workflow.results.journal import Journal
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.discs_at_rest import discs_at_rest
 from workflow.stages.sliding import slide_all, task
 
 
@@ -29,15 +29,14 @@ def random_packings(run: Input, store: Store, progress: Progress, target: float,
     for place, seed in enumerate(run.slide.seeds):
         tell = partial(_tell, progress, seed, place / len(run.slide.seeds))
         dem = run.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
-        ground = ground_of(run, dem)
-        calibrator = _calibrator(run, store, dem, ground, tell)
+        calibrator = _calibrator(run, store, dem, tell)
         found = _calibrated(calibrator, target, parameter)
         parameter = found.parameter
         seeds.append(_seed(seed, calibrator, found))
         if found.verdict == "calibrated":
             tell("slides")
             start = calibrator.settled_with(parameter, found.value)
-            tasks = [task(run, f"seed{seed}", number, start, ground) for number in wanted]
+            tasks = [task(run, f"seed{seed}", number, start, calibrator.ground) for number in wanted]
             for number, slide in zip(wanted, slide_all(run, store, tasks), strict=True):
                 slides[number].append(slide)
     return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
@@ -47,27 +46,24 @@ def _tell(progress: Progress, seed: int, share: float, what: str) -> None:
     progress(f"random packing, seed {seed}: {what}", share)
 
 
-def _calibrator(run: Input, store: Store, dem: DemSettings, ground: Ground, tell: Callable[[str], None]) -> Calibrator:
+def _calibrator(run: Input, store: Store, dem: DemSettings, tell: Callable[[str], None]) -> Calibrator:
     """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
-    layers = springs_of(run, dem, ground.radius)
-    file = f"dem/slide_seed{dem.seed}_settled.h5"
-    if not store.has(file):
-        tell("settles")
-        with store.writing(file) as path:
-            settle(ground, layers, dem).save(path)
+    discs = discs_at_rest(run, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         tell(f"Kh = {trial.kh:.4f} {trial.verdict}")
 
     journal = Journal(store, f"dem/slide_seed{dem.seed}_trials.jsonl")
-    settled = DiscModel.load(store.folder / file)
-    return Calibrator(ground, layers, settled, dem, known=journal.known(), on_search=journal.add, on_trial=on_trial)
+    return Calibrator(
+        discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_search=journal.add, on_trial=on_trial
+    )
 
 
 def _calibrated(calibrator: Calibrator, target: float, parameter: str) -> Calibration:
     """The factor that meets the target; "auto" looks first which parameter moves the critical Kh."""
     base = ("", 1.0, calibrator.search("", 1.0))
-    return best(calibrator, target, parameter, sensitivities(calibrator) if parameter == "auto" else [base])
+    choose = parameter == "auto" and calibrator.settings.model == "paper"
+    return best(calibrator, target, parameter, sensitivities(calibrator) if choose else [base])
 
 
 def _seed(seed: int, calibrator: Calibrator, found: Calibration) -> Seed:

@@ -1,0 +1,70 @@
+"""Discs of a section at rest under their weight, from a checkpoint if there is one: soil discs, or the paper's."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dem.ground import Ground, ground_of, springs_of
+from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.model import DiscModel
+from dem.search.deposit import deposit, ground_at_rest
+from dem.search.equilibrium import settle
+from dem.settings import DemSettings
+from dem.springs import LayerSprings
+from workflow.run.store import Store
+from workflow.settings import Input
+
+SETTLED = "dem/settled.h5"
+PAPER = "dem/paper_settled.h5"
+
+
+@dataclass(frozen=True)
+class Discs:
+    """The discs of a section at rest, with their springs before calibration.
+
+    Attributes
+    ----------
+    ground : where they lie
+    layers : springs of all strata
+    settled : the discs
+    soil : what every stratum asked for and got; empty for the paper's discs
+    """
+
+    ground: Ground
+    layers: list[LayerSprings]
+    settled: DiscModel
+    soil: tuple[SoilLayer, ...] = ()
+
+
+def discs_at_rest(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError."""
+    return _soil(run, store, dem, file, tell) if dem.model == "soil" else _paper(run, store, dem, file, tell)
+
+
+def ground_for(run: Input, dem: DemSettings, settled: DiscModel) -> Ground:
+    """The ground that discs at rest lie in."""
+    return ground_at_rest(run, dem, settled) if dem.model == "soil" else ground_of(run, dem)
+
+
+def _soil(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    soil = soil_layers(run)
+    if not store.has(file):
+        tell("soil discs are filled in, settle, are cut to the section and settle again")
+        found = deposit(run, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        save(store, file, found.settled)
+    settled = DiscModel.load(store.folder / file)
+    return Discs(ground_at_rest(run, dem, settled), list(settled.springs.layers), settled, tuple(soil))
+
+
+def _paper(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    ground = ground_of(run, dem)
+    layers = springs_of(run, dem, ground.radius)
+    if not store.has(file):
+        tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
+        save(store, file, settle(ground, layers, dem))
+    return Discs(ground, layers, DiscModel.load(store.folder / file))
+
+
+def save(store: Store, name: str, model: DiscModel) -> None:
+    """Discs into a file of the folder."""
+    with store.writing(name) as path:
+        model.save(path)
