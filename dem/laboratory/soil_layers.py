@@ -83,9 +83,10 @@ def soil_layers(section: Section, known: StrengthMap | None = None) -> list[Soil
 def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     pressures = np.array(SHARES) * stress
     wanted = failure_strength(stratum, pressures)
-    reach = 0.95 * table.strongest * pressures
+    cohesive = stratum.cohesion > 0.0
+    reach = 0.95 * table.strongest(cohesive) * pressures
     aimed = np.minimum(wanted, reach)
-    found = table.fit(aimed, pressures)
+    found = table.fit(aimed, pressures, cohesive)
     notes = []
     if (wanted > reach).any():
         notes.append(

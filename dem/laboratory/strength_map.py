@@ -72,10 +72,9 @@ class StrengthMap:
     modulus: float
     seeds: int
 
-    @property
-    def strongest(self) -> float:
-        """The largest half deviator over the pressure in the map."""
-        return float(self.after.max())
+    def strongest(self, cohesive: bool) -> float:
+        """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
+        return float(self.after.max() if cohesive else self.after[:, 0].max())
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
         """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""
@@ -86,8 +85,15 @@ class StrengthMap:
         )(where)
         return np.asarray(np.exp(ratio) * pressure)
 
-    def fit(self, wanted: np.ndarray, pressure: np.ndarray) -> ContactStrength:
-        """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures."""
+    def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
+        """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.
+
+        cohesive: False for contacts that shall have no cohesion.
+        """
+        if not cohesive:
+            ratio = float(np.exp(np.mean(np.log(wanted / pressure))))
+            mu = float(np.interp(np.log(ratio), np.log(self.after[:, 0]), self.friction))
+            return ContactStrength(mu, 0.0, self.strength(mu, 0.0, pressure))
         highest = float(self.cohesion[-1] * np.max(pressure))
 
         def miss(values: np.ndarray) -> np.ndarray:

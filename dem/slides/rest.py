@@ -10,6 +10,7 @@ import numpy as np
 
 WINDOW = 5.0  # s
 WINDOWS = 2  # in a row
+LITTLE = 0.01  # of the energy turned over, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
@@ -37,8 +38,8 @@ def what_drives(times: Sequence[float], weight: Sequence[float], shaking: Sequen
     first = int(np.searchsorted(time, time[-1] - WINDOW - 1e-9))
     by_weight, by_shaking = (max(float(work[-1] - work[first]), 0.0) for work in (weight, shaking))
     total = by_weight + by_shaking
-    if total <= 0.0:
-        return "nothing drives it: it slows down"
+    if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
+        return "nothing drives it any more: it slows down, or swings"
     share = by_weight / total
     told = f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from its weight, the rest from Kh"
     return f"{told}: a flow failure, which goes on without shaking" if share > 0.9 else told

@@ -77,6 +77,7 @@ def critical(run: Input, kc: float, cracked_elsewhere: dict[str, float] | None =
     return DiscsAnswer(
         section=SectionLabel.of(run),
         model=DiscModelAnswer(
+            discs="paper",
             packing="box", rows=8, radius_m=0.75, elements=320, boundary_elements=50, tilt_deg=2.6, seed=None,
             porosity=0.1, unbalanced_ratio=9e-5, settling_seconds=1.5, pore_springs=900,
         ),
@@ -120,6 +121,9 @@ def calibration(kc: float, reached: bool) -> CalibrationAnswer:
 
 def case(stiffness: float, slide: float) -> CaseAnswer:
     return CaseAnswer(
+        overlap=0.2,
+        area_lost_share=0.0,
+        notes=(),
         stiffness=stiffness, settlement_uphill_m=0.01 / stiffness, settlement_middle_m=0.005 / stiffness,
         settlement_downhill_m=0.0, slide_uphill_m=slide, slide_middle_m=0.5 * slide, slide_downhill_m=0.0,
         slide_max_m=slide, slide_max_at_x_m=30.0, slides_over_share=slide / 5.9, slides_over_share_uphill=slide / 5.9,

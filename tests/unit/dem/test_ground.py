@@ -15,7 +15,7 @@ S13 = SECTIONS / "s13.toml"
 
 def s13(**settings: object) -> tuple[Section, Ground]:
     section = Section.read(S13)
-    return section, ground_of(section, DemSettings(radius=0.75, **settings))  # type: ignore[arg-type]
+    return section, ground_of(section, DemSettings(model="paper", radius=0.75, **settings))  # type: ignore[arg-type]
 
 
 def test_s13_has_the_papers_counts() -> None:
@@ -44,7 +44,7 @@ def test_rows_lie_along_the_surface_and_discs_in_their_stratum() -> None:
 
 def test_gravity_is_vertical_in_the_section() -> None:
     section, ground = s13()
-    model = ground.model(springs_of(section, DemSettings(radius=0.75), 0.75), DemSettings())
+    model = ground.model(springs_of(section, DemSettings(model="paper", radius=0.75), 0.75), DemSettings(model="paper"))
     gx, gz = ground.turned(*(np.array(g) for g in model.gravity))
     assert (float(gx), float(gz)) == pytest.approx((0.0, -9.80665), abs=1e-12)
     shaking = ground.shaking(0.0, 0.2, 1.0, 2.0)
@@ -58,7 +58,7 @@ def test_ground_that_falls_to_the_left_is_the_mirror_image() -> None:
     data["surface"] = [[0.0, 10.0], [100.0, 20.0]]
     data["base"] = {"depth": 10.0}
     section = Section.parse(data)
-    ground = ground_of(section, DemSettings(packing="box", radius=0.5))
+    ground = ground_of(section, DemSettings(model="paper", packing="box", radius=0.5))
     assert (ground.downhill, ground.tilt < 0.0) == (-1, True)
     ax, _ = ground.turned(*(np.array(v) for v in (ground.shaking(0.0, 0.1, 0.0, 1.0).x, np.zeros(65))))
     assert ax[-1] < 0.0
@@ -67,7 +67,7 @@ def test_ground_that_falls_to_the_left_is_the_mirror_image() -> None:
 @pytest.mark.parametrize("packing", ["lattice", "random"])
 def test_other_sections_are_cut_to_their_outline(packing: str) -> None:
     section = Section.parse(slope())
-    ground = ground_of(section, DemSettings(packing=packing, elements=400, porosity=0.2))  # type: ignore[arg-type]
+    ground = ground_of(section, DemSettings(model="paper", packing=packing, elements=400, porosity=0.2))  # type: ignore[arg-type]
     assert ground.kind == packing
     assert ground.packing.free.sum() == pytest.approx(400, rel=0.25)  # none where half a disc would stick out
     assert ground.tilt == 0.0
@@ -76,20 +76,20 @@ def test_other_sections_are_cut_to_their_outline(packing: str) -> None:
 @pytest.mark.parametrize("elements", [100, 300, 1000])
 def test_a_packing_too_dense_for_its_walls_gets_a_little_more_room(elements: int) -> None:
     section = Section.parse(slope())
-    ground = ground_of(section, DemSettings(packing="random", elements=elements, porosity=0.19))
+    ground = ground_of(section, DemSettings(model="paper", packing="random", elements=elements, porosity=0.19))
     solid = np.sum(np.pi * ground.packing.radius[ground.packing.free] ** 2) / section.layering.areas().sum()
     assert 0.71 <= solid <= 0.82
 
 
 def test_auto_takes_a_box_only_where_it_fits() -> None:
-    assert ground_of(Section.parse(slope()), DemSettings(elements=300)).kind == "random"
+    assert ground_of(Section.parse(slope()), DemSettings(model="paper", elements=300)).kind == "random"
     with pytest.raises(InputError, match='packing = "box": expected a straight surface'):
-        ground_of(Section.parse(slope()), DemSettings(packing="box", elements=300))
+        ground_of(Section.parse(slope()), DemSettings(model="paper", packing="box", elements=300))
 
 
 def test_table2_wants_ten_strata_and_settings_that_fit() -> None:
     section = Section.parse(slope())
-    settings = DemSettings(springs="table2", radius=5.0, range=(2.0, 1.0))
+    settings = DemSettings(model="paper", springs="table2", radius=5.0, range=(2.0, 1.0))
     told = settings.problems(section)
     assert len(told) == 3
     assert "ten strata" in told[0]
@@ -100,5 +100,5 @@ def test_table2_wants_ten_strata_and_settings_that_fit() -> None:
 def test_springs_carry_the_names_of_the_strata() -> None:
     section = Section.read(S13)
     for springs in ("soil", "table2"):
-        layers = springs_of(section, DemSettings(springs=springs), 0.75)  # type: ignore[arg-type]
+        layers = springs_of(section, DemSettings(model="paper", springs=springs), 0.75)  # type: ignore[arg-type]
         assert [layer.name for layer in layers] == [stratum.name for stratum in section.strata]

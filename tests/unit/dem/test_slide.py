@@ -26,7 +26,7 @@ SAND = replace(
 )
 LAYERS = [SAND, replace(SAND, name="loose")]
 SETTINGS = SlideSettings(duration=6.0, frames=3)
-BETWEEN = 2e-5  # energy out of balance over that turned over, between what STEP and half of it leave
+BETWEEN = 2.5e-5  # energy out of balance over that turned over, between what STEP and half of it leave
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def ground() -> Ground:
 
 @pytest.fixture(scope="module")
 def start(ground: Ground) -> DiscModel:
-    return settle(ground, LAYERS, DemSettings())
+    return settle(ground, LAYERS, DemSettings(model="paper"))
 
 
 def slid(start: DiscModel, ground: Ground, case: Case | None, **changes: object) -> Slide:
@@ -88,7 +88,7 @@ def closing(load: float, k: float) -> float:
 
 def test_soft_rows_settle_as_their_springs_say(start: DiscModel, ground: Ground) -> None:
     """Rows 2 and 3 liquefied: the gap between them has the soft springs, those above and below the mean of both."""
-    slide = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=20.0)
+    slide = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=30.0, still=1e-3)
     assert slide.settled
     disc = SAND.effective_density * np.pi * RADIUS**2 * 9.80665 * np.cos(ground.tilt)
     after = closing(4 * disc, 0.65 * SAND.kn) + closing(3 * disc, 0.3 * SAND.kn) + closing(2 * disc, 0.65 * SAND.kn)
@@ -130,7 +130,7 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
 
     half = misses(BETWEEN)
     assert half.step_share == STEP / 2
-    assert half.reason == plain.reason
+    assert half.reason.split(";")[0] == plain.reason.split(";")[0]
     assert [row.time_s for row in half.rows] == pytest.approx([row.time_s for row in plain.rows], abs=0.01)
     assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
     resumed = Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{BETWEEN:g}").run()

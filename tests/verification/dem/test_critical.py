@@ -17,7 +17,7 @@ from dem.springs import LayerSprings
 from tests.support.dem_cases import FLOOR, RADIUS, SOIL
 
 MU = 0.313  # no multiple of a step of Kh
-SETTINGS = DemSettings(resolution=0.005)
+SETTINGS = DemSettings(model="paper", resolution=0.005)
 
 
 def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tuple[Ground, DiscModel]:
@@ -62,7 +62,7 @@ def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
     ground = Ground(packing, "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
     model = settle(ground, [soil], SETTINGS)
     before = model.x.copy()
-    one, two = (critical_kh(model, ground, DemSettings(kh_limit=0.6), threads=n) for n in (1, 2))
+    one, two = (critical_kh(model, ground, DemSettings(model="paper", kh_limit=0.6), threads=n) for n in (1, 2))
     assert one == two
     assert np.array_equal(model.x, before)
     assert Search.from_json(one.as_json()) == one

@@ -21,7 +21,9 @@ ASD = ("3 Asd", "4 Asd", "5 Asd")
 
 @pytest.fixture(scope="module")
 def run() -> Input:
-    return Input.load(SECTIONS / "s13.toml")
+    """The section with the paper's own discs."""
+    whole = Input.load(SECTIONS / "s13.toml")
+    return whole.model_copy(update={"dem": whole.dem.as_paper()})
 
 
 @pytest.fixture(scope="module")

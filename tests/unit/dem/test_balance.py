@@ -1,0 +1,122 @@
+"""What a slide may not do unnoticed: pass through the box, come near its sides, lose ground."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.packing import lattice_box
+from dem.settings import Case, DemSettings, SlideSettings
+from dem.slides.balance import at_the_sides, deepest_overlap, disc_area, ground_area, pressed_through, thin_layers
+from dem.slides.liquefaction import Slider
+from dem.slides.lost_strength import liquefied, residual_cohesion
+from dem.springs import Strength, soil_discs
+from tests.support.dem_cases import RADIUS
+
+SAND = soil_discs("sand", 3e7, Strength(0.35), 2000.0, 1000.0, RADIUS, 0.27)
+SETTINGS = DemSettings()
+
+
+@pytest.fixture(scope="module")
+def ground() -> Ground:
+    """20 columns and 8 rows, level; rows 3 and 4 from the bottom are a layer of their own."""
+    packing = lattice_box(20, 8, RADIUS)
+    row = np.round(packing.z / (np.sqrt(3.0) * RADIUS)).astype(int)
+    packing.layer[packing.free & ((row == 2) | (row == 3))] = 1
+    return Ground(packing, "lattice", RADIUS, 0, 0.0, (0.0, 0.0), 1)
+
+
+@pytest.fixture(scope="module")
+def start(ground: Ground) -> DiscModel:
+    return ground.model([SAND, replace(SAND, name="loose")], SETTINGS)
+
+
+def test_discs_that_lie_on_fixed_ones_are_told(start: DiscModel, ground: Ground) -> None:
+    """S-13, case 3, with Table 2: free centres came to lie on those of wall discs, and nobody heard of it."""
+    assert pressed_through(start) == 0
+    pressed = start.copy()
+    disc = int(np.flatnonzero(~pressed.fixed)[0])
+    walls = np.flatnonzero(pressed.fixed)
+    away = np.hypot(pressed.x[walls] - pressed.x[disc], pressed.z[walls] - pressed.z[disc])
+    wall = int(walls[np.argmin(away)])
+    pressed.x[disc], pressed.z[disc] = pressed.x[wall], pressed.z[wall] + 1e-3
+    pressed.make_list()
+    assert pressed_through(pressed) == 1
+    slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
+    slider.model = pressed
+    assert any("pressed into the fixed ones" in note for note in slider._notes())
+
+
+def test_areas(start: DiscModel, ground: Ground) -> None:
+    discs = int((~start.fixed).sum())
+    assert disc_area(start) == pytest.approx(discs * np.pi * RADIUS**2)
+    assert disc_area(start, [1]) == pytest.approx((start.layer == 1).sum() * np.pi * RADIUS**2)
+    lowered = start.copy()
+    top = np.flatnonzero(~start.fixed & (start.z > start.z[~start.fixed].max() - 0.1))
+    lowered.z[top] -= 0.3
+    width = np.ptp(start.x[top])
+    assert ground_area(start, ground) - ground_area(lowered, ground) == pytest.approx(0.3 * width, rel=0.1)
+
+
+def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground) -> None:
+    assert at_the_sides(start, start, ground) == []
+    piled = start.copy()
+    right = ~piled.fixed & (piled.x > piled.x[~piled.fixed].max() - 4.0)
+    piled.z[right] += 2.5 * RADIUS
+    assert any("piled up" in told and "right" in told for told in at_the_sides(piled, start, ground))
+
+
+def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, ground: Ground) -> None:
+    assert thin_layers(start, ground, [0]) == []
+    thin = start.copy()
+    row = np.round(thin.z / (np.sqrt(3.0) * RADIUS)).astype(int)
+    thin.layer[~thin.fixed & (row == 3)] = 0
+    told = thin_layers(thin, ground, [1])
+    assert len(told) == 1
+    assert "less than two discs" in told[0]
+    assert "0.38 m" in told[0]  # a row of 1.5 m: two discs of a quarter of that
+
+
+def test_soil_discs_never_pass_through_each_other(start: DiscModel, ground: Ground) -> None:
+    """Without any strength and a thousandth of the stiffness discs still keep half a radius apart."""
+    case = Case(stiffness=0.001)
+    slide = Slider(start, ground, [1], case, SlideSettings(duration=3.0)).run()
+    assert 0.2 < slide.overlap < 0.5
+
+
+def test_a_layer_that_drains_loses_what_was_asked(start: DiscModel, ground: Ground) -> None:
+    case = Case(stiffness=1.0, friction=1.0, cohesion=1.0, volumetric_strain=0.05)
+    slider = Slider(start, ground, [1], case, SlideSettings(kh=0.0, onset=1.0, duration=4.0))
+    before = disc_area(start, [1])
+    slide = slider.run()
+    assert disc_area(slider.model, [1]) == pytest.approx(0.95 * before, rel=1e-9)
+    assert (slider.model.mass == start.mass).all()
+    assert slide.rows[-1].settlement_middle_m == pytest.approx(0.05 * 2 * np.sqrt(3.0) * RADIUS, rel=0.5)
+    assert abs(slide.area_lost_share) < 0.02
+
+
+def test_kh_is_taken_away_again(ground: Ground) -> None:
+    shaking = ground.held(0.2, 10.0, 1.0, 5.0)
+    at = np.interp([9.9, 11.0, 14.9, 16.1, 30.0], shaking.times, shaking.x)
+    assert at == pytest.approx([0.0, 0.2 * 9.80665, 0.2 * 9.80665, 0.0, 0.0], abs=1e-9)
+    assert ground.held(0.2, 10.0, 1.0, None).x[-1] == pytest.approx(0.2 * 9.80665)
+
+
+def test_what_liquefied_soil_keeps(start: DiscModel, ground: Ground) -> None:
+    clay = replace(SAND, contact_cohesion=1e5)
+    both = liquefied([SAND, clay], [1], Case(stiffness=0.5, friction=0.2, cohesion=0.3))
+    assert both[0] == SAND
+    assert both[1].friction == pytest.approx(0.2 * SAND.friction)
+    assert both[1].contact_cohesion == pytest.approx(3e4)
+    assert both[1].kn == pytest.approx(0.5 * SAND.kn)
+    # four rows of discs and a half lie above the middle of rows 3 and 4, buoyant
+    kept = residual_cohesion(start, ground, [1], 0.1)[1]
+    row = SAND.effective_density * 9.80665 * np.pi * RADIUS**2 / (2.0 * RADIUS)
+    assert kept == pytest.approx(0.1 * 2.0 * RADIUS * 4.5 * row, rel=0.2)
+    assert liquefied([SAND, clay], [1], Case(residual=0.1), 1.0, {1: kept})[1].contact_cohesion == kept
+
+
+def test_overlap(start: DiscModel) -> None:
+    assert deepest_overlap(start) == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,32 @@
+"""When a slide is over, and what drives it if it is not."""
+
+import numpy as np
+import pytest
+
+from dem.slides.rest import at_rest, what_drives
+
+TIMES = np.arange(0.0, 12.5, 0.5)
+
+
+def test_ground_that_lies_still_for_two_windows_is_at_rest() -> None:
+    moved = np.where(TIMES < 2.0, TIMES, 2.0)[:, None] * [1.0, 0.5]
+    assert at_rest(TIMES, moved, 0.01)
+    assert not at_rest(TIMES[:-2], moved[:-2], 0.01)  # 11 s in all, still for 9
+    assert not at_rest([], [], 0.01)
+
+
+@pytest.mark.parametrize("column", [0, 1])
+def test_a_single_third_that_creeps_is_enough_to_go_on(column: int) -> None:
+    moved = np.zeros((len(TIMES), 2))
+    moved[:, column] = 0.0021 * TIMES  # 1.05 cm in 5 s
+    assert not at_rest(TIMES, moved, 0.01)
+    assert at_rest(TIMES, 0.9 * moved, 0.01)
+
+
+def test_what_drives_a_slide_is_told_by_its_last_five_seconds() -> None:
+    weight = np.where(TIMES < 6.0, 0.0, 95.0 * (TIMES - 6.0))
+    shaking = np.where(TIMES < 6.0, 1e6, 1e6 + 5.0 * (TIMES - 6.0))
+    assert "95 % of the energy came from its weight" in what_drives(TIMES, weight, shaking)
+    assert "flow failure" in what_drives(TIMES, weight, shaking)
+    assert "flow failure" not in what_drives(TIMES, shaking - 1e6, weight)
+    assert "slows down" in what_drives(TIMES, -weight, np.zeros(len(TIMES)))

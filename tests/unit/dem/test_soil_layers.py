@@ -1,0 +1,79 @@
+"""Contacts of soil discs from the map of strengths: what was asked for comes back, and what cannot be had is named."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dem.laboratory.soil_layers import SOFTEST, failure_strength, refusals, soil_layers
+from dem.laboratory.strength_map import strength_map
+from meshes.section.section import Section
+from tests.support import SECTIONS
+from tests.support.sections import layer, slope
+
+PRESSURES = np.array([2.5e4, 5e4, 1e5])
+
+
+def homogeneous(**soil: object) -> Section:
+    data = slope()
+    data["strata"] = [layer("soil", **soil)]
+    return Section.parse(data)
+
+
+def test_failure_strength_is_that_of_mohr_and_coulomb() -> None:
+    """c_u of a clay; sigma_1 = p tan^2(45 + phi/2) of a sand (Terzaghi)."""
+    clay = homogeneous(cohesion="60 kPa", friction_angle="0 deg").strata[0]
+    sand = homogeneous(cohesion="0 kPa", friction_angle="35 deg").strata[0]
+    assert failure_strength(clay, PRESSURES) == pytest.approx([6e4] * 3)
+    major = PRESSURES * np.tan(np.radians(45.0 + 17.5)) ** 2
+    assert failure_strength(sand, PRESSURES) == pytest.approx(0.5 * (major - PRESSURES))
+
+
+def test_the_map_rises_with_friction_and_with_cohesion() -> None:
+    table = strength_map()
+    assert (np.diff(table.after, axis=0) > 0.0).all()
+    assert (np.diff(table.after, axis=1) > 0.0).all()
+    assert (table.after < table.peak).all()
+    # at least three quarters of the peak are left after it, but for discs that hardly have strength
+    assert (table.after / table.peak)[1:].min() > 0.7
+    assert 0.4 < table.modulus < 0.8
+
+
+@given(st.floats(22.0, 45.0))
+def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
+    phi = np.radians(degrees)
+    wanted = PRESSURES * np.sin(phi) / (1.0 - np.sin(phi))
+    found = strength_map().fit(wanted, PRESSURES, cohesive=False)
+    assert found.cohesion == 0.0
+    assert found.expected == pytest.approx(wanted, rel=0.02)
+
+
+def test_clay_is_met_in_the_middle_of_its_stresses() -> None:
+    """What the geometry keeps of friction makes discs too weak at a quarter of the stress and too strong at all."""
+    found = strength_map().fit(np.full(3, 6e4), PRESSURES)
+    assert found.friction == 0.0
+    assert found.expected / 6e4 == pytest.approx([0.9, 1.0, 1.15], abs=0.1)
+
+
+def test_every_layer_of_s13() -> None:
+    layers = {one.stratum.name: one for one in soil_layers(Section.read(SECTIONS / "s13.toml"))}
+    assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.02)
+    assert layers["5 Asd"].stiffness * strength_map().modulus == pytest.approx(layers["5 Asd"].stratum.youngs_modulus)
+    assert all(one.stiffness >= SOFTEST * one.stress for one in layers.values())
+    assert "as strong as this soil" in refusals([layers["10 Base"]])[0]
+    assert refusals([layers["10 Base"]])[0].startswith('stratum "10 Base"')
+
+
+def test_a_layer_that_no_discs_can_be_is_named_with_what_can_be_had() -> None:
+    rock = soil_layers(homogeneous(cohesion="0 kPa", friction_angle="65 deg"))[0]
+    assert "no discs are as strong" in rock.notes[0]
+    assert f"{rock.expected[-1] / 1e3:.3g} kPa" in rock.notes[0]
+    soft = soil_layers(homogeneous(youngs_modulus="1 MPa", cohesion="20 kPa", friction_angle="0 deg"))[0]
+    assert any("stiffer than the soil" in note for note in soft.notes)
+
+
+def test_weight_and_mass_are_those_of_the_soil() -> None:
+    one = soil_layers(homogeneous(density_ordinary=900.0, density_seismic=1900.0))[0]
+    springs = one.springs(0.5, 0.27)
+    assert springs.density == pytest.approx(1.27 * 1900.0)
+    assert springs.effective_density == pytest.approx(1.27 * 900.0)
