@@ -25,7 +25,19 @@ ABOVE = 4  # rows that side walls stand higher than the surface
 
 @dataclass(frozen=True)
 class Packing:
-    """Centres and radii (m), layers (-1: boundary) and rigid lines (k, 6; see DiscModel)."""
+    """Discs to begin with.
+
+    Attributes
+    ----------
+    x, z : (n,)
+        Centres (m).
+    radius : (n,)
+        Radii (m).
+    layer : (n,)
+        Numbers of their layers, -1 for boundary discs.
+    lines : (k, 6)
+        Rigid lines, see DiscModel.
+    """
 
     x: np.ndarray
     z: np.ndarray

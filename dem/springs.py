@@ -81,6 +81,8 @@ class LayerSprings:
         mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for discs that do not turn.
     stop : float
         Stiffness of soil discs where they overlap by more than `STOP_DEPTH` (N/m); no effect where kn is larger.
+    boundary : float
+        Normal spring against boundary discs (N/m), where it is stiffer than kn: that of the layer before it liquefied.
     """
 
     name: str
@@ -101,6 +103,7 @@ class LayerSprings:
     contact_cohesion: float = 0.0
     rolling_friction: float = 0.0
     stop: float = 0.0
+    boundary: float = 0.0
 
     def __post_init__(self) -> None:
         for key in ("kn", "density"):
@@ -123,7 +126,7 @@ class LayerSprings:
         return replace(
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
             cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, friction=self.friction * friction,
-            pore_friction=0.0, cohesion=0.0, contact_cohesion=0.0,
+            pore_friction=0.0, cohesion=0.0, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
         )  # fmt: skip
 
 
@@ -287,8 +290,10 @@ def pair_table(layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: L
     """The table for contacts within and between layers.
 
     Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary
-    disc takes its partner's values. A rigid line does so too, but with the stiffest normal spring of all layers and a
-    dashpot of the same damping ratio: it must hold however soft the disc is.
+    disc takes its partner's values, and the stiffness that a liquefied layer had before: with the soft spring its discs
+    came to lie on those of the wall, and the box was longer than before. A rigid line takes its partner's values too,
+    but with the stiffest normal spring of all layers and a dashpot of the same damping ratio: it must hold however soft
+    the disc is.
 
     law "soil": a contact between two materials is as strong as the weaker of them at its normal force, for slip and for
     rolling; so a liquefied layer of a single row has no strength either, and sand beside clay has the lesser of mu Fn
@@ -308,6 +313,8 @@ def pair_table(layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: L
         raise ValueError("contact cohesion, rolling friction and stop belong to soil discs: take law='soil'")
     n = len(layers)
     pairs = _square(values, mean)
+    held = np.maximum(values[KN], [layer.boundary for layer in layers])
+    pairs[KN, :n, n] = pairs[KN, n, :n] = held
     lines = np.zeros((CONSTANTS, n + 1))
     lines[:, :n] = values
     lines[KN] = (values[KN] + values[STOP]).max()

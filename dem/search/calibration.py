@@ -127,10 +127,24 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
 
 
 class Calibrator:
-    """Searches for the critical Kh at any factor, each at most once, some at a time; known ones are taken as they are.
+    """Searches for the critical Kh at any factor, each at most once, some at a time.
 
-    known: searches of an earlier run. on_trial and on_search hear of every trial and search, on_search once at a time.
     Threads share the work, since the kernels let go of Python's lock; what they find does not depend on their number.
+
+    Parameters
+    ----------
+    ground
+        Where the discs lie.
+    layers
+        Their springs without any factor.
+    settled
+        The discs at rest with these.
+    settings
+        Of the searches.
+    known
+        Searches of an earlier run, taken as they are.
+    on_trial, on_search
+        Hear of every trial and of every search, the latter once at a time.
     """
 
     def __init__(

@@ -23,9 +23,24 @@ OnTrial = Callable[[Trial, DiscModel], None]
 
 @dataclass
 class Search:
-    """The bracket of the critical Kh and every trial on the way; kc is the middle of the bracket.
+    """The bracket of the critical Kh and every trial on the way.
 
-    curve: (Kh, displacement in m) of the states that stood; flexibility: elastic displacement over Kh (m).
+    Attributes
+    ----------
+    lower : float
+        The largest Kh at which the discs stood.
+    upper : float or None
+        The least at which they did not.
+    verdict : str
+        "bracketed", or why there is no bracket.
+    reason : str
+        In words.
+    flexibility : float
+        Elastic displacement over Kh (m).
+    trials : list of Trial
+        In the order of trying.
+    curve : list of (Kh, displacement in m)
+        The states that stood.
     """
 
     lower: float = 0.0

@@ -36,7 +36,19 @@ class NotSettledError(DemError):
 
 @dataclass(frozen=True)
 class Rest:
-    """How far from rest discs are at one time (s), and how far they came (m)."""
+    """How far from rest discs are at one time.
+
+    Attributes
+    ----------
+    time : float
+        Since the trial began (s).
+    unbalanced_ratio : float
+        Mean resultant over mean contact force.
+    kinetic_ratio : float
+        Kinetic energy, the most since the last look, over stored energy.
+    displacement : float
+        Mean displacement downhill (m).
+    """
 
     time: float
     unbalanced_ratio: float
@@ -46,7 +58,23 @@ class Rest:
 
 @dataclass(frozen=True)
 class Trial:
-    """A verdict on one seismic coefficient, and what it rests on; seconds of the model's time."""
+    """A verdict on one seismic coefficient, and what it rests on.
+
+    Attributes
+    ----------
+    kh : float
+        The coefficient.
+    verdict : str
+        "stands", "fails" or "undecided".
+    reason : str
+        In words.
+    unbalanced_ratio, kinetic_ratio : float
+        At the last look, see `Rest`.
+    displacement_m, elastic_displacement_m : float
+        Mean displacement downhill, and what it would be if the ground were elastic (m).
+    seconds : float
+        Of the model's time (s).
+    """
 
     kh: float
     verdict: Verdict

@@ -17,7 +17,17 @@ STANDS_OUT = 0.1  # of the largest jump, below which a column has not slipped
 
 @dataclass(frozen=True)
 class Agreement:
-    """Two slip surfaces compared where both are: mean vertical distance (m), share of columns in the same stratum."""
+    """Two slip surfaces compared where both are.
+
+    Attributes
+    ----------
+    mean_distance_m : float
+        Mean vertical distance (m).
+    same_stratum_share : float
+        Share of the columns in which both lie in the same stratum.
+    columns : int
+        How many were compared.
+    """
 
     mean_distance_m: float
     same_stratum_share: float

@@ -15,7 +15,14 @@ THIRDS = ("uphill", "middle", "downhill")
 class Surface:
     """The topmost disc of every column of discs, from uphill to downhill, as they were before a slide.
 
-    discs: their numbers; x, z: where they were (section's frame, m); third: 0 uphill, 1 middle, 2 downhill.
+    Attributes
+    ----------
+    discs : (n,)
+        Their numbers.
+    x, z : (n,)
+        Where they were, in the section's frame (m).
+    third : (n,)
+        0 uphill, 1 middle, 2 downhill.
     """
 
     discs: np.ndarray

@@ -138,3 +138,14 @@ def test_rigid_lines_are_as_stiff_as_the_stiffest_layer() -> None:
 def test_impossible_constants_are_refused(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=name):
         replace(table2()[0], **{name: value})
+
+
+def test_a_liquefied_layer_is_as_stiff_against_the_boundary_as_before() -> None:
+    """S-13, case 3: discs of a hundredth of their stiffness were pressed whole into those of the walls."""
+    sand, loose = table2()[0], table2()[3].liquefied(0.01)
+    table = pair_table([sand, loose])
+    normal = table.pairs[KN].reshape(3, 3)
+    assert normal[1, 1] == pytest.approx(0.01 * table2()[3].kn)
+    assert normal[1, 2] == normal[2, 1] == table2()[3].kn
+    assert normal[0, 2] == sand.kn
+    assert loose.liquefied(0.5).boundary == table2()[3].kn

@@ -1,0 +1,105 @@
+"""Soil discs from the command line: a small slope, calibrated and slid, and what is told of them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+from dem.model import DiscModel
+from dem.search.deposit import misfit
+from meshes.section.section import Section
+from tests.support.command_line import run
+from tests.support.sections import layer
+from workflow.settings import Input
+
+SECTION: dict[str, Any] = {
+    "name": "soil",
+    "surface": [[0.0, 9.0], [10.0, 9.0], [22.0, 6.0], [32.0, 6.0]],
+    "base": {"elevation": 0.0},
+    "strata": [
+        layer("crust", bottom={"elevation": 6.0}, cohesion="2 kPa", friction_angle="30 deg"),
+        layer("loose", bottom={"elevation": 3.0}, cohesion="0 kPa", friction_angle="33 deg", liquefies_in=[1, 2]),
+        layer("clay", cohesion="40 kPa", friction_angle="0 deg"),
+    ],
+    "mesh": {"size": "2 m"},
+    "fem": {"element": "bilinear", "kh": []},
+    "dem": {
+        "elements": 350, "kh": [0.1], "resolution": 0.04, "tolerance": 0.05, "out_of_reach": "go on",
+        "element_tests": False,
+    },
+    "slide": {"duration": 12.0, "frames": 3, "kh_seconds": 2.0,
+              "cases": [{"stiffness": 0.1, "residual": 0.1}, {"volumetric_strain": 0.03}]},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which the slide was asked for, and so all before it has run."""
+    folder = tmp_path_factory.mktemp("soil")
+    (folder / "soil.toml").write_text(tomli_w.dumps(SECTION))
+    assert run("slide", folder / "soil.toml", "--out", folder / "out") == 0
+    return folder / "out"
+
+
+def answer(folder: Path, name: str) -> Any:
+    return json.loads((folder / name).read_text())
+
+
+def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
+    fem = answer(whole, "fem/critical.json")
+    calibration = answer(whole, "dem/calibration.json")
+    assert fem["settings"]["sides"] == "roller"
+    assert calibration["target_kc"] == fem["rigid_box"]["kc"]
+    assert calibration["parameter"] == "strength"
+    assert 0.75 <= calibration["value"] <= 1.33
+    assert calibration["predicted_ratio"] == pytest.approx(calibration["predicted_kc"] / calibration["target_kc"])
+
+
+def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
+    """Surface within half a radius on average; weight and horizontal force of the soil; no disc turns."""
+    section = Input.load(whole / "section.toml")
+    discs = answer(whole, "dem/critical.json")["model"]
+    settled = DiscModel.load(whole / "dem/settled.h5")
+    assert discs["discs"] == "soil"
+    assert settled.law == "soil"
+    assert not settled.inertia_ratio.any()
+    away = misfit(section, settled, discs["radius_m"])
+    assert abs(away.mean()) < 0.5 * discs["radius_m"]
+    assert np.abs(away).max() < 2.0 * discs["radius_m"]
+    areas = section.layering.areas()
+    mass = sum(area * s.density_seismic for area, s in zip(areas, section.strata, strict=True))
+    weight = sum(area * s.density_ordinary for area, s in zip(areas, section.strata, strict=True))
+    free = ~settled.fixed
+    assert settled.mass[free].sum() == pytest.approx(mass, rel=0.02)
+    assert (settled.mass * settled.weight)[free].sum() == pytest.approx(weight, rel=0.02)
+    inside = section.stratum_at(settled.x[free], settled.z[free])
+    assert (inside == settled.layer[free])[inside >= 0].mean() > 0.9
+
+
+def test_the_slides(whole: Path) -> None:
+    cases = answer(whole, "dem/cases.json")["sets"]["calibrated"]
+    assert set(cases) == {"1", "2"}
+    for case in cases.values():
+        assert case["escaped"] == 0
+        assert case["overlap"] < 0.5
+        assert case["settlement_uphill_m"] >= 0.0
+        assert abs(case["area_lost_share"]) < 0.05
+        assert case["slide_max_m"] < 5.0
+
+
+def test_settings_of_the_paper_are_refused_with_words(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong = {**SECTION, "dem": {**SECTION["dem"], "parameter": "all", "packing": "box"}}
+    (tmp_path / "soil.toml").write_text(tomli_w.dumps(wrong))
+    assert run("calibrate", tmp_path / "soil.toml", "--out", tmp_path / "out") == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "soil discs have the stiffness of their soil" in told
+    assert 'rows belong to model = "paper"' in told
+
+
+def test_sections_without_settings_take_soil_discs() -> None:
+    data = {key: value for key, value in SECTION.items() if key not in ("dem", "fem", "mesh", "slide")}
+    assert isinstance(Section.parse(data), Section)
+    assert Input.parse(data).dem.model == "soil"
