@@ -247,13 +247,14 @@ class Slider:
         if list(self.model.springs.layers) != wanted:
             self.model.set_springs(wanted)
         if self.case is not None and self.case.volumetric_strain > 0.0:
-            self._drain(share)
+            self._drain(share * self.case.volumetric_strain)
 
-    def _drain(self, share: float) -> None:
-        """Discs of the liquefied layers shrink by the volume that has drained so far; they keep their mass."""
+    def _drain(self, lost: float) -> None:
+        """Discs of the liquefied layers shrink by the share of their volume that has drained; they keep their mass."""
         drained = np.isin(self.start.layer, self.strata) & ~self.start.fixed
-        factor = float(np.sqrt(1.0 - self.case.volumetric_strain * share)) if self.case is not None else 1.0
-        self.model.radius[drained] = factor * self.start.radius[drained]
+        radius = np.where(drained, np.sqrt(1.0 - lost), 1.0) * self.start.radius
+        if not np.array_equal(radius, self.model.radius):
+            self.model.set_radius(radius)
 
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""
