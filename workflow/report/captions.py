@@ -30,6 +30,7 @@ CAPTIONS = (
     (r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."),
     (r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
     (r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement and pore springs."),
+    (r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
     (r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
     (r"dem_.*", "dem", "The discs."),
     (r"case(\d+)", "slide", "Case {0}, calibrated discs."),

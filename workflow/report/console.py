@@ -96,6 +96,11 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
             f"calibrated: {answer.reason}."
         )
     elif answer.verdict == "calibrated":
+        if answer.predicted_kc is not None and answer.predicted_ratio is not None:
+            yield (
+                f"Discs without any factor: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
+                "times the continuum's with the same sides."
+            )
         yield (
             f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
             f"{answer.target_kc:.4f} asked, with {answer.parameter} = {answer.value:.4g}."
@@ -119,6 +124,7 @@ def slide_sentences(run: Input, answer: CasesAnswer) -> Iterator[str]:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
     for name, number, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
+        settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {number} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
             f"settles {metres(case.settlement_uphill_m)} uphill{settled}."

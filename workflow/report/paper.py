@@ -56,7 +56,9 @@ def rows(results: Results) -> list[Row]:
     """The paper against ours; empty for other sections."""
     if not is_s13(results.run):
         return []
-    found = [*_fem(results), *_dem(results, "before"), *_dem(results, "after")]
+    found = [*_fem(results)]
+    for which in _disc_sets(results):
+        found += _dem(results, which)
     for name in _sets(results):
         found += _slides(results, name)
     found += [_measured(results), _smooth()]
@@ -128,9 +130,20 @@ def share_of_surface(run: Section, line: Line, names: tuple[str, ...]) -> float:
     return float(np.isin(inside, wanted).mean())
 
 
+def _has_soil_discs(results: Results) -> bool:
+    return results.dem is not None and results.dem.model.discs == "soil"
+
+
+def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
+    """The sets of discs that the paper's are compared with."""
+    if not _has_soil_discs(results):
+        return "before", "after"
+    return ("paper", "after") if results.dem is not None and results.dem.paper is not None else ("after",)
+
+
 def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
-    """States at the paper's two Kh, "before" calibration or "after" it."""
-    springs = {"before": ", before calibration", "after": ", calibrated"}[which]
+    """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
+    springs = {"before": ", before calibration", "after": ", calibrated", "paper": ", the paper's discs"}[which]
     stands = Row(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
     broken = Row(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
                  _absent(results, "calibrate"), None)  # fmt: skip
@@ -141,7 +154,9 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
                      f"{states[0.2].reason}; {SECTION}")  # fmt: skip
     if 0.3 in states:
         broken = _broken(broken, states[0.3].cracked_share_by_stratum)
-    yield from (stands, broken)
+    yield stands
+    if not (which == "after" and _has_soil_discs(results)):  # soil discs have no pore springs
+        yield broken
 
 
 def _broken(row: Row, cracked: dict[str, float]) -> Row:
