@@ -35,6 +35,9 @@ from dem.slides.surface import Surface, crack_opening, escaped
 STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
 LEAST_STEP = STEP / 4.0
 FADE = 20  # steps in which springs change at an onset that takes time
+# s in which Kh comes on at least: at once in the paper; soil discs have the stiffness of their soil and a period of less
+# than a second, and the shock would move them several times as far as Kh does
+RISE = {"paper": 1e-3, "soil": 2.0}
 LOOK = 0.5  # s between two rows of the history
 MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
 
@@ -227,7 +230,7 @@ class Slider:
         model = self.start.copy()
         if self.case is not None:
             model.cut_pore_springs(self.strata)
-        rise = max(self.settings.onset, 1e-3)
+        rise = max(self.settings.onset, RISE[model.law])
         model.acceleration = self.ground.held(self.settings.kh, model.time, rise, self.settings.kh_seconds)
         return model
 
@@ -283,7 +286,9 @@ class Slider:
     def _at_rest(self) -> bool:
         """Whether the surface has stopped, since the onset was over and Kh has gone if it is to go."""
         settings = self.settings
-        begin = settings.onset if settings.kh_seconds is None else max(settings.onset, settings.kh_seconds + 1.0)
+        begin = max(settings.onset, RISE[self.model.law])
+        if settings.kh_seconds is not None:
+            begin = max(begin, settings.kh_seconds + 1.0)
         rows = [row for row in self.slide.rows if row.time_s >= begin - 1e-9]
         watched = [
             (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
