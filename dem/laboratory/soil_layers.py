@@ -100,13 +100,13 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
             f"discs keep some friction where the soil has none: their strength is off by {told} at a quarter, a half "
             "and all of the layer's stress"
         )
-    real = stratum.youngs_modulus / table.modulus
+    real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress)
     stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
     if abs(stiffness / real - 1.0) > 1e-9:
         what = "stiffer" if stiffness > real else "softer"
         notes.append(
-            f"{what} than the soil: E is {stiffness / real:.2f} times its, so that kn is {stiffness / stress:.0f} "
-            "times the stress"
+            f"{what} than the soil: kn is {stiffness / real:.2f} times what its E asks for, {stiffness / stress:.0f} "
+            "times the stress of the layer"
         )
     return SoilLayer(
         stratum, stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, tuple(notes)

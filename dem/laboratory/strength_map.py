@@ -22,6 +22,8 @@ POROSITY = (
     0.22  # with which packings are made: near the critical state, so that no more than a fifth is lost after peak
 )
 MAP = "strength_map.csv"
+KAPPA = 400.0  # kn over the pressure, at which the map was made
+LOOSENS = 0.127  # E / kn goes with kappa to the power of -0.127: stiffer discs have fewer contacts (0.59, 0.54, 0.44)
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
@@ -59,7 +61,7 @@ class StrengthMap:
     scatter : (m, k)
         Standard deviation of `after` from seed to seed.
     modulus : float
-        E of the soil as stiff in plane strain over kn, mean over all patches that carry shear.
+        E of the soil as stiff in plane strain over kn, median over all patches; see `normal_stiffness`.
     seeds : int
         How many patches each mean stands for.
     """
@@ -75,6 +77,11 @@ class StrengthMap:
     def strongest(self, cohesive: bool) -> float:
         """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
         return float(self.after.max() if cohesive else self.after[:, 0].max())
+
+    def normal_stiffness(self, youngs_modulus: float, pressure: float) -> float:
+        """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa)."""
+        stiff = youngs_modulus / self.modulus / (KAPPA * pressure) ** LOOSENS
+        return float(stiff ** (1.0 / (1.0 - LOOSENS)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
         """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""

