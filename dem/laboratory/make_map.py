@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.errors import EscapeError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.patch import Sample
 from dem.laboratory.strength_map import KAPPA, MAP
@@ -24,11 +25,14 @@ RADIUS = 0.75  # m
 DENSITY = 2000.0  # kg/m3
 
 
-def patch_strength(friction: float, cohesion_number: float, seed: int) -> PatchStrength:
-    """One patch, confined and compressed."""
+def patch_strength(friction: float, cohesion_number: float, seed: int) -> PatchStrength | None:
+    """One patch, confined and compressed; None where a disc slipped out of its frame, as frictionless ones may."""
     strength = Strength(friction, cohesion_number * 2.0 * RADIUS * PRESSURE)
     layer = soil_discs("map", KAPPA * PRESSURE, strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0)
-    return compress(Sample(layer, "random", RADIUS, seed, law="soil"), PRESSURE)
+    try:
+        return compress(Sample(layer, "random", RADIUS, seed, law="soil"), PRESSURE)
+    except EscapeError:
+        return None
 
 
 def main() -> None:
@@ -45,12 +49,12 @@ def main() -> None:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["friction", "cohesion_number", "after", "peak", "scatter", "modulus", "dilation", "seeds"])
         for k, (mu, c) in enumerate(places):
-            seeds = found[k * options.seeds : (k + 1) * options.seeds]
+            seeds = [one for one in found[k * options.seeds : (k + 1) * options.seeds] if one is not None]
             after, peak = (np.array([getattr(one, key) / PRESSURE for one in seeds]) for key in ("after", "peak"))
             modulus = float(np.mean([one.E for one in seeds])) / (KAPPA * PRESSURE)
             dilation = float(np.degrees(np.mean([one.dilation for one in seeds])))
             row = (float(after.mean()), float(peak.mean()), float(after.std(ddof=1)), modulus, dilation)
-            table.writerow([mu, c, *(f"{value:.4g}" for value in row), options.seeds])
+            table.writerow([mu, c, *(f"{value:.4g}" for value in row), len(seeds)])
 
 
 if __name__ == "__main__":

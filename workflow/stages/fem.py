@@ -156,7 +156,7 @@ def _other_way(mesh: "QuadMesh", result: "CriticalResult | None") -> OtherWay | 
 
 def rigid_box(mesh: "QuadMesh", found: "CriticalResult") -> RigidBox:
     """What is kept of the same search with fixed sides."""
-    from fem.fields import slip_surface
+    from fem.slip_surface import slip_surface
 
     return RigidBox(
         kc=found.kc,
