@@ -86,3 +86,9 @@ def band_thickness(blocks: Blocks) -> np.ndarray:
     """Mean thickness (m) of every band."""
     borders = 0.5 * (blocks.left + blocks.right)
     return np.average(borders[:, :-1] - borders[:, 1:], axis=0, weights=np.diff(blocks.x))
+
+
+def largest_corner(blocks: Blocks) -> float:
+    """The largest angle (deg) in the corners of a mapped mesh's cells: between the vertical and the steepest border."""
+    rise = (blocks.right - blocks.left) / np.diff(blocks.x)[:, None]
+    return 90.0 + float(np.degrees(np.arctan(np.abs(rise).max())))

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from meshes.blocks import blocks_of, divisions
+from meshes.blocks import blocks_of, divisions, largest_corner
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
 
@@ -14,6 +14,11 @@ MOST_QUADRILATERALS = 5_000_000
 
 # How far the refinement towards an interface reaches, in sizes there, before the ordinary size is back.
 GROWTH_REACH = 10.0
+
+# The largest angle (deg) in the corners of a mapped mesh that is made where nothing is said. Columns under a face are
+# sheared by as much as it is steep, and bands of shear cannot follow sheared cells: with about 600 cells a free mesh
+# gives the same critical Kh at 30 deg (120 in the corners), 2 % less at 45, 7 % less at 60, 24 % less at 75.
+LARGEST_CORNER = 130.0
 
 
 class MeshSettings(Model):
@@ -59,12 +64,15 @@ class MeshSettings(Model):
         return problems
 
     def method_for(self, section: Section) -> Literal["mapped", "free"]:
-        """The method as set; for "auto", mapped if columns or rows are set or if the layers allow it."""
+        """The method as set; for "auto", mapped if columns or rows are set, or if layers and slopes allow it."""
         if self.method != "auto":
             return self.method
         if self.sizes or self.towards:
             return "free"
-        return "mapped" if self.columns or self.rows or not isinstance(blocks_of(section), str) else "free"
+        if self.columns or self.rows:
+            return "mapped"
+        blocks = blocks_of(section)
+        return "free" if isinstance(blocks, str) or largest_corner(blocks) > LARGEST_CORNER else "mapped"
 
     def expected_quadrilaterals(self, section: Section) -> float:
         """About how many quadrilaterals a mesh will have; 0 where mapping will be refused anyhow."""
