@@ -22,6 +22,8 @@ MORE_CELLS = 1.5
 FEWEST_CELLS = 500
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.02
+# Verdicts of a path that did not come to a mechanism.
+WITHOUT_MECHANISM = ("no failure", "undecided")
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ def solve_adaptively(
         wanted = max(math.ceil(MORE_CELLS * len(mesh.cells)), FEWEST_CELLS)
         if converged:
             reason = f"the last mesh changed it by {100 * change:.1f} %"
-        elif result.verdict in ("no failure", "undecided"):
+        elif result.verdict in WITHOUT_MECHANISM:
             reason = f"there is no mechanism to refine: {result.reason}"
         elif wanted > max_cells:
             reason = f"the next mesh would have {wanted} cells, {max_cells} are allowed"
@@ -118,6 +120,8 @@ def solve_adaptively(
             try:
                 finer = adapted(section, settings, mesh, result.states[-1].plastic_shear_strain, wanted)
                 answer = solve(finer)
+                if answer.verdict in WITHOUT_MECHANISM:
+                    reason = f"there is no answer on the next mesh: {answer.reason}"
             except (BadMeshError, UnstableError) as error:
                 reason = f"there is no answer on the next mesh: {error}"
         if reason:

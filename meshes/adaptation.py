@@ -61,7 +61,7 @@ def adapted(
         mesh.points[triangles],
         at_points[triangles],
     )
-    return free_mesh(section, sizes, path)
+    return free_mesh(section, settings, sizes, path)
 
 
 def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:

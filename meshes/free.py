@@ -8,11 +8,15 @@ import gmsh
 import numpy as np
 
 from meshes.mapped import name_groups
+from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
 
 # gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
 ALGORITHMS = (8, 6, 5)
+
+# Triangles at a low vertical step, in heights of the step, and how their size grows with each metre from there.
+STEP_CELLS, STEP_GROWTH = 2.0, 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,15 +49,15 @@ class Sizes:
         )
 
 
-def build_free(section: Section, sizes: Sizes, algorithm: int) -> None:
-    """Mesh the section in the current gmsh model with quadrilaterals of about the ``sizes``.
+def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int) -> None:
+    """Mesh the ``layers`` of a section in the current gmsh model with quadrilaterals of about the ``sizes``.
 
     Triangles of twice the size are recombined and then every cell is divided at the middles of its edges: what is left
     over as a triangle becomes three convex quadrilaterals, so that no triangle stays and no cell can fold.
     ``algorithm`` is one of ALGORITHMS.
     """
-    surfaces, curves = _geometry(section)
-    _size_field(section, surfaces, curves, sizes.times(2.0))
+    surfaces, curves, steps = _geometry(section, layers)
+    _size_field(section, surfaces, curves, sizes.times(2.0), steps)
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)
     option("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -68,7 +72,7 @@ def build_free(section: Section, sizes: Sizes, algorithm: int) -> None:
 
 def build_triangles(section: Section, sizes: Sizes) -> None:
     """Mesh the section in the current gmsh model with triangles of about the ``sizes``."""
-    surfaces, curves = _geometry(section)
+    surfaces, curves, _ = _geometry(section, section.layering)
     _size_field(section, surfaces, curves, sizes)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -76,12 +80,14 @@ def build_triangles(section: Section, sizes: Sizes) -> None:
     gmsh.model.mesh.generate(2)
 
 
-def _geometry(section: Section) -> tuple[dict[int, list[int]], dict[str, list[int]]]:
-    """The strata as plane surfaces that share their curves; returns the surfaces by stratum and curves by line.
+def _geometry(
+    section: Section, layers: Layering
+) -> tuple[dict[int, list[int]], dict[str, list[int]], dict[int, float]]:
+    """The strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights (m) of
+    the vertical ones.
 
     Every polygon's edge is cut at every corner of another polygon that lies on it.
     """
-    layers = section.layering
     polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
     corners = np.unique(np.concatenate([polygon for _, polygon in polygons]), axis=0)
     geo = gmsh.model.geo
@@ -101,9 +107,14 @@ def _geometry(section: Section) -> tuple[dict[int, list[int]], dict[str, list[in
             loop.append(lines[edge] if start < end else -lines[edge])
         surfaces[k].append(geo.addPlaneSurface([geo.addCurveLoop(loop)]))
     geo.synchronize()
-    boundaries, interfaces = _named_curves(section, corners, lines, owners)
+    boundaries, interfaces = _named_curves(section, layers, corners, lines, owners)
     name_groups(section, surfaces, boundaries)
-    return surfaces, {**interfaces, "surface": boundaries["surface"], "base": boundaries["base"]}
+    steps = {
+        curve: abs(float(corners[one, 1] - corners[other, 1]))
+        for (one, other), curve in lines.items()
+        if corners[one, 0] == corners[other, 0]
+    }
+    return surfaces, {**interfaces, "surface": boundaries["surface"], "base": boundaries["base"]}, steps
 
 
 def _cut_ring(
@@ -125,13 +136,13 @@ def _cut_ring(
 
 def _named_curves(
     section: Section,
+    layers: Layering,
     corners: np.ndarray,
     lines: dict[tuple[int, int], int],
     owners: dict[tuple[int, int], list[int]],
 ) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
     """Curves of the four boundaries, and of the bottom of every stratum by its name."""
-    left, right = section.extent
-    layers = section.layering
+    left, right = layers.x[0], layers.x[-1]
     boundaries: dict[str, list[int]] = {"surface": [], "base": [], "left": [], "right": []}
     bottoms: dict[str, list[int]] = {stratum.name: [] for stratum in section.strata}
     for edge, curve in lines.items():
@@ -158,8 +169,17 @@ def _named_curves(
     return boundaries, bottoms
 
 
-def _size_field(section: Section, surfaces: dict[int, list[int]], curves: dict[str, list[int]], sizes: Sizes) -> None:
-    """gmsh's size field: the smallest of the stratum's, its neighbour's on a common curve, and the interfaces'."""
+def _size_field(
+    section: Section,
+    surfaces: dict[int, list[int]],
+    curves: dict[str, list[int]],
+    sizes: Sizes,
+    steps: Mapping[int, float] | None = None,
+) -> None:
+    """gmsh's size field: the smallest of the stratum's, its neighbour's on a common curve, and the interfaces'.
+
+    Cells at ``steps`` (m, by curve) that are lower than these are twice as large as the step, and grow from there.
+    """
     fields = gmsh.model.mesh.field
     found = []
     for k, stratum in enumerate(section.strata):
@@ -168,22 +188,36 @@ def _size_field(section: Section, surfaces: dict[int, list[int]], curves: dict[s
         fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.ordinary))
         found.append(inside)
     for name, wanted in sizes.towards.items():
-        distance = fields.add("Distance")
-        fields.setNumbers(distance, "CurvesList", curves[name])
-        fields.setNumber(distance, "Sampling", 200)
-        near = fields.add("Threshold")
-        fields.setNumber(near, "InField", distance)
-        fields.setNumber(near, "SizeMin", wanted)
-        fields.setNumber(near, "SizeMax", max(sizes.ordinary, wanted))
-        fields.setNumber(near, "StopAtDistMax", 1)
-        fields.setNumber(near, "DistMin", wanted)
-        fields.setNumber(near, "DistMax", GROWTH_REACH * max(sizes.ordinary, wanted))
-        found.append(near)
+        far = max(sizes.ordinary, wanted)
+        found.append(_near_field(curves[name], wanted, far, GROWTH_REACH * far, stop=True))
+    for curve, height in (steps or {}).items():
+        near = STEP_CELLS * height
+        if near < sizes.ordinary:
+            found.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH, stop=True))
     if len(sizes.corners):
         found.append(_view_field(sizes))
     smallest = fields.add("Min")
     fields.setNumbers(smallest, "FieldsList", found)
     fields.setAsBackgroundMesh(smallest)
+
+
+def _near_field(curves: list[int], near: float, far: float, reach: float, stop: bool) -> int:
+    """gmsh's field that grows from ``near`` within that distance of curves to ``far`` at ``reach`` (all in m).
+
+    Beyond it holds no longer if it is to ``stop``; else it stays ``far``.
+    """
+    fields = gmsh.model.mesh.field
+    distance = fields.add("Distance")
+    fields.setNumbers(distance, "CurvesList", curves)
+    fields.setNumber(distance, "Sampling", 200)
+    number = int(fields.add("Threshold"))
+    fields.setNumber(number, "InField", distance)
+    fields.setNumber(number, "SizeMin", near)
+    fields.setNumber(number, "SizeMax", far)
+    fields.setNumber(number, "StopAtDistMax", int(stop))
+    fields.setNumber(number, "DistMin", near)
+    fields.setNumber(number, "DistMax", reach)
+    return number
 
 
 def _view_field(sizes: Sizes) -> int:

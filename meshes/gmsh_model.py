@@ -31,7 +31,7 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
     if problems:
         raise InputError(section.name, problems)
     if settings.method_for(section) == "free":
-        return free_mesh(section, sizes_of(section, settings), path)
+        return free_mesh(section, settings, sizes_of(section, settings), path)
 
     def build() -> None:
         build_mapped(section, settings.columns, settings.rows, settings.size, settings.refine)
@@ -45,15 +45,17 @@ def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
     return sizes.times(1.0 / settings.refine)
 
 
-def free_mesh(section: Section, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
+def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
     """A free mesh of the given sizes, by the first of gmsh's algorithms that leaves no bad cell.
 
-    Raises BadMeshError, the first one's, if none does.
+    Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
+    one's, if none does.
     """
+    layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
     for algorithm in ALGORITHMS:
         try:
-            return _built(section, "free", partial(build_free, section, sizes, algorithm), path)
+            return _built(section, "free", partial(build_free, section, layers, sizes, algorithm), path)
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None

@@ -6,8 +6,10 @@ import numpy as np
 from pydantic import Field
 
 from meshes.blocks import blocks_of, divisions, largest_corner
+from meshes.section.layering import Layering
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
+from meshes.thinning import stepped
 
 # More quadrilaterals than this need more memory than most machines have (gmsh alone takes about 1 kB for each).
 MOST_QUADRILATERALS = 5_000_000
@@ -19,6 +21,9 @@ GROWTH_REACH = 10.0
 # sheared by as much as it is steep, and bands of shear cannot follow sheared cells: with about 600 cells a free mesh
 # gives the same critical Kh at 30 deg (120 in the corners), 2 % less at 45, 7 % less at 60, 24 % less at 75.
 LARGEST_CORNER = 130.0
+
+# A layer that thins out ends where it is this share of the size of cells thick.
+THINNEST = 1.0 / 3.0
 
 
 class MeshSettings(Model):
@@ -33,6 +38,11 @@ class MeshSettings(Model):
     sizes: dict[str, Length] = Field(default={}, description='target cell size in a stratum, "name" = size')
     towards: dict[str, Length] = Field(
         default={}, description='cell size at "surface", "base" or the bottom of the named stratum'
+    )
+    least_thickness: Length | None = Field(
+        default=None,
+        description="thickness at which a layer that thins out ends in a step, in a free mesh; by default a third of "
+        "the size of its cells",
     )
     refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
 
@@ -98,3 +108,22 @@ class MeshSettings(Model):
             return self.size
         left, right = section.extent
         return float(section.layering.areas().sum()) / (right - left) / 12.0
+
+    def meshed_layers(self, section: Section) -> tuple[Layering, list[str]]:
+        """The layers as they are meshed, and what is different from the section's, one sentence each."""
+        names = [stratum.name for stratum in section.strata]
+        if self.method_for(section) == "mapped":
+            return section.layering, []
+        least = self.least_thickness or THINNEST * self.cell_size(section) / self.refine
+        return stepped(section.layering, least, names)
+
+    def notices(self, section: Section) -> list[str]:
+        """What a person has to know of the mesh before it is made, one sentence each."""
+        told = self.meshed_layers(section)[1]
+        blocks = blocks_of(section) if self.method_for(section) == "mapped" else ""
+        if not isinstance(blocks, str) and (angle := largest_corner(blocks)) > LARGEST_CORNER:
+            told.append(
+                f"mesh: columns are sheared, to {angle:.0f} deg in the corners of cells, and the critical Kh comes out "
+                'too large; method = "free" makes better cells'
+            )
+        return told

@@ -7,13 +7,17 @@ stratum of no thickness is absent there.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from meshes.section.polyline import Line, limits
 
-# Points closer than this share of the section's width are one point.
-SNAP = 1e-6
+# Points closer than this are one point: a centimetre, which no survey and no log of a boring tells, or in a small model
+# a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
+CENTIMETRE, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
+# What differs by less than this share of the width is rounding.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,17 +29,14 @@ class Layering:
     x : (intervals + 1,) the breakpoints (m)
     left, right : (intervals, interfaces) elevation (m) of every interface at the two ends of each interval
     strata : number of strata
+    tolerance : points closer than this (m) are one
     """
 
     x: np.ndarray
     left: np.ndarray
     right: np.ndarray
     strata: int
-
-    @property
-    def tolerance(self) -> float:
-        """Points closer than this (m) are one."""
-        return SNAP * float(self.x[-1] - self.x[0])
+    tolerance: float
 
     @property
     def width(self) -> np.ndarray:
@@ -126,17 +127,26 @@ def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
     return polygon[keep]
 
 
-def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) -> tuple[Layering, list[str]]:
-    """The layers under ``surface`` (n, 2) down to ``base``, and what is wrong with them, one sentence each.
+class Layers(NamedTuple):
+    """The layers of a section, what is wrong with them, and what was changed in them; one sentence each."""
 
-    A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is
-    still thick there) and where its bottom rises above the ground surface, which cuts it off.
+    layering: Layering
+    problems: list[str]
+    notices: list[str]
+
+
+def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) -> Layers:
+    """The layers under ``surface`` (n, 2) down to ``base``.
+
+    A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
+    there) and where its bottom rises above the ground surface, which cuts it off. Points that are closer than a
+    centimetre are made one.
     """
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     raw = [(line or base).points(x_left, x_right) for line in bottoms]
     is_depth = [(line or base).elevation is None for line in bottoms]
     raw_base = base.points(x_left, x_right)
-    snap = SNAP * (x_right - x_left)
+    snap = snapping_length(surface, raw_base, base.elevation is None)
 
     surface, *raw, raw_base = _snapped_x([surface, *raw, raw_base], snap)
     x = np.unique(np.concatenate([points[:, 0] for points in (surface, *raw, raw_base)]))
@@ -160,18 +170,27 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) ->
     if not problems:
         problems += _apart(ground, floor, x, snap)
 
-    stack = _snapped_z(np.stack(interfaces, axis=-1), snap)
-    layers = Layering(x=x, left=stack[:, 0, :], right=stack[:, 1, :], strata=len(lines))
+    exact = np.stack(interfaces, axis=-1)
+    stack = _snapped_z(exact.copy(), snap)
+    layers = Layering(x, stack[:, 0, :], stack[:, 1, :], len(lines), snap)
     if not problems:
-        thin = f"has no thickness anywhere (less than {snap:g} m, a millionth of the section's width, is none)"
+        thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is none)"
         problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
-    return layers, problems
+    return Layers(layers, problems, _snapping_notices(exact, stack, x, snap))
+
+
+def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) -> float:
+    """How close (m) points of a section are one: a centimetre, or a two-thousandth of its height if that is less."""
+    lowest = surface[:, 1].min() - base[:, 1].max() if base_is_depth else base[:, 1].min()
+    height = max(float(surface[:, 1].max() - lowest), 0.0)
+    width = float(surface[-1, 0] - surface[0, 0])
+    return max(min(CENTIMETRE, SHARE_OF_HEIGHT * height, SHARE_OF_HEIGHT * width), ROUNDING * width)
 
 
 def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
     """A sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
-    snap = SNAP * (x_right - x_left)
+    snap = snapping_length(surface, line.points(x_left, x_right), line.elevation is None)
     surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
     x = np.union1d(surface[:, 0], points[:, 0])
     ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
@@ -244,17 +263,33 @@ def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what
 
 
 def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
-    """A sentence if the section falls apart: where the base meets the ground, or steps past a step of the ground."""
-    lowest, highest = np.full(len(x), np.inf), np.full(len(x), -np.inf)
-    for end in (0, 1):
-        at = slice(end, len(x) - 1 + end)
-        lowest[at] = np.minimum(lowest[at], ground[:, end])
-        highest[at] = np.maximum(highest[at], floor[:, end])
-    wrong = np.flatnonzero(lowest - highest <= snap)
+    """A sentence if the section falls apart: where a step of the ground passes the base beside it.
+
+    The base may come out of the ground, as rock does; but then both sides of that place meet there.
+    """
+    at = np.arange(1, len(x) - 1)
+    over = np.maximum(floor[at - 1, 1] - ground[at, 0], floor[at, 0] - ground[at - 1, 1])
+    wrong = at[over > snap]
     return [
-        f"the section has no height at x = {x[b]:g} m; expected the base to be below the ground on both sides of it"
+        f"the section falls apart at x = {x[b]:g} m, where the base on one side lies above the ground on the other; "
+        "expected the two sides to touch"
         for b in wrong[:1]
-    ]
+    ] + (["the section has no height anywhere"] if np.all(ground - floor <= snap) else [])
+
+
+def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
+    """What became of layers (intervals, 2, interfaces) that were thinner somewhere than points may be close."""
+    before, after = -np.diff(exact, axis=-1), -np.diff(stack, axis=-1)
+    lost = np.where((after <= 0.0) & (before > ROUNDING * (x[-1] - x[0])), before, 0.0)
+    notices = []
+    for k in range(lost.shape[-1]):
+        i, end = np.unravel_index(int(np.argmax(lost[..., k])), lost.shape[:2])
+        if lost[i, end, k] > 0.0:
+            notices.append(
+                f"stratum {k + 1} is {1000.0 * lost[i, end, k]:.2g} mm thick at x = {x[i + end]:g} m: less than "
+                f"{1000.0 * snap:.3g} mm counts as nothing"
+            )
+    return notices
 
 
 def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:

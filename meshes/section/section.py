@@ -12,7 +12,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from meshes.errors import InputError
-from meshes.section.layering import Layering, above_ground, layering
+from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Angle, Density, PoissonsRatio, Stiffness, Strength
 from meshes.section.sentences import sentences
@@ -117,8 +117,17 @@ class Section(Model):
     @cached_property
     def layering(self) -> Layering:
         """The layers between breakpoints."""
+        return self._layers.layering
+
+    @cached_property
+    def _layers(self) -> Layers:
         bottoms = [stratum.bottom for stratum in self.strata]
-        return layering(np.array(self.surface, dtype=float), self.base, bottoms)[0]
+        return layering(np.array(self.surface, dtype=float), self.base, bottoms)
+
+    @property
+    def notices(self) -> list[str]:
+        """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
+        return [f"geometry: {text}" for text in self._layers.notices]
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -140,7 +149,7 @@ class Section(Model):
         points = self.water_table.points(*self.extent)
         if self.water_table.depth is None:
             return points
-        layers = layering(np.array(self.surface, dtype=float), self.water_table, [None])[0]
+        layers = layering(np.array(self.surface, dtype=float), self.water_table, [None]).layering
         chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
         return np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
 
@@ -223,7 +232,7 @@ def _geometry_problems(surface: Any, base: Line, water_table: Line | None, botto
             problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
     if problems:
         return problems
-    layers, faults = layering(ground, base, bottoms)
+    layers, faults, _ = layering(ground, base, bottoms)
     outline = layers.outline()
     height = float(np.ptp(outline[:, 1]))
     if not width / LONGEST <= height <= width * LONGEST:

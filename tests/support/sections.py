@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
 
 SOIL: dict[str, Any] = {
     "youngs_modulus": "30 MPa",
@@ -64,8 +65,12 @@ def problems(data: dict[str, Any], model: type[Section] = Section) -> tuple[str,
     return caught.value.problems
 
 
-def assert_conforming(mesh: QuadMesh, section: Section) -> None:
-    """No folded cell, no hanging node; the boundary groups cover the outline once; the strata have their areas."""
+def assert_conforming(mesh: QuadMesh, section: Section, wanted: MeshSettings | None = None) -> None:
+    """No folded cell, no hanging node; the boundary groups cover the outline once; the strata have their areas.
+
+    ``wanted`` are the settings of the mesh if it is free, where layers that thin out end in steps.
+    """
+    layers = wanted.meshed_layers(section)[0] if wanted else section.layering
     assert mesh.quality().smallest_scaled_jacobian > 0.0
     edges = np.sort(np.concatenate([mesh.cells[:, [a, (a + 1) % 4]] for a in range(4)]), axis=1)
     edges, count = np.unique(edges, axis=0, return_counts=True)
@@ -74,11 +79,11 @@ def assert_conforming(mesh: QuadMesh, section: Section) -> None:
     named = [tuple(sorted(edge)) for group in mesh.boundaries.values() for edge in group.tolist()]
     assert len(named) == len(set(named))
     assert set(named) == outer
-    outline = section.outline()
+    outline = layers.outline()
     perimeter = np.hypot(*(np.roll(outline, -1, axis=0) - outline).T).sum()
     ends = mesh.points[np.array(sorted(outer))]
     assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum() == pytest.approx(perimeter, rel=1e-9)
-    np.testing.assert_allclose(mesh.stratum_areas(), section.layering.areas(), rtol=1e-9, atol=0.0)
+    np.testing.assert_allclose(mesh.stratum_areas(), layers.areas(), rtol=1e-9, atol=0.0)
 
 
 class _Ground:

@@ -20,7 +20,7 @@ def test_the_section_and_the_settings_of_the_readme() -> None:
     assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
     mesh = generate(used, used.mesh)
     assert mesh.method == "free"
-    assert_conforming(mesh, used)
+    assert_conforming(mesh, used, used.mesh)
     assert used.layering.x.tolist() == [0.0, 20.0, 40.0, 44.0, 60.0, 70.0]
 
 

@@ -29,7 +29,7 @@ def near_a_line(mesh: QuadMesh) -> np.ndarray:
 def test_cells_go_where_the_indicator_is_large(cells: int) -> None:
     section = Section.parse(slope())
     first = generate(section, MeshSettings(method="free"))
-    mesh = adapted(section, MeshSettings(), first, near_a_line(first), cells)
+    mesh = adapted(section, MeshSettings(method="free"), first, near_a_line(first), cells)
     assert_conforming(mesh, section)
     assert len(mesh.cells) == pytest.approx(cells, rel=0.25)
     size = np.sqrt(areas(mesh.points, mesh.cells))
@@ -43,7 +43,7 @@ def test_cells_go_where_the_indicator_is_large(cells: int) -> None:
 def test_nothing_found_leaves_cells_alike() -> None:
     section = Section.parse(slope())
     first = generate(section, MeshSettings(method="free"))
-    mesh = adapted(section, MeshSettings(), first, np.zeros(len(first.cells)), 500)
+    mesh = adapted(section, MeshSettings(method="free"), first, np.zeros(len(first.cells)), 500)
     size = np.sqrt(areas(mesh.points, mesh.cells))
     assert len(mesh.cells) == pytest.approx(500, rel=0.25)
     assert np.quantile(size, 0.9) < 2.0 * np.quantile(size, 0.1)
@@ -87,5 +87,5 @@ def test_any_section_can_be_adapted_to_anything(section: Section, seed: int) -> 
     except BadMeshError:
         assume(False)
     indicator = np.random.default_rng(seed).random(len(first.cells)) ** 8
-    mesh = adapted(section, MeshSettings(), first, indicator, max(len(first.cells), 200))
-    assert_conforming(mesh, section)
+    mesh = adapted(section, MeshSettings(method="free"), first, indicator, max(len(first.cells), 200))
+    assert_conforming(mesh, section, MeshSettings(method="free"))

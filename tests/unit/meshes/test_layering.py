@@ -92,3 +92,54 @@ def test_a_water_table_given_as_depth_follows_the_ground() -> None:
     data = {**slope(), "water_table": {"depth": [[0.0, 2.0], [50.0, 2.0], [50.0, 1.0], [100.0, 1.0]]}}
     points = Section.parse(data).water_points()
     np.testing.assert_allclose(points, [[0.0, 18.0], [50.0, 13.0], [50.0, 14.0], [100.0, 9.0]])
+
+
+# --- points that are all but one ----------------------------------------------------------------------------------
+
+
+def test_a_layer_of_a_fifth_of_a_millimetre_is_nothing_there_and_it_is_said() -> None:
+    """At x = 40 m the bottom lies 0.2 mm below the ground: less than a centimetre."""
+    bottom = {"depth": [[0.0, 3.0], [40.0, 0.0002], [100.0, 2.0]]}
+    ground = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, bottom, None)
+    assert ground.layering.thickness()[0][1, 0] == 0.0
+    (notice,) = ground.notices
+    assert notice.startswith("geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm counts as nothing")
+
+
+def test_a_sound_section_has_nothing_to_be_told() -> None:
+    bottom = {"depth": [[0.0, 3.0], [40.0, 0.02], [100.0, 2.0]]}
+    ground = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, bottom, None)
+    assert (ground.notices, ground.layering.thickness()[0][1, 0]) == ([], pytest.approx(0.02))
+
+
+def test_a_model_in_a_box_is_measured_in_tenths_of_millimetres() -> None:
+    """A box of 0.4 m: a two-thousandth of it, 0.2 mm, is what counts."""
+    thin = {"depth": 0.001}
+    ground = section([[0.0, 0.4], [1.0, 0.4]], {"elevation": 0.0}, thin, None)
+    assert ground.layering.tolerance == pytest.approx(0.0002)
+    assert ground.layering.areas()[0] == pytest.approx(0.001)
+
+
+def test_points_a_millimetre_apart_are_a_vertical_step() -> None:
+    cut = section([[0.0, 10.0], [30.0, 10.0], [30.001, 4.0], [50.0, 4.0]], {"elevation": 0.0}, None)
+    assert cut.layering.x.tolist() == [0.0, 30.0, 50.0]
+    assert cut.layering.areas() == pytest.approx([30 * 10 + 20 * 4])
+
+
+# --- rock that comes out of the ground ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("base", "area"),
+    [
+        ([[0.0, 0.0], [100.0, 10.0]], 0.5 * 100 * 20),  # at the right end
+        ([[0.0, 20.0], [100.0, 0.0]], 0.5 * 100 * 10),  # at the left end
+        ([[0.0, 5.0], [50.0, 15.0], [100.0, 5.0]], 0.5 * 50 * 15 + 0.5 * 50 * 5),  # at one point between
+        ([[0.0, 5.0], [40.0, 16.0], [60.0, 14.0], [100.0, 5.0]], 0.5 * 40 * 15 + 0.5 * 40 * 5),  # along a stretch
+    ],
+)
+def test_the_base_may_come_out_of_the_ground(base: Any, area: float) -> None:
+    rock = section([[0.0, 20.0], [100.0, 10.0]], {"elevation": base}, None)
+    assert rock.layering.areas() == pytest.approx([area])
+    assert sum(map(shoelace, rock.layering.polygons(0))) == pytest.approx(area)
+    assert rock.notices == []

@@ -97,15 +97,15 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
         "the base rises above the ground surface by 2 m",
         "100 m",
     ),
-    "base that meets the ground": (
-        whole(base={"elevation": [[0, 0], [100, 10]]}, strata=[layer("one")]),
-        "no height at x = 100 m",
-        "expected the base to be below",
-    ),
     "ground that steps past the base": (
         whole(surface=[[0, 20], [50, 20], [50, 10], [100, 10]], base={"depth": 8.0}),
-        "no height at x = 50 m",
-        "on both sides",
+        "the section falls apart at x = 50 m",
+        "the two sides to touch",
+    ),
+    "base on the ground": (
+        whole(base={"depth": 0.0}, strata=[layer("one")]),
+        "the section has no height anywhere",
+        "geometry",
     ),
     "interfaces that cross": (
         lambda data: data["strata"].insert(1, layer("middle", bottom={"depth": [[0, 2], [100, 6]]})),
@@ -118,7 +118,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
         "the lowest stratum does not reach the base by 1 m",
         "x = 0 m",
     ),
-    "stratum without thickness": (upper(bottom={"depth": 0.0}), "stratum 1 has no thickness anywhere", "0.0001 m"),
+    "stratum without thickness": (upper(bottom={"depth": 0.0}), "stratum 1 has no thickness anywhere", "10 mm"),
     "slip of the pen": (
         whole(surface=[[0, 2e4], [10, 2e4]]),
         "10 m wide and 20000 m high",

@@ -1,0 +1,127 @@
+"""Where a layer thins out to nothing: for a mesh it ends before, in a vertical step; no cell has to fill a wedge.
+
+A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
+the wedge. The soil of the tip that is cut off is taken to be that of the layer below it (of the one above, if there is
+none below; and where the whole section thins out, the section ends there). How much that is is told.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from meshes.section.layering import Layering
+
+# Wedges blunter than this (deg) are left as they are.
+SHARP = 20.0
+
+
+def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
+    """The layers with the sharp tips of strata cut off where they are ``least`` (m) thick, and a sentence for each.
+
+    A piece of a stratum that is nowhere as thick as that keeps its tips.
+    """
+    notices: list[str] = []
+    for k in (None, *range(layers.strata)):
+        for tip in _tips(layers, k):
+            cut = _cut_of(layers, k, *tip, least)
+            if cut is None:
+                continue
+            x_tip, (at, area) = tip[0], cut
+            layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
+            what = "the section" if k is None else f'stratum "{names[k]}"'
+            notices.append(
+                f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
+                f"{least:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
+            )
+    return _without_empty_ends(layers), notices
+
+
+def _thickness(layers: Layering, k: int | None) -> np.ndarray:
+    """Thickness (m) of stratum k, of the whole section if None, at both ends of the intervals, (intervals, 2)."""
+    top, bottom = (0, layers.strata) if k is None else (k, k + 1)
+    return np.stack([side[:, top] - side[:, bottom] for side in (layers.left, layers.right)], axis=1)
+
+
+def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
+    """Sharp tips of a stratum: the x (m) from which it grows, and +1 or -1, the way in which it does."""
+    thick = _thickness(layers, k)
+    width = layers.width
+    found = []
+    for i, (left, right) in enumerate(thick):
+        sharp = max(left, right) < width[i] * math.tan(math.radians(SHARP))
+        if left <= 0.0 < right and sharp:
+            found.append((float(layers.x[i]), 1))
+        if right <= 0.0 < left and sharp:
+            found.append((float(layers.x[i + 1]), -1))
+    return found
+
+
+def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float] | None:
+    """Where (m) a stratum that grows from its tip (m) in one ``way`` is first ``least`` thick, and the area (m²) to it.
+
+    None if it ends, or begins to fall, before it is as thick.
+    """
+    thick = _thickness(layers, k)[:, ::way]
+    start = int(np.argmin(np.abs(layers.x - tip)))
+    area, i = 0.0, start if way > 0 else start - 1
+    while 0 <= i < len(thick):
+        near, far = thick[i]
+        if far < near or (near <= 0.0 and area > 0.0):
+            return None
+        if near >= least:  # it jumps: the step is there already
+            return float(layers.x[i if way > 0 else i + 1]), area
+        if far >= least:
+            share = (least - near) / (far - near)
+            area += 0.5 * (near + least) * share * layers.width[i]
+            return float(layers.x[i if way > 0 else i + 1]) + way * share * layers.width[i], area
+        area += 0.5 * (near + far) * layers.width[i]
+        i += way
+    return None
+
+
+def _with_breakpoint(layers: Layering, at: float) -> Layering:
+    """The same layers with one more breakpoint (m), unless there is one already."""
+    if np.abs(layers.x - at).min() <= layers.tolerance:
+        return layers
+    i = int(np.searchsorted(layers.x, at)) - 1
+    share = (at - layers.x[i]) / layers.width[i]
+    middle = (1.0 - share) * layers.left[i] + share * layers.right[i]
+    return replace(
+        layers,
+        x=np.insert(layers.x, i + 1, at),
+        left=np.insert(layers.left, i + 1, middle, axis=0),
+        right=np.insert(layers.right, i, middle, axis=0),
+    )
+
+
+def _without(layers: Layering, k: int | None, start: float, end: float) -> Layering:
+    """The layers with stratum k, or everything if None, left out between two breakpoints (m)."""
+    left, right = layers.left.copy(), layers.right.copy()
+    middles = 0.5 * (layers.x[1:] + layers.x[:-1])
+    for i in np.flatnonzero((middles > start) & (middles < end)):
+        ends = left[i], right[i]
+        if k is None:
+            for side in ends:
+                side[:] = side[-1]
+            continue
+        present = np.flatnonzero(np.maximum(-np.diff(left[i]), -np.diff(right[i])) > 0.0)
+        below, above = present[present > k], present[present < k]
+        for side in ends:
+            if len(below):  # interfaces between are those of strata that are absent
+                side[k + 1 : below[0] + 1] = side[k]
+            elif len(above):
+                side[above[-1] + 1 : k + 1] = side[k + 1]
+    return replace(layers, left=left, right=right)
+
+
+def _without_empty_ends(layers: Layering) -> Layering:
+    """The layers without intervals of no height at either end of the section."""
+    high = np.flatnonzero(_thickness(layers, None).max(axis=1) > 0.0)
+    first, last = int(high[0]), int(high[-1])
+    return replace(
+        layers,
+        x=layers.x[first : last + 2],
+        left=layers.left[first : last + 1],
+        right=layers.right[first : last + 1],
+    )

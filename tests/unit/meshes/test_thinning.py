@@ -1,0 +1,99 @@
+"""Layers that thin out end in a step where they are as thick as asked for; nothing else changes."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from meshes.thinning import stepped
+from tests.support.sections import assert_conforming, layer, sections
+
+
+def ground(base: Any, *bottoms: Any) -> Section:
+    """A level ground at 20 m, 100 m long."""
+    strata = [layer(f"layer {k}", bottom=bottom) if bottom else layer(f"layer {k}") for k, bottom in enumerate(bottoms)]
+    return Section.parse({"name": "test", "surface": [[0, 20], [100, 20]], "base": base, "strata": strata})
+
+
+def cut(section: Section, least: float) -> tuple[Any, list[str]]:
+    return stepped(section.layering, least, [stratum.name for stratum in section.strata])
+
+
+def test_a_wedge_on_the_ground_ends_in_a_step_and_the_layer_below_takes_its_tip() -> None:
+    """4 m thick at x = 0, nothing at 60 m: half a metre at 52.5 m; the tip has 7.5 x 0.5 / 2 m²."""
+    layers, notices = cut(ground({"elevation": 0}, {"depth": [[0, 4], [60, 0]]}, None), 0.5)
+    np.testing.assert_allclose(layers.x, [0.0, 52.5, 60.0, 100.0])
+    np.testing.assert_allclose(layers.areas(), [120.0 - 1.875, 1880.0 + 1.875])
+    assert notices == [
+        'mesh: stratum "layer 0" thins out to nothing at x = 60 m; in the mesh it ends in a step of 0.5 m at '
+        "x = 52.5 m, without the last 1.9 m²"
+    ]
+
+
+def test_a_lens_loses_both_tips() -> None:
+    lens = {"depth": [[20, 4], [40, 7], [60, 4]]}
+    layers, notices = cut(ground({"elevation": 0}, {"depth": 4}, lens, None), 0.6)
+    assert len(notices) == 2
+    np.testing.assert_allclose(layers.areas(), [400.0, 60.0 - 2 * 0.5 * 4 * 0.6, 1540.0 + 2 * 0.5 * 4 * 0.6])
+
+
+def test_the_layer_above_takes_the_tip_of_the_lowest() -> None:
+    layers, _ = cut(ground({"elevation": [[0, 0], [100, 10]]}, {"elevation": 10}, None), 1.0)
+    np.testing.assert_allclose(layers.areas(), [1000.0 + 5.0, 500.0 - 5.0])
+
+
+def test_where_the_base_comes_out_of_the_ground_the_section_ends() -> None:
+    """20 m of ground at x = 0, nothing at 100 m, in two layers that meet there: one metre is left at x = 95 m."""
+    layers, notices = cut(ground({"elevation": [[0, 0], [100, 20]]}, {"elevation": [[0, 10], [100, 20]]}, None), 1.0)
+    assert layers.x[-1] == pytest.approx(95.0)
+    assert layers.areas().sum() == pytest.approx(1000.0 - 2.5)
+    assert notices[0].startswith("mesh: the section thins out to nothing at x = 100 m; in the mesh it ends in a step")
+
+
+@pytest.mark.parametrize(
+    "bottom",
+    [
+        {"depth": [[0, 4], [5, 0]]},  # 39 deg at its tip
+        {"depth": [[0, 0.3], [60, 0]]},  # nowhere half a metre thick
+        {"depth": [[0, 4], [60, 3], [60, 0], [100, 0]]},  # a step already
+    ],
+)
+def test_what_needs_no_step_stays(bottom: Any) -> None:
+    section = ground({"elevation": 0}, bottom, None)
+    layers, notices = cut(section, 0.5)
+    assert notices == []
+    np.testing.assert_array_equal(layers.left, section.layering.left)
+
+
+@settings(max_examples=200, deadline=None)
+@given(section=sections(), least=st.floats(0.05, 2.0))
+def test_no_ground_is_lost_and_no_layer(section: Section, least: float) -> None:
+    layers, notices = cut(section, least)
+    assert layers.areas().sum() == pytest.approx(section.layering.areas().sum(), rel=1e-12)
+    assert (layers.areas() > 0.0).all()
+    assert (layers.thickness()[0] >= 0.0).all()
+    assert bool(notices) == (layers.left.shape != section.layering.left.shape or
+                             not np.array_equal(layers.left, section.layering.left))  # fmt: skip
+
+
+def test_cells_at_a_tip_of_three_degrees_are_no_slivers() -> None:
+    section = ground({"elevation": 0}, {"depth": [[0, 4], [80, 0]]}, None)
+    wanted = MeshSettings(method="free", size=1.5)
+    mesh = generate(section, wanted)
+    assert_conforming(mesh, section, wanted)
+    quality = mesh.quality()
+    assert quality.smallest_scaled_jacobian > 0.3
+    assert 25.0 < quality.worst_angle < 160.0
+
+
+def test_rock_at_one_end_leaves_a_side_for_the_boundary() -> None:
+    section = ground({"elevation": [[0, 0], [100, 20]]}, None)
+    wanted = MeshSettings(method="free", size=1.0)
+    mesh = generate(section, wanted)
+    assert_conforming(mesh, section, wanted)
+    assert all(len(edges) for edges in mesh.boundaries.values())
