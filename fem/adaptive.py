@@ -8,9 +8,13 @@ what the last one still has (Richardson 1911).
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
-from fem.critical import CriticalResult
+from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import UnstableError
+from fem.path import EquilibriumPath
+from fem.settings import FemSettings
+from fem.strength import is_dilating_fully
 from meshes.adaptation import adapted
 from meshes.quad_mesh import BadMeshError, QuadMesh
 from meshes.section.section import Section
@@ -20,6 +24,8 @@ from meshes.settings import MeshSettings
 MORE_CELLS = 1.5
 # The first adapted mesh has at least this many: fewer cannot follow a band.
 FEWEST_CELLS = 500
+# Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
+LEAST_GAIN = 0.25
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.02
 # Verdicts of a path that did not come to a mechanism.
@@ -70,17 +76,43 @@ class AdaptiveResult:
     reason: str = ""
 
     @property
-    def interval(self) -> tuple[float, float]:
-        """Where the limit of the sequence lies, if the error goes with one over the number of cells (-).
-
-        The lower end is (-inf) where there is one mesh only. It is no strict bound.
-        """
-        last = self.rounds[-1]
+    def limit(self) -> float:
+        """What the sequence tends to if the error goes with one over the number of cells (-); NaN after one mesh."""
         if len(self.rounds) < 2:
-            return -math.inf, last.kc
-        before = self.rounds[-2]
-        limit = last.kc - (before.kc - last.kc) / max(last.cells / before.cells - 1.0, 0.25)
-        return min(limit, last.kc), max(limit, last.kc)
+            return math.nan
+        before, last = self.rounds[-2:]
+        return last.kc - (before.kc - last.kc) / max(last.cells / before.cells - 1.0, LEAST_GAIN)
+
+
+def mesh_for_mechanism(
+    section: Section,
+    meshing: MeshSettings,
+    first: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: Callable[[str, EquilibriumPath], None],
+) -> AdaptiveResult | None:
+    """The mesh on which the critical Kh no longer changes by more than ``settings.accuracy``, and the sequence to it.
+
+    The side to which the ground fails is found on the first mesh. None where there is nothing to be done: no accuracy
+    is asked for; the flow is not associated, whose answer no mesh makes unique; columns and rows, or the mesh itself,
+    were given. Raises what ``critical_coefficient`` does.
+    """
+    chosen = meshing.method == "mapped" or meshing.columns or meshing.rows or first.method == "given"
+    associated = settings.flow != "section" or is_dilating_fully(section.strata)
+    if settings.accuracy == 0.0 or chosen or not associated:
+        return None
+    # No fields are kept on the way: what is asked for is past the end of every path.
+    plain = settings.model_copy(update={"kh": (settings.kh_limit,)})
+
+    def solve(mesh: QuadMesh) -> CriticalResult:
+        nonlocal plain
+        words = f"Kh on {len(mesh.cells)} cells"
+        result = critical_coefficient(section, mesh, plain, comm, lambda path: listener(words, path))
+        plain = plain.model_copy(update={"direction": result.direction})
+        return result
+
+    return solve_adaptively(section, meshing, first, solve, settings.accuracy, settings.max_cells)
 
 
 def solve_adaptively(
@@ -118,7 +150,7 @@ def solve_adaptively(
             reason = f"the next mesh would have {wanted} cells, {max_cells} are allowed"
         if not reason:
             try:
-                finer = adapted(section, settings, mesh, result.states[-1].plastic_shear_strain, wanted)
+                finer = adapted(section, settings, mesh, result.mechanism.plastic_shear_strain, wanted)
                 answer = solve(finer)
                 if answer.verdict in WITHOUT_MECHANISM:
                     reason = f"there is no answer on the next mesh: {answer.reason}"

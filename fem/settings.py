@@ -36,6 +36,14 @@ class FemSettings(Model):
         default=Quantity(0.5, "0.5 m"),
         description="depth that a failure of cohesionless faces must reach to count; above it grains only roll down",
     )
+    accuracy: float = Field(
+        default=0.01,
+        ge=0.0,
+        le=0.5,
+        description="change of the critical Kh from mesh to mesh at which no finer one is made for the mechanism, such "
+        "as 0.01; 0 takes the mesh as it is, and so do columns and rows",
+    )
+    max_cells: int = Field(default=2500, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: Literal["davis", "associated", "section"] = Field(
         default="davis",

@@ -15,7 +15,7 @@ from meshes.settings import MeshSettings
 if TYPE_CHECKING:
     from meshes.adaptation import adapted
     from meshes.gmsh_model import generate
-    from meshes.quad_mesh import BadMeshError, QuadMesh, read
+    from meshes.quad_mesh import BadMeshError, QuadMesh, read, save
     from meshes.triangles import TriMesh, triangulate
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "adapted",
     "generate",
     "read",
+    "save",
     "triangulate",
 ]
 
@@ -39,6 +40,7 @@ LATER = {
     "BadMeshError": "meshes.quad_mesh",
     "QuadMesh": "meshes.quad_mesh",
     "read": "meshes.quad_mesh",
+    "save": "meshes.quad_mesh",
     "TriMesh": "meshes.triangles",
     "triangulate": "meshes.triangles",
 }

@@ -1,6 +1,6 @@
 """The quadrilaterals of a section as arrays, with named strata and boundaries; checked, and read back from a file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import meshio
@@ -39,6 +39,29 @@ class QuadMesh:
     def stratum_areas(self) -> np.ndarray:
         """Area (m²) of the cells of each stratum."""
         return np.bincount(self.stratum, weights=areas(self.points, self.cells), minlength=len(self.strata))
+
+
+def divided(mesh: QuadMesh) -> QuadMesh:
+    """The mesh with every cell cut at the middles of its edges into four."""
+    ends = np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=-1)
+    edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    middle = len(mesh.points) + number.reshape(-1, 4)
+    centre = len(mesh.points) + len(edges) + np.arange(len(mesh.cells))
+    points = np.vstack([mesh.points, mesh.points[edges].mean(axis=1), mesh.points[mesh.cells].mean(axis=1)])
+    parts = [np.column_stack([mesh.cells[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(4)]
+    key = np.array([len(mesh.points), 1])
+
+    def halves(boundary: np.ndarray) -> np.ndarray:
+        between = len(mesh.points) + np.searchsorted(edges @ key, np.sort(boundary, axis=1) @ key)
+        return np.vstack([np.column_stack([boundary[:, 0], between]), np.column_stack([between, boundary[:, 1]])])
+
+    return replace(
+        mesh,
+        points=points,
+        cells=np.stack(parts, axis=1).reshape(-1, 4),
+        stratum=np.repeat(mesh.stratum, 4),
+        boundaries={name: halves(boundary.astype(np.int64)) for name, boundary in mesh.boundaries.items()},
+    )
 
 
 class BadMeshError(NoAnswerError):
@@ -90,3 +113,21 @@ def read(path: Path | str) -> QuadMesh:
         strata=strata,
         boundaries={name: lines[tags["line"] == tag] for tag, name in groups[1].items()},
     )
+
+
+def save(mesh: QuadMesh, path: Path | str) -> None:
+    """Write a mesh as a gmsh file with its groups, for ``read``: strata from 1 on, then the boundaries."""
+    edges = {name: ends for name, ends in mesh.boundaries.items() if len(ends)}
+    tags = {name: len(mesh.strata) + number for number, name in enumerate(edges, start=1)}
+    of_lines = np.concatenate([np.full(len(ends), tags[name]) for name, ends in edges.items()])
+    physical = [mesh.stratum + 1, of_lines]
+    raw = meshio.Mesh(
+        np.column_stack([mesh.points, np.zeros(len(mesh.points))]),
+        [("quad", mesh.cells.astype(np.int64)), ("line", np.concatenate(list(edges.values())).astype(np.int64))],
+        cell_data={"gmsh:physical": physical, "gmsh:geometrical": physical},
+        field_data={
+            **{name: np.array([k, 2]) for k, name in enumerate(mesh.strata, start=1)},
+            **{name: np.array([tag, 1]) for name, tag in tags.items()},
+        },
+    )
+    meshio.gmsh.write(path, raw, fmt_version="2.2", binary=False)

@@ -78,6 +78,8 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None) -> Non
     show_strata(given)
     with store.writing("figures/section.png") as path:
         draw_section(given, path)
+    for notice in given.notices:
+        out.print(f"Mind: {notice}.", soft_wrap=True, markup=False)
     out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}", soft_wrap=True)
 
 

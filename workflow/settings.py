@@ -98,6 +98,11 @@ class Input(Section):
             raise ValueError("\n".join(problems))
         return self
 
+    @property
+    def notices(self) -> list[str]:
+        """What a person has to know of the section and of its mesh, one sentence each."""
+        return [*super().notices, *self.mesh.notices(self)]
+
     @classmethod
     def tables(cls) -> list[str]:
         """The names of the tables of settings."""

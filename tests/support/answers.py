@@ -24,6 +24,7 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
         section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
         remedy="", judgement="sound", doubts=(), direction="downhill", towards="right", opposite=None,
         associated=None, skins=(), flow="davis", element="quadratic", settings=run.fem, dilation_deg={},
+        meshes=(), meshes_ended="", kc_limit=None,
         mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
         gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),
         states=(state(run, 0.2, kc < 0.2, 0.4), state(run, kc, False, 0.5), state(run, 0.3, kc < 0.3, 0.5)),

@@ -24,6 +24,8 @@ def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
         f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
+    for notice in run.notices:
+        yield f"Mind: {notice}."
 
 
 FLOWS = {
@@ -39,6 +41,7 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
         f"Critical Kh = {answer.kc:.4f}, on this mesh at most {answer.kc_upper:.4f}, pushed {answer.direction} (to the "
         f"{answer.towards}), {FLOWS[answer.flow]}: {answer.verdict}, {answer.reason}."
     )
+    yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
     for factor in answer.safety_factors:
         skin = f" Grains roll down its face at {factor.skin:.3f}." if (factor.skin or 1e9) < factor.factor else ""
@@ -48,6 +51,14 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
         )
     for doubt in answer.doubts:
         yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
+
+
+def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
+    """What the mesh does, where meshes were adapted to the mechanism."""
+    if answer.meshes:
+        told = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
+        tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
+        yield f"On meshes adapted to the mechanism: {told}. It ended because {answer.meshes_ended}.{tends}"
 
 
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:

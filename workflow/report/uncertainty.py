@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from workflow.report.console import meshes_sentences
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
@@ -17,6 +18,8 @@ SIDES = {
 
 def doubts(results: Results) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
+    if results.run.notices:
+        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.run.notices)
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
         seen = {variant.name: _seen(variant, results.kc) for variant in variants}
@@ -35,6 +38,12 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
                 "with the lattice does not come from its order."
             ),
         )
+
+
+def _meshes(fem: FemAnswer) -> Iterator[str]:
+    """How much hangs on the mesh, as far as it is known."""
+    told = list(meshes_sentences(fem))
+    yield from told or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
 
 
 def _seen(variant: Variant, kc: float | None) -> str:
@@ -56,8 +65,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     )
     yield (
         "Mesh",
-        f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element. A finer mesh gives less. To see "
-        "by how much: --set 'variants.which=[\"mesh\"]'.",
+        " ".join([f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem)]),
         "mesh",
     )
     yield "Element", "Where a mesh is too coarse the two elements differ.", "element"

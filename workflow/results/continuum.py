@@ -116,11 +116,18 @@ class RigidBox(Part):
         return self.verdict in ("plateau", "peak")
 
 
+class MeshStep(Part):
+    """One mesh of the sequence that was adapted to the mechanism."""
+
+    cells: int
+    kc: float
+
+
 class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
     FILE: ClassVar[str] = "fem/critical.json"
-    VERSION: ClassVar[int] = 2
+    VERSION: ClassVar[int] = 3
 
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
@@ -141,6 +148,9 @@ class FemAnswer(Answer):
     settings: FemSettings
     dilation_deg: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")
     mesh: MeshCount
+    meshes: tuple[MeshStep, ...] = Field(description="adapted to the mechanism one after the other; empty if none was")
+    meshes_ended: str = Field(description="why there was no finer mesh")
+    kc_limit: float | None = Field(description="what the sequence of meshes tends to, as far as two of them can tell")
     gravity: Gravity
     linear_solves: int
     curve: tuple[PathStep, ...]

@@ -8,7 +8,7 @@ import pyvista as pv
 from fem.fields import State
 from meshes.quad_mesh import QuadMesh
 from workflow.results.continuum import FemAnswer
-from workflow.results.stored_mesh import stored_mesh
+from workflow.results.stored_mesh import fem_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -40,7 +40,7 @@ class FemResults:
             else:
                 grid = pv.read(store.folder / "fem" / fields_file(len(states)))
                 states.append(_state(grid, told.label, told.kh))
-        return cls(stored_mesh(run, store), answer, states)
+        return cls(fem_mesh(run, store, answer.mesh.method), answer, states)
 
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:

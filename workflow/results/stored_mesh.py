@@ -11,6 +11,8 @@ from meshes.quad_mesh import QuadMesh, check, read
 from workflow.run.store import Store
 from workflow.settings import Input
 
+# The mesh that the finite elements ended with: adapted to the mechanism, or the one that they were given.
+FEM_FILE = "fem/section.msh"
 GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
 
 
@@ -35,3 +37,8 @@ def stored_mesh(given: Input, store: Store) -> QuadMesh:
     mesh = given_mesh(given, store.folder / GMSH_FILE)
     method = pv.read(store.folder / VTK_FILE).field_data["method"][0]
     return replace(mesh, method=str(method))
+
+
+def fem_mesh(given: Input, store: Store, method: str) -> QuadMesh:
+    """The mesh that the fields of the stage `fem` stand on; raises InputError as ``stored_mesh`` does."""
+    return replace(given_mesh(given, store.folder / FEM_FILE), method=method)

@@ -12,11 +12,13 @@ from workflow.results.continuum import (
     Gravity,
     KeptState,
     MeshCount,
+    MeshStep,
     OtherWay,
     PathStep,
     RigidBox,
     SkinFailure,
 )
+from workflow.results.stored_mesh import FEM_FILE
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
@@ -25,6 +27,7 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
+    from fem.adaptive import AdaptiveResult
     from fem.assessment import Assessment
     from fem.critical import CriticalResult
     from fem.fields import State
@@ -65,8 +68,10 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
+    from fem.adaptive import mesh_for_mechanism
     from fem.assessment import assess
     from fem.critical import critical_coefficient
+    from meshes.quad_mesh import save
     from workflow.figures.fem import draw_all
     from workflow.results.fem_states import FemResults
 
@@ -79,6 +84,8 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         )
 
     progress("gravity", None)
+    adapted = mesh_for_mechanism(run, run.mesh, mesh, run.fem, comm, tell)
+    mesh = adapted.mesh if adapted else mesh
     found = assess(run, mesh, run.fem, comm, tell)
     result = found.critical
     box = None
@@ -87,7 +94,9 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         fixed = run.fem.model_copy(update={"sides": "fixed", "direction": "downhill", "kh": ()})
         box = critical_coefficient(run, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
     if store is not None:
-        answer = answer_of(run, mesh, found)
+        with store.writing(FEM_FILE) as path:
+            save(mesh, path)
+        answer = answer_of(run, mesh, found, adapted)
         answer.model_copy(update={"rigid_box": rigid_box(mesh, box) if box is not None else None}).write(store)
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
@@ -96,7 +105,7 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment") -> FemAnswer:
+def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment", adapted: "AdaptiveResult | None") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     from fem.judges import is_doubtful
 
@@ -131,6 +140,9 @@ def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment") -> FemAnswer:
         settings=run.fem,
         dilation_deg="equal to the friction angle" if run.fem.flow == "associated" else angles,
         mesh=MeshCount.of(mesh),
+        meshes=tuple(MeshStep(cells=one.cells, kc=one.kc) for one in adapted.rounds) if adapted else (),
+        meshes_ended=adapted.reason if adapted else "",
+        kc_limit=adapted.limit if adapted and len(adapted.rounds) > 1 else None,
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
@@ -227,7 +239,7 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     tables=("fem",),
-    results=(FemAnswer.FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
+    results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),
 )

@@ -24,11 +24,11 @@ FLOWS = {
 
 def work(job: Job) -> None:
     """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
-    from workflow.results.stored_mesh import stored_mesh
+    from workflow.results.stored_mesh import fem_mesh
 
     run, store, progress = job.given, job.store, job.progress
     answer = FemAnswer.read(store)
-    mesh = stored_mesh(run, store)
+    mesh = fem_mesh(run, store, answer.mesh.method)
     one_way = _with(run, "fem", direction=answer.direction)
     asked = [change for name in run.variants.which if (change := changed(one_way, name, answer.element))]
     found = []
@@ -75,14 +75,14 @@ def _variant(
     from mpi4py import MPI
 
     from fem.critical import critical_coefficient
-    from meshes.gmsh_model import generate
+    from meshes.quad_mesh import divided
 
     def tell(path: "EquilibriumPath") -> None:
         progress(f"{words}: step {len(path.steps)}, Kh = {path.factor:.4f}", share)
 
     start = time.perf_counter()
     try:
-        its_mesh = mesh if other.mesh == run.mesh else generate(other, other.mesh)
+        its_mesh = mesh if other.mesh == run.mesh else divided(mesh)
         result = critical_coefficient(other, its_mesh, other.fem, MPI.COMM_SELF, tell)
     except UnstableError as error:
         return Variant(

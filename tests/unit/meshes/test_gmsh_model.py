@@ -16,7 +16,7 @@ from meshes import gmsh_model
 from meshes.blocks import blocks_of, share_out
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
-from meshes.quad_mesh import BadMeshError, QuadMesh, check, read
+from meshes.quad_mesh import BadMeshError, QuadMesh, check, read, save
 from meshes.section.section import BOUNDARIES, Section
 from meshes.settings import MeshSettings
 from tests.support import SECTIONS, TOP
@@ -314,6 +314,21 @@ def test_meshio_finds_the_same_groups(file: Path, tmp_path: Path) -> None:
         ends = [sorted(mesh.points[edge].tolist()) for edge in edges]
         again_ends = [sorted(again.points[edge].tolist()) for edge in again.boundaries[name]]
         np.testing.assert_allclose(sorted(again_ends), sorted(ends), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("writer", ["generate", "save"])
+def test_reading_gives_what_was_written_exactly(tmp_path: Path, writer: str) -> None:
+    mesh = generate(s13(), grid(), tmp_path / "section.msh")
+    if writer == "save":
+        save(mesh, tmp_path / "section.msh")
+    again = read(tmp_path / "section.msh")
+    assert (again.strata, len(again.cells)) == (mesh.strata, len(mesh.cells))
+    corners, written = (np.sort(one.points[one.cells].mean(axis=1), axis=0) for one in (mesh, again))
+    np.testing.assert_allclose(written, corners, rtol=1e-14, atol=1e-12)
+    np.testing.assert_allclose(again.stratum_areas(), mesh.stratum_areas(), rtol=1e-12)
+    assert {name: len(ends) for name, ends in again.boundaries.items()} == {
+        name: len(ends) for name, ends in mesh.boundaries.items()
+    }
 
 
 def test_gmsh_opens_its_file_again(tmp_path: Path) -> None:
