@@ -126,12 +126,12 @@ def radius_for(section: Section, elements: int) -> float:
 
 def downhill(section: Section) -> int:
     """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
-    return 1 if section.surface[0][1] >= section.surface[-1][1] else -1
+    return 1 if section.ground[0, 1] >= section.ground[-1, 1] else -1
 
 
 def mean_slope(section: Section) -> float:
     """Angle (rad) by which the line between the ends of the surface dips to the right."""
-    (x0, z0), (x1, z1) = section.surface[0], section.surface[-1]
+    (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return float(np.arctan2(z0 - z1, x1 - x0))
 
 
@@ -139,7 +139,7 @@ def box_fits(section: Section, radius: float) -> bool:
     """Whether surface and base lie within a radius of two parallel straight lines."""
     outline = section.outline()
     tilt = mean_slope(section)
-    start = np.array(section.surface[0], float)
+    start = section.ground[0]
     away = (outline - start) @ np.array([np.sin(tilt), np.cos(tilt)])
     left, right = section.extent
     top = away > 0.5 * away.min()
@@ -150,7 +150,7 @@ def box_fits(section: Section, radius: float) -> bool:
 def _box(section: Section, radius: float) -> Ground:
     """As many columns as the surface is long, as many rows as fit above the base; centred along the surface."""
     tilt = mean_slope(section)
-    start, end = np.array(section.surface[0], float), np.array(section.surface[-1], float)
+    start, end = section.ground[0], section.ground[-1]
     length = float(np.hypot(*(end - start)))
     along, down = np.array([np.cos(tilt), -np.sin(tilt)]), np.array([-np.sin(tilt), -np.cos(tilt)])
     depth = float(np.median([d for d in (section.outline() - start) @ down if d > radius]))

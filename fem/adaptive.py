@@ -61,6 +61,8 @@ class AdaptiveResult:
         Answer and fields on ``mesh``.
     mesh : QuadMesh
         The last mesh.
+    start : CriticalResult
+        The answer on the first mesh, with that of the opposite direction if both were asked for.
     rounds : list of MeshRound
         The sequence, coarsest first.
     converged : bool
@@ -71,6 +73,7 @@ class AdaptiveResult:
 
     result: CriticalResult
     mesh: QuadMesh
+    start: CriticalResult
     rounds: list[MeshRound] = field(default_factory=list)
     converged: bool = False
     reason: str = ""
@@ -132,6 +135,7 @@ def solve_adaptively(
     Raises what ``solve`` raises on the first mesh.
     """
     mesh, result = first, solve(first)
+    start = result
     rounds: list[MeshRound] = []
     while True:
         change = math.inf
@@ -157,5 +161,5 @@ def solve_adaptively(
             except (BadMeshError, UnstableError) as error:
                 reason = f"there is no answer on the next mesh: {error}"
         if reason:
-            return AdaptiveResult(result, mesh, rounds, converged, reason)
+            return AdaptiveResult(result, mesh, start, rounds, converged, reason)
         mesh, result = finer, answer

@@ -21,7 +21,7 @@ def sign_of(section: Section, direction: Direction) -> int:
 
 def downhill(section: Section) -> int:
     """+1 if the ground falls to the right, -1 if it falls to the left, from one end of its surface to the other."""
-    return 1 if section.surface[0][1] >= section.surface[-1][1] else -1
+    return 1 if section.ground[0, 1] >= section.ground[-1, 1] else -1
 
 
 def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:

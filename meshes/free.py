@@ -30,6 +30,7 @@ class Sizes:
     towards : at "surface", "base" or the bottom of a stratum, by name
     corners, at_corners : (k, 3, 2) triangles (m) that cover the section, and (k, 3) the sizes at their corners, linear
         in between; none if there is no such field
+    far : how many times larger the ordinary ones are far beyond the ends of the section as it was given
     """
 
     ordinary: float
@@ -37,6 +38,7 @@ class Sizes:
     towards: Mapping[str, float] = field(default_factory=dict)
     corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 2)))
     at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    far: float = 1.0
 
     def times(self, scale: float) -> "Sizes":
         """All sizes multiplied."""
@@ -46,6 +48,7 @@ class Sizes:
             {name: scale * size for name, size in self.towards.items()},
             self.corners,
             scale * self.at_corners,
+            self.far,
         )
 
 
@@ -185,7 +188,7 @@ def _size_field(
     for k, stratum in enumerate(section.strata):
         inside = fields.add("Constant")
         fields.setNumbers(inside, "SurfacesList", surfaces[k])
-        fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.ordinary))
+        fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.far * sizes.ordinary))
         found.append(inside)
     for name, wanted in sizes.towards.items():
         far = max(sizes.ordinary, wanted)
@@ -196,6 +199,8 @@ def _size_field(
             found.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH, stop=True))
     if len(sizes.corners):
         found.append(_view_field(sizes))
+    if sizes.far > 1.0:
+        found.append(_inside_field(section, sizes))
     smallest = fields.add("Min")
     fields.setNumbers(smallest, "FieldsList", found)
     fields.setAsBackgroundMesh(smallest)
@@ -217,6 +222,21 @@ def _near_field(curves: list[int], near: float, far: float, reach: float, stop: 
     fields.setNumber(number, "StopAtDistMax", int(stop))
     fields.setNumber(number, "DistMin", near)
     fields.setNumber(number, "DistMax", reach)
+    return number
+
+
+def _inside_field(section: Section, sizes: Sizes) -> int:
+    """gmsh's field of the ordinary size within the ends of the section as it was given, growing to the far one."""
+    fields = gmsh.model.mesh.field
+    number = int(fields.add("Box"))
+    (left, right), (low, high) = section.given_extent, (section.outline()[:, 1].min(), section.outline()[:, 1].max())
+    far = sizes.far * sizes.ordinary
+    values = {
+        "VIn": sizes.ordinary, "VOut": far, "XMin": left, "XMax": right, "YMin": low, "YMax": high,
+        "ZMin": -1.0, "ZMax": 1.0, "Thickness": (far - sizes.ordinary) / STEP_GROWTH,
+    }  # fmt: skip
+    for name, value in values.items():
+        fields.setNumber(number, name, value)
     return number
 
 

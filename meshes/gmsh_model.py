@@ -20,6 +20,9 @@ from meshes.settings import MeshSettings
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
 
+# Cells far beyond the ends of a section are this many times as large as those within.
+FAR = 3.0
+
 
 def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
     """Mesh a section and, if ``path`` is given, write it there as a gmsh file.
@@ -41,7 +44,8 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
 
 def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
     """The sizes of a free mesh by its settings."""
-    sizes = Sizes(settings.cell_size(section), settings.sizes, settings.towards)
+    far = FAR if section.beyond is not None else 1.0
+    sizes = Sizes(settings.cell_size(section), settings.sizes, settings.towards, far=far)
     return sizes.times(1.0 / settings.refine)
 
 

@@ -12,9 +12,10 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from meshes.errors import InputError
+from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.polyline import Line, Polyline
-from meshes.section.quantity import Angle, Density, PoissonsRatio, Stiffness, Strength
+from meshes.section.quantity import Angle, Density, Length, PoissonsRatio, Stiffness, Strength
 from meshes.section.sentences import sentences
 
 BOUNDARIES = ("surface", "base", "left", "right")
@@ -99,6 +100,10 @@ class Section(Model):
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
     water_table: Line | None = None
+    beyond: Length | None = Field(
+        default=None, description='how far ground, layers and water go on past both ends, a length such as "100 m"'
+    )
+    beyond_slope: Slope = Field(default="level", description='"level", or "parallel" to the last stretch of the ground')
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
 
     settings_tables: ClassVar[tuple[str, ...]] = SETTINGS_TABLES
@@ -122,16 +127,41 @@ class Section(Model):
     @cached_property
     def _layers(self) -> Layers:
         bottoms = [stratum.bottom for stratum in self.strata]
-        return layering(np.array(self.surface, dtype=float), self.base, bottoms)
+        if (past := self._continuation) is None:
+            return layering(self.ground, self.base, bottoms)
+        return layering(self.ground, past.line(self.base), [bottom and past.line(bottom) for bottom in bottoms])
+
+    @cached_property
+    def _continuation(self) -> Continuation | None:
+        surface = np.array(self.surface, dtype=float)
+        return None if self.beyond is None else continuation(surface, self.beyond, self.beyond_slope)
+
+    @property
+    def ground(self) -> np.ndarray:
+        """The ground surface (n, 2) from side to side (m), with what lies beyond the given ends."""
+        surface = np.array(self.surface, dtype=float)
+        return surface if self._continuation is None else self._continuation.elevations(surface)
 
     @property
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
-        return [f"geometry: {text}" for text in self._layers.notices]
+        told = [f"geometry: {text}" for text in self._layers.notices]
+        if self.beyond is not None:
+            left, right = self.given_extent
+            told.append(
+                f"beyond: ground, layers and water go on for {self.beyond:g} m past x = {left:g} and {right:g} m, "
+                f"{'level' if self.beyond_slope == 'level' else 'with the slope of the ground there'}"
+            )
+        return told
 
     @property
     def extent(self) -> tuple[float, float]:
         """x (m) of the left and the right side."""
+        return float(self.ground[0, 0]), float(self.ground[-1, 0])
+
+    @property
+    def given_extent(self) -> tuple[float, float]:
+        """x (m) of the ends of the section as it was given, without what lies beyond."""
         return float(self.surface[0][0]), float(self.surface[-1][0])
 
     def outline(self) -> np.ndarray:
@@ -146,10 +176,11 @@ class Section(Model):
         """The water table as elevations (n, 2) in metres, or None."""
         if self.water_table is None:
             return None
-        points = self.water_table.points(*self.extent)
-        if self.water_table.depth is None:
+        table = self.water_table if self._continuation is None else self._continuation.line(self.water_table)
+        points = table.points(*self.extent)
+        if table.depth is None:
             return points
-        layers = layering(np.array(self.surface, dtype=float), self.water_table, [None]).layering
+        layers = layering(self.ground, table, [None]).layering
         chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
         return np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
 

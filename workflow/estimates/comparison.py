@@ -48,7 +48,7 @@ class Estimate:
 
 def mean_inclination(run: Input) -> float:
     """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
-    (x0, z0), (x1, z1) = run.surface[0], run.surface[-1]
+    (x0, z0), (x1, z1) = run.ground[0], run.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 

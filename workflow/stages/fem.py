@@ -85,9 +85,13 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
 
     progress("gravity", None)
     adapted = mesh_for_mechanism(run, run.mesh, mesh, run.fem, comm, tell)
-    mesh = adapted.mesh if adapted else mesh
-    found = assess(run, mesh, run.fem, comm, tell)
+    settings, opposite = run.fem, None
+    if adapted is not None:  # fine cells are where the ground fails in one direction; the other was found before
+        settings = run.fem.model_copy(update={"direction": adapted.result.direction})
+        mesh, opposite = adapted.mesh, _other_way(mesh, adapted.start.other)
+    found = assess(run, mesh, settings, comm, tell)
     result = found.critical
+    opposite = opposite or _other_way(mesh, result.other)
     box = None
     if run.fem.rigid_box and run.fem.sides != "fixed" and result.verdict != "undecided":
         # the discs are pushed downhill, whatever direction counts
@@ -96,7 +100,7 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
     if store is not None:
         with store.writing(FEM_FILE) as path:
             save(mesh, path)
-        answer = answer_of(run, mesh, found, adapted)
+        answer = answer_of(run, mesh, found, opposite, adapted)
         answer.model_copy(update={"rigid_box": rigid_box(mesh, box) if box is not None else None}).write(store)
         write_fields(run, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
@@ -105,7 +109,13 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment", adapted: "AdaptiveResult | None") -> FemAnswer:
+def answer_of(
+    run: Input,
+    mesh: "QuadMesh",
+    found: "Assessment",
+    opposite: OtherWay | None,
+    adapted: "AdaptiveResult | None",
+) -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     from fem.judges import is_doubtful
 
@@ -123,7 +133,7 @@ def answer_of(run: Input, mesh: "QuadMesh", found: "Assessment", adapted: "Adapt
         doubts=tuple(Doubt.model_validate(doubt) for doubt in found.doubts),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
-        opposite=_other_way(mesh, result.other),
+        opposite=opposite,
         associated=_other_way(mesh, found.associated),
         skins=tuple(
             SkinFailure(

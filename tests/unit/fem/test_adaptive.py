@@ -85,4 +85,4 @@ def test_no_answer_on_the_first_mesh_is_raised() -> None:
 
 def test_meshes_that_are_all_but_alike_tell_no_limit_far_away() -> None:
     rounds = [MeshRound(1000, 0.201, float("inf")), MeshRound(1010, 0.2, 0.005)]
-    assert AdaptiveResult(None, None, rounds).limit == pytest.approx(0.196)  # type: ignore[arg-type]
+    assert AdaptiveResult(None, None, None, rounds).limit == pytest.approx(0.196)  # type: ignore[arg-type]

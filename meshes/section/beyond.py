@@ -1,0 +1,63 @@
+"""What lies past the ends of a section: its ground, layers, base and water go on as they end, all by the same slope.
+
+Nobody knows what is there; but a side that stands where the survey ended takes part in the failure, and one far away
+does not. Lines go on parallel to the ground, so that every layer keeps its thickness.
+"""
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from meshes.section.polyline import Line
+
+# "level", or "parallel" to the last stretch of the ground.
+Slope = Literal["level", "parallel"]
+
+
+class Continuation(NamedTuple):
+    """How a section goes on past its ends.
+
+    Attributes
+    ----------
+    left, right : x (m) of the ends of the section as it was given
+    distance : how far it goes on at either end (m)
+    left_slope, right_slope : rise of the ground over its run there, towards the right (-)
+    """
+
+    left: float
+    right: float
+    distance: float
+    left_slope: float
+    right_slope: float
+
+    def elevations(self, points: np.ndarray) -> np.ndarray:
+        """A polyline (n, 2) of elevations that goes on where it reaches an end."""
+        rises = -self.distance * self.left_slope, self.distance * self.right_slope
+        return self._continued(points, *rises)
+
+    def depths(self, points: np.ndarray) -> np.ndarray:
+        """A polyline (n, 2) of depths below the ground that goes on, as deep, where it reaches an end."""
+        return self._continued(points, 0.0, 0.0)
+
+    def line(self, line: Line) -> Line:
+        """A line that goes on."""
+        points = line.points(self.left, self.right)
+        if line.depth is None:
+            return Line(elevation=self.elevations(points).tolist())
+        return Line(depth=self.depths(points).tolist())
+
+    def _continued(self, points: np.ndarray, left_rise: float, right_rise: float) -> np.ndarray:
+        found = [points]
+        if points[0, 0] <= self.left:
+            found.insert(0, points[:1] + np.array([-self.distance, left_rise]))
+        if points[-1, 0] >= self.right:
+            found.append(points[-1:] + np.array([self.distance, right_rise]))
+        return np.vstack(found)
+
+
+def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continuation:
+    """How a section with a ``surface`` (n, 2) goes on by a ``distance`` (m)."""
+    (x0, z0), (x1, z1) = surface[:2]
+    (x2, z2), (x3, z3) = surface[-2:]
+    slopes = ((z1 - z0) / (x1 - x0), (z3 - z2) / (x3 - x2)) if slope == "parallel" else (0.0, 0.0)
+    return Continuation(float(x0), float(x3), distance, *map(float, slopes))
