@@ -14,6 +14,8 @@ from meshes.section.layering import Layering
 
 # Wedges blunter than this (deg) are left as they are.
 SHARP = 20.0
+# A tip that holds more than this share of its stratum is the stratum, and stays.
+MOST = 0.5
 
 
 def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
@@ -25,7 +27,8 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
     for k in (None, *range(layers.strata)):
         for tip in _tips(layers, k):
             cut = _cut_of(layers, k, *tip, least)
-            if cut is None:
+            whole = layers.areas().sum() if k is None else layers.areas()[k]
+            if cut is None or cut[1] > MOST * whole:
                 continue
             x_tip, (at, area) = tip[0], cut
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
