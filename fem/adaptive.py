@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fem.critical import CriticalResult, critical_coefficient
-from fem.errors import UnstableError
 from fem.path import EquilibriumPath
 from fem.settings import FemSettings
 from fem.strength import is_dilating_fully
 from meshes.adaptation import adapted
-from meshes.quad_mesh import BadMeshError, QuadMesh
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
@@ -158,7 +158,7 @@ def solve_adaptively(
                 answer = solve(finer)
                 if answer.verdict in WITHOUT_MECHANISM:
                     reason = f"there is no answer on the next mesh: {answer.reason}"
-            except (BadMeshError, UnstableError) as error:
+            except NoAnswerError as error:
                 reason = f"there is no answer on the next mesh: {error}"
         if reason:
             return AdaptiveResult(result, mesh, start, rounds, converged, reason)
