@@ -20,6 +20,7 @@ from dem.springs import LayerSprings
 StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 ROW = np.sqrt(0.75)  # height of a row of a triangular lattice over its spacing
+OVERLAP = 0.01  # of the mean radius, that random packings are left with at most
 ABOVE = 4  # rows that side walls stand higher than the surface
 
 
@@ -116,14 +117,12 @@ def random_packing(
     spread: float = 0.2,
     porosity: float = 0.2,
     seed: int = 0,
-    overlap: float = 0.01,
     sweeps: int = 4000,
-    above: int = ABOVE,
 ) -> Packing:
     """Discs of random size at random places, grown together and pushed apart until none overlaps by much.
 
     radius: their mean (m); spread: half the width of their uniform distribution over the mean; porosity: voids over
-    area; seed: of the random numbers, the same gives the same packing; overlap: largest left, over the mean radius.
+    area; seed: of the random numbers, the same gives the same packing.
     Raises ValueError if the discs do not fit, saying how far they came; 2-D heaps jam at a porosity of 0.16 or so.
     """
     outline = _checked(outline)
@@ -146,14 +145,14 @@ def random_packing(
         spread_out(x, z, grown, i, j, outline, 10)
         deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
         deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))
-        if grown[0] == sizes[0] and deepest <= overlap * radius:
+        if grown[0] == sizes[0] and deepest <= OVERLAP * radius:
             break
-    if deepest > overlap * radius:
+    if deepest > OVERLAP * radius:
         raise ValueError(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
-            f"radius after {sweeps} sweeps, {overlap:g} is allowed: ask for more voids, a wider spread, or more sweeps"
+            f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: ask for more voids, a wider spread, or more sweeps"
         )
-    return _surrounded(x, z, sizes, outline, stratum_at, above)
+    return _surrounded(x, z, sizes, outline, stratum_at, ABOVE)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -10,7 +10,7 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.search.equilibrium import Trial, displacement, try_kh
+from dem.search.equilibrium import Rise, Trial, displacement, try_kh
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError
 
@@ -113,7 +113,7 @@ def critical_kh(
         model = stood.copy()
         # an elastic displacement is not known before the probe has stood
         known = search.flexibility or float("inf")
-        trial = try_kh(model, settled, ground, settings, search.lower, kh, known, threads, watch)
+        trial = try_kh(model, settled, ground, settings, Rise(search.lower, kh, known), threads, watch)
         search.trials.append(trial)
         if on_trial is not None:
             on_trial(trial, model)
@@ -126,8 +126,7 @@ def critical_kh(
                 failed = float("inf")
         elif not search.flexibility:
             search.upper = kh
-            told = f"stands under its own weight, but not at Kh = {kh:g}, the least that is tried"
-            search.reason = f"{told}: {trial.reason}"
+            search.reason = f"stands under its own weight, but not at Kh = {kh:g}, the least tried: {trial.reason}"
             return search
         elif step <= width * (1.0 + 1e-9):
             break

@@ -8,7 +8,7 @@ the seismic force works on.
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,24 @@ class Rest:
     unbalanced_ratio: float
     kinetic_ratio: float
     displacement: float
+
+
+class Rise(NamedTuple):
+    """What a trial is to do.
+
+    Attributes
+    ----------
+    from_kh : float
+        At which the discs stand.
+    kh : float
+        To which they are taken.
+    flexibility : float
+        Elastic displacement over Kh (m), infinite if it is not known: nothing fails then.
+    """
+
+    from_kh: float
+    kh: float
+    flexibility: float
 
 
 @dataclass(frozen=True)
@@ -204,21 +222,19 @@ def try_kh(
     before: DiscModel,
     ground: Ground,
     settings: DemSettings,
-    from_kh: float,
-    kh: float,
-    flexibility: float,
+    rise: Rise,
     threads: int = 1,
     watch: Watch | None = None,
 ) -> Trial:
-    """Takes discs that stand at `from_kh` to `kh`, and says whether they stand there; `model` is taken along.
+    """Takes discs that stand at one Kh to another, and says whether they stand there; `model` is taken along.
 
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
     hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
     below their limits. Fails: the displacement since `before` exceeds `largest_stretch` times the elastic one and grew
     at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or
     when a DemError stopped the discs.
-    flexibility: elastic displacement over Kh (m), infinite if not known: nothing fails then.
     """
+    from_kh, kh, flexibility = rise
     cycle = period(model, ground)
     start = model.time
     risen = start + cycle * max(0.5, abs(kh - from_kh) / RISE)

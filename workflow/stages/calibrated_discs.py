@@ -16,7 +16,7 @@ from dem.laboratory.soil_check import soil_checks
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
-from dem.search.equilibrium import Rest, Trial, try_kh, unbalanced_ratio
+from dem.search.equilibrium import Rest, Rise, Trial, try_kh, unbalanced_ratio
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import compare, cracked_shares, slip_surface
@@ -217,7 +217,7 @@ def _keep_states(run: Input, store: Store, sets: Sets) -> Kept:
         start = sets[which]
         before, ground, search = start.settled, start.ground, start.search
         model = before.copy()
-        trial = try_kh(model, before, ground, start.dem, 0.0, kh, search.flexibility, watch=watch)
+        trial = try_kh(model, before, ground, start.dem, Rise(0.0, kh, search.flexibility), watch=watch)
         file = f"dem/state_{which}_{label}.h5"
         save(store, file, model)
         far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
