@@ -1,0 +1,87 @@
+"""Soil discs on S-13: a prediction without any factor, and slides that come to rest; dem/README.md has three seeds."""
+
+import numpy as np
+import pytest
+
+from dem.laboratory.soil_check import LayerCheck, soil_checks
+from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.model import DiscModel
+from dem.search.critical import Search, critical_kh
+from dem.search.deposit import Deposit, deposit, misfit
+from dem.side_by_side import side_by_side
+from dem.slides.liquefaction import Slide, Slider
+from tests.support import SECTIONS
+from workflow.settings import Input
+
+pytestmark = pytest.mark.slow
+
+KC = 0.3385  # finite elements, fixed sides, psi = 0, 47 x 13 quadratic cells
+LIQUEFIED = [3, 5]
+
+
+@pytest.fixture(scope="module")
+def run() -> Input:
+    return Input.load(SECTIONS / "s13.toml")
+
+
+@pytest.fixture(scope="module")
+def layers(run: Input) -> list[SoilLayer]:
+    return soil_layers(run)
+
+
+@pytest.fixture(scope="module")
+def ground(run: Input, layers: list[SoilLayer]) -> Deposit:
+    return deposit(run, run.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+
+
+@pytest.fixture(scope="module")
+def checks(layers: list[SoilLayer], ground: Deposit) -> dict[str, LayerCheck]:
+    found = soil_checks(layers, ground.layers, ground.ground.radius, workers=2)
+    return {check.stratum: check for check in found}
+
+
+@pytest.fixture(scope="module")
+def search(run: Input, ground: Deposit) -> Search:
+    return critical_kh(ground.settled, ground.ground, run.dem, resolution=0.01)
+
+
+@pytest.fixture(scope="module")
+def slides(run: Input, ground: Deposit) -> list[Slide]:
+    start: DiscModel = ground.settled
+    sliders = [Slider(start, ground.ground, LIQUEFIED, case, run.slide) for case in run.slide.cases]
+    return side_by_side([slider.run for slider in sliders], 2)
+
+
+def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
+    """E within 20 %, friction angle within 2 degrees. Strengths of single layers scatter by 7 % from seed to seed."""
+    sands = [check for check in checks.values() if check.c_soil_Pa == 0.0]
+    assert len(sands) == 7
+    for check in sands:
+        assert check.E_discs_Pa == pytest.approx(check.E_soil_Pa, rel=0.2)
+        assert check.phi_discs_deg == pytest.approx(check.phi_soil_deg, abs=3.0)
+    assert np.mean([check.phi_discs_deg for check in sands]) == pytest.approx(35.0, abs=2.0)
+
+
+def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
+    away = misfit(run, ground.settled, ground.ground.radius)
+    assert abs(away.mean()) < 0.15
+    assert np.abs(away).mean() < 0.5 * ground.ground.radius
+
+
+def test_the_critical_kh_is_predicted(search: Search) -> None:
+    assert search.kc is not None
+    assert 0.85 <= search.kc / KC <= 1.15
+
+
+def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> None:
+    for slide in slides:
+        assert slide.settled
+        assert slide.seconds_simulated <= 60.0
+        assert slide.overlap < 0.5
+        assert slide.escaped == 0
+    one, two, three = (slide.rows[-1].slide_max_m for slide in slides)
+    assert one < 4.0
+    assert 1.5 < two < 7.0
+    assert 1.5 < three < 7.0
+    drops = [slide.rows[-1].settlement_uphill_m for slide in slides]
+    assert drops == sorted(drops)
