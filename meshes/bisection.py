@@ -91,14 +91,14 @@ def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])
 
 
-def split_at_middle(mesh: TriMesh, stuck: np.ndarray) -> TriMesh:
+def split_at_middle(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
     """The mesh with every cell of a mask divided at its middle into three."""
-    if not stuck.any():
+    if not marked.any():
         return mesh
-    centre = len(mesh.points) + np.arange(np.count_nonzero(stuck))
-    points = np.vstack([mesh.points, mesh.points[mesh.cells[stuck]].mean(axis=1)])
-    corners = mesh.cells[stuck]
+    centre = len(mesh.points) + np.arange(np.count_nonzero(marked))
+    points = np.vstack([mesh.points, mesh.points[mesh.cells[marked]].mean(axis=1)])
+    corners = mesh.cells[marked]
     parts = [np.column_stack([corners[:, k], corners[:, (k + 1) % 3], centre]) for k in range(3)]
-    cells = np.concatenate([mesh.cells[~stuck], *parts])
-    stratum = np.concatenate([mesh.stratum[~stuck], *[mesh.stratum[stuck]] * 3])
+    cells = np.concatenate([mesh.cells[~marked], *parts])
+    stratum = np.concatenate([mesh.stratum[~marked], *[mesh.stratum[marked]] * 3])
     return TriMesh(points, cells, stratum, mesh.boundaries)

@@ -38,8 +38,9 @@ class KhBounds(Bracket):
     Attributes
     ----------
     skins : tuple of Skin
-        Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. The ground below them was
-        strengthened down to the least depth, and the bounds are those of the slope as a whole.
+        Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. Where there is one, the
+        ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
+        bounds are those of the slope as a whole.
     section : Section
         What was analysed: the section, or that with its faces strengthened.
     substitute : Bracket or None
@@ -64,8 +65,8 @@ def kh_bounds(
         raise InputError(section.name, ['fem, sides = "tied": bounds know "roller" and "fixed"'])
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
-    faces = governing_skins(section, fem)
-    whole = strengthened(section, faces, fem) if faces else section
+    govern = governing_skins(section, fem)
+    whole = strengthened(section, skins(section, fem), fem) if govern else section
     mesh = first_mesh(whole, settings.max_cells)
     limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
     found = bracket(mesh, body_of(whole, mesh, fem), limits, observer)
@@ -76,7 +77,8 @@ def kh_bounds(
     substitute = None
     if settings.davis and fem.flow != "associated" and not is_dilating_fully(strata):
         substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
-    return KhBounds(**vars(found), skins=tuple(faces), section=whole, substitute=substitute)
+    govern = [face for face in govern if face.kh < found.upper]
+    return KhBounds(**vars(found), skins=tuple(govern), section=whole, substitute=substitute)
 
 
 def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:

@@ -162,11 +162,11 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
 def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
     """The dimensionless problem on a mesh whose strata are those of the body.
 
-    Cells that are too constrained for either bound (``stuck_cells``) are divided first. Raises ValueError if an
+    Cells in a corner of the outline (``corner_cells``) are divided first. Raises ValueError if an
     edge of the outline belongs to no boundary.
     """
     outline = _outline(mesh, body)
-    divided = split_at_middle(mesh, stuck_cells(mesh, body.friction[mesh.stratum], outline))
+    divided = split_at_middle(mesh, corner_cells(mesh))
     if divided is not mesh:
         mesh, outline = divided, _outline(divided, body)
     scaled = mesh.moved(np.array(units.origin), units.length)
@@ -182,21 +182,9 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
     )
 
 
-def stuck_cells(mesh: TriMesh, friction: np.ndarray, outline: Outline) -> np.ndarray:
-    """Cells (m,), as a mask, whose boundary conditions leave the velocity or the stress no freedom at a corner.
-
-    They have two edges on the outline; or they have φ > 0, an edge that is held, and at its end a neighbour with φ = 0.
-    At that point the neighbour can only shear along the held edge, and the cell itself cannot do so without dilating.
-    """
-    held = np.zeros(len(mesh.edges), dtype=bool)
-    held[outline.edges] = outline.held.all(axis=1)
-    on_outline = (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1)
-    clay = np.append(friction == 0.0, False)[mesh.edge_cells]
-    changes = clay[:, 0] != clay[:, 1]
-    changes[mesh.edge_cells[:, 1] < 0] = False
-    of_cell = held[mesh.cell_edges]
-    dilates = (friction > 0.0) & of_cell.any(axis=1) & changes[mesh.cell_edges].any(axis=1)
-    return dilates | (on_outline >= 2)
+def corner_cells(mesh: TriMesh) -> np.ndarray:
+    """Cells (m,), as a mask, with two edges on the outline, whose conditions leave stress or velocity no freedom."""
+    return (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1) >= 2
 
 
 def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:

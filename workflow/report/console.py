@@ -84,9 +84,10 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The brackets of fem/bounds.json, and the faces that fail before the slope as a whole."""
     for face in answer.skins:
+        when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
-            f"Grains roll down the face of {face.stratum} from x = {face.start:g} to {face.end:g} m at Kh = "
-            f"{face.kh:.3f}. What follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
+            f"Grains roll down the face of {face.stratum} from x = {face.start:g} to {face.end:g} m {when}. What "
+            f"follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
         )
     yield f"Strict bounds with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":

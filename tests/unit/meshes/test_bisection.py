@@ -73,9 +73,9 @@ def test_a_fan_halves_the_angles_at_its_point_and_nowhere_else():
 
 def test_cells_are_divided_at_their_middle():
     mesh = triangulate(SLOPE, 5.0)
-    stuck = np.zeros(len(mesh.cells), dtype=bool)
-    assert split_at_middle(mesh, stuck) is mesh
-    stuck[:3] = True
-    divided = split_at_middle(mesh, stuck)
+    marked = np.zeros(len(mesh.cells), dtype=bool)
+    assert split_at_middle(mesh, marked) is mesh
+    marked[:3] = True
+    divided = split_at_middle(mesh, marked)
     assert len(divided.cells) == len(mesh.cells) + 6
     assert_conforming(divided, SLOPE)
