@@ -308,7 +308,7 @@ def calibrate_pictures(run: Input, store: Store) -> None:
 
     def placed(which: SetOfSprings, file: str) -> DiscModel:
         settled = DiscModel.load(store.folder / start[which])
-        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(run, dem[which], settled))
+        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(run, store, dem[which], settled))
 
     with store.writing("figures/dem_model.png") as path:
         dem_figures.layers(

@@ -1,7 +1,7 @@
 """Discs of a section at rest under their weight, from a checkpoint if there is one: soil discs, or the paper's."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dem.ground import Ground, ground_of, springs_of
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
@@ -10,6 +10,8 @@ from dem.search.deposit import deposit, ground_at_rest
 from dem.search.equilibrium import settle
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
+from meshes.errors import InputError
+from workflow.results.continuum import FemAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -40,9 +42,14 @@ def discs_at_rest(run: Input, store: Store, dem: DemSettings, file: str, tell: C
     return _soil(run, store, dem, file, tell) if dem.model == "soil" else _paper(run, store, dem, file, tell)
 
 
-def ground_for(run: Input, dem: DemSettings, settled: DiscModel) -> Ground:
-    """The ground that discs at rest lie in."""
-    return ground_at_rest(run, dem, settled) if dem.model == "soil" else ground_of(run, dem)
+def ground_for(run: Input, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
+    """The ground that discs at rest lie in, pushed to where it fails by the finite elements."""
+    ground = ground_at_rest(run, dem, settled) if dem.model == "soil" else ground_of(run, dem)
+    try:
+        towards = FemAnswer.read(store).towards
+    except InputError:  # they have not run: the ground falls to where it is lower
+        return ground
+    return replace(ground, downhill=1 if towards == "right" else -1)
 
 
 def _soil(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
@@ -52,7 +59,7 @@ def _soil(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[
         found = deposit(run, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
         save(store, file, found.settled)
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_at_rest(run, dem, settled), list(settled.springs.layers), settled, tuple(soil))
+    return Discs(ground_for(run, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
 
 
 def _paper(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
@@ -61,7 +68,8 @@ def _paper(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable
     if not store.has(file):
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
         save(store, file, settle(ground, layers, dem))
-    return Discs(ground, layers, DiscModel.load(store.folder / file))
+    settled = DiscModel.load(store.folder / file)
+    return Discs(ground_for(run, store, dem, settled), layers, settled)
 
 
 def save(store: Store, name: str, model: DiscModel) -> None:

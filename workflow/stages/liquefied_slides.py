@@ -58,7 +58,7 @@ def _target(run: Input, store: Store) -> float:
 def _starts(run: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
     """Discs at rest to start from: the calibrated ones, and the paper's as printed where these were asked for."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
-    starts = {"calibrated": (calibrated, ground_for(run, run.dem, calibrated))}
+    starts = {"calibrated": (calibrated, ground_for(run, store, run.dem, calibrated))}
     paper = ""
     if run.dem.model == "soil" and run.dem.paper:
         paper = PAPER
@@ -66,7 +66,7 @@ def _starts(run: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
         paper = SETTLED
     if paper:
         settled = DiscModel.load(store.folder / paper)
-        starts["table2"] = settled, ground_for(run, run.dem.as_paper(), settled)
+        starts["table2"] = settled, ground_for(run, store, run.dem.as_paper(), settled)
     return starts
 
 

@@ -72,7 +72,7 @@ def test_without_dilation_a_layer_slides_at_the_friction_of_simple_shear(element
 
 
 def test_reduced_element_finds_too_little_on_the_path_with_psi_as_given():
-    """The others come to within 0.2 % of the least that ground of constant volume bears on a plane; it ends 5.9 % below."""
+    """The others come to within 0.2 % of the least that flow at constant volume bears on a plane; it ends 6 % below."""
     found = result(strip(10.0, 0.0, 35.0, 0.0), "reduced", flow="section")
     assert found.verdict == "peak"
     assert found.kc < 0.97 * infinite_slope(10.0, 0.0, math.sin(math.radians(35.0)))
