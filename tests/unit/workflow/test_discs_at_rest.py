@@ -1,0 +1,32 @@
+"""Discs are pushed to where the finite elements fail."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.support.sections import slope
+from tests.unit.workflow.test_paper import fem
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages import discs_at_rest
+
+
+@dataclass
+class Ground:
+    """What matters here of the ground of the discs, whose packing takes a while."""
+
+    downhill: int = 1
+
+
+@pytest.mark.parametrize(("towards", "sign"), [("left", -1), ("right", 1), (None, 1)])
+def test_discs_go_where_the_ground_fails(
+    towards: str | None, sign: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without an answer of the finite elements, to where the surface ends lower."""
+    monkeypatch.setattr(discs_at_rest, "ground_of", lambda run, dem: Ground())
+    run, store = Input.parse(slope()), Store(tmp_path)
+    if towards is not None:
+        fem(run).model_copy(update={"towards": towards}).write(store)
+    ground = discs_at_rest.ground_for(run, store, run.dem.as_paper(), None)  # type: ignore[arg-type]
+    assert ground.downhill == sign
