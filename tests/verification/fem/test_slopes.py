@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from fem.adaptive import mesh_for_mechanism
 from fem.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
@@ -154,3 +155,26 @@ def test_slope_of_45_degrees_fails_within_2_percent_of_its_bracket():
     found, outcome, _ = weight_limit(mesh, law, "reduced", sides, first=2.0, largest=10.0)
     assert outcome.verdict == "plateau"
     assert 15.93 < found < 1.02 * 16.39
+
+
+# --- Meshes that follow the mechanism ------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [None, 1.6])
+def test_a_steep_cut_comes_within_2_percent_of_its_bracket_from_any_mesh(size):
+    """75 deg, 8 m, φ = ψ = 25 deg, c = 25 kPa: strict bounds 0.2146 and 0.2181; cells alike give 0.229 and 0.245."""
+    cut = section(
+        [[0.0, 8.0], [20.0, 8.0], [20.0 + 8.0 / math.tan(math.radians(75.0)), 0.0], [37.144, 0.0]],
+        6.0,
+        soil("soil", E=2e7, c=25e3, phi=25.0, psi=25.0, ordinary=1900.0, seismic=1900.0),
+    )
+    cut = Section.model_validate({**dict(cut), "base": {"elevation": -6.0}})
+    meshing = MeshSettings(size=size, method="free" if size else "auto")
+    settings = FemSettings(direction="downhill", kh=(1.0,))
+    found = mesh_for_mechanism(cut, meshing, generate(cut, meshing), settings, MPI.COMM_SELF, lambda *_: None)
+    assert found is not None
+    assert found.converged
+    assert 0.2146 < found.result.kc < 1.02 * 0.2181
+    assert found.rounds[0].kc > 1.04 * 0.2181
+    assert found.limit < found.result.kc
