@@ -8,9 +8,8 @@ import pytest
 
 from meshes.errors import InputError
 from tests.support.published import PUBLISHED
-from workflow.verify.answer import Answer
 from workflow.verify.command import verify
-from workflow.verify.record import read_answers, write_answers
+from workflow.verify.record import Answer, read_answers, write_answers
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 from fem.critical import critical_coefficient
@@ -16,33 +16,10 @@ from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
 from meshes.settings import MeshSettings
 from workflow.verify.case import Case
-
-Part = Literal["bounds", "associated", "section"]
-PARTS: tuple[Part, ...] = ("bounds", "associated", "section")
+from workflow.verify.record import PARTS, Answer, Part
 
 # When bounds are close enough, and how many triangles they may take.
 BOUNDS = BoundsSettings(gap=0.03, max_cells=4000)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
-
-    ``associated`` and ``section`` are of the finite elements with ψ = φ and with the dilation of the strata; with each
-    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ.
-    """
-
-    name: str
-    lower: float | None = None
-    upper: float | None = None
-    associated: float | None = None
-    associated_upper: float | None = None
-    section: float | None = None
-    section_upper: float | None = None
-    bounds_seconds: float | None = None
-    associated_seconds: float | None = None
-    section_seconds: float | None = None
-    failures: tuple[str, ...] = ()
 
 
 def answer(

@@ -29,9 +29,9 @@ def verify(
     page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
 ) -> None:
     """Find the answers of published slopes and judge them: right, wrong or explained."""
-    from workflow.verify.answer import PARTS
     from workflow.verify.case import FOLDER
     from workflow.verify.collection import run
+    from workflow.verify.record import PARTS
 
     unknown = [part for part in only or () if part not in PARTS]
     if unknown:

@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from workflow.run.store import Store
-from workflow.verify.answer import Answer
 from workflow.verify.case import Case, Value
-from workflow.verify.picture import draw
+from workflow.verify.record import Answer
 from workflow.verify.verdict import Verdict, judge
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
@@ -28,6 +27,8 @@ file.
 
 def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> Path:
     """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
+    from workflow.verify.picture import draw  # it brings a renderer, which the text does without
+
     pictures = folder / PICTURES
     pictures.mkdir(exist_ok=True)
     for case in cases:

@@ -1,17 +1,41 @@
-"""Answers kept from run to run, so that one case can be run anew: `answers.json` beside the cases."""
+"""What was found for a case, and how it is kept from run to run: `answers.json` beside the cases."""
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Literal
 
 from pydantic import TypeAdapter, ValidationError
 
 from meshes.errors import InputError
 from workflow.run.store import Store
-from workflow.verify.answer import Answer
 
 FILE = "answers.json"
+
+Part = Literal["bounds", "associated", "section"]
+PARTS: tuple[Part, ...] = ("bounds", "associated", "section")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
+
+    ``associated`` and ``section`` are of the finite elements with ψ = φ and with the dilation of the strata; with each
+    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ.
+    """
+
+    name: str
+    lower: float | None = None
+    upper: float | None = None
+    associated: float | None = None
+    associated_upper: float | None = None
+    section: float | None = None
+    section_upper: float | None = None
+    bounds_seconds: float | None = None
+    associated_seconds: float | None = None
+    section_seconds: float | None = None
+    failures: tuple[str, ...] = ()
 
 
 def read_answers(path: Path) -> dict[str, Answer]:

@@ -9,8 +9,8 @@ import pytest
 from meshes.errors import InputError
 from tests.support.log_spiral import critical_kh
 from tests.support.published import PUBLISHED, cases
-from workflow.verify.answer import Answer
 from workflow.verify.case import Value, read_case, read_cases
+from workflow.verify.record import Answer
 from workflow.verify.verdict import judge, outside
 
 GOOD = Answer("acads_1a", lower=0.975, upper=0.995, associated=0.99, section=0.98)

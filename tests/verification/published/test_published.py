@@ -4,8 +4,8 @@ import pytest
 
 from fem.settings import BoundsSettings
 from tests.support.published import PUBLISHED, cases
-from workflow.verify.answer import Answer, answer
-from workflow.verify.record import FILE, read_answers
+from workflow.verify.answer import answer
+from workflow.verify.record import FILE, Answer, read_answers
 from workflow.verify.verdict import judge
 
 RECORDED = read_answers(PUBLISHED / FILE)
