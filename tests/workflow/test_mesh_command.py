@@ -279,6 +279,21 @@ def test_a_read_only_folder(section: Path, out: Path, capsys: pytest.CaptureFixt
     assert "cannot be written: Permission denied" in capsys.readouterr().err
 
 
+def test_check_tells_what_is_not_as_it_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A layer of 0.2 mm at x = 40 m, and one that thins out at 3 deg: both are told of a section that is sound."""
+    data = slope()
+    data["surface"] = [[0.0, 20.0], [100.0, 20.0]]
+    data["strata"][0]["bottom"] = {"depth": [[0.0, 3.0], [40.0, 0.0002], [100.0, 3.0]]}
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps({**data, "beyond": "30 m"}))
+    assert run("check", path, "--out", tmp_path / "out") == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "Mind: geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm counts as nothing." in told
+    assert 'Mind: mesh: stratum "upper" thins out to nothing at x = 40 m; in the mesh it ends in a step' in told
+    assert "Mind: beyond: ground, layers and water go on for 30 m past x = 0 and 100 m, level." in told
+    assert "The section is sound." in told
+
+
 def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("mesh", section, "--out", out) == 0
     before = {name: (out / name).read_bytes() for name in LEFT_BEHIND}

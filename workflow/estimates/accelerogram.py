@@ -52,9 +52,9 @@ class Accelerogram:
         return Accelerogram(self.name, self.kind, self.time, factor * self.acceleration)
 
 
-def of_input(run: Input) -> Accelerogram:
+def of_input(given: Input) -> Accelerogram:
     """The record that an input names, scaled as it says; raises InputError if it cannot be read."""
-    settings = run.sliding_block
+    settings = given.sliding_block
     return read(Path(settings.accelerogram), settings.unit).scaled(settings.scale)
 
 

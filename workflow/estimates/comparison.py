@@ -46,38 +46,38 @@ class Estimate:
     validity: str
 
 
-def mean_inclination(run: Input) -> float:
+def mean_inclination(given: Input) -> float:
     """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
-    (x0, z0), (x1, z1) = run.ground[0], run.ground[-1]
+    (x0, z0), (x1, z1) = given.ground[0], given.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
-def constant_kh(run: Input) -> float:
+def constant_kh(given: Input) -> float:
     """The constant Kh as set for the sliding block, or that of the slides."""
-    return run.slide.kh if run.sliding_block.kh is None else run.sliding_block.kh
+    return given.slide.kh if given.sliding_block.kh is None else given.sliding_block.kh
 
 
-def estimates(run: Input, kc: float | None) -> list[Estimate]:
+def estimates(given: Input, kc: float | None) -> list[Estimate]:
     """All estimates that this input allows; those of a block that resists need the critical Kh found."""
     found: list[Estimate] = []
     if kc is not None and kc > 0.0:
-        found.append(_constant(run, kc))
-        if run.sliding_block.accelerogram:
-            found += _newmark(run, kc)
-    found.append(_smooth(run))
-    return found + list(_regressions(run))
+        found.append(_constant(given, kc))
+        if given.sliding_block.accelerogram:
+            found += _newmark(given, kc)
+    found.append(_smooth(given))
+    return found + list(_regressions(given))
 
 
-def _constant(run: Input, kc: float) -> Estimate:
-    kh, seconds = constant_kh(run), run.sliding_block.seconds
+def _constant(given: Input, kc: float) -> Estimate:
+    kh, seconds = constant_kh(given), given.sliding_block.seconds
     slide = rectangular_pulse(kc, kh, seconds)
     words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
 
-def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
-    record = accelerogram.of_input(run)
+def _newmark(given: Input, kc: float) -> Iterator[Estimate]:
+    record = accelerogram.of_input(given)
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
     peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f}"
@@ -85,8 +85,8 @@ def _newmark(run: Input, kc: float) -> Iterator[Estimate]:
         yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
 
 
-def _smooth(run: Input) -> Estimate:
-    slope = mean_inclination(run)
+def _smooth(given: Input) -> Estimate:
+    slope = mean_inclination(given)
     plane = SmoothPlane(slope)
     if plane.acceleration <= 0.0:
         words = "the ground is level from end to end: no acceleration"
@@ -101,11 +101,11 @@ def _smooth(run: Input) -> Estimate:
     )  # fmt: skip
 
 
-def _regressions(run: Input) -> Iterator[Estimate]:
-    numbers = sorted({case for stratum in run.strata for case in stratum.liquefies_in})
+def _regressions(given: Input) -> Iterator[Estimate]:
+    numbers = sorted({case for stratum in given.strata for case in stratum.liquefies_in})
     by_ground: dict[Any, list[int]] = {}
     for case in numbers:
-        ground = liquefied(run, case)
+        ground = liquefied(given, case)
         if ground is not None:
             by_ground.setdefault(ground, []).append(case)
     for ground, cases in by_ground.items():

@@ -23,23 +23,23 @@ YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a
 ARROWS = "#1f6fb2"
 
 
-def draw_all(run: Input, found: KhBounds, store: Store) -> None:
+def draw_all(given: Input, found: KhBounds, store: Store) -> None:
     """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
-    window = Window.around(run.outline())
+    window = Window.around(given.outline())
     if found.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:
-            _mechanism_sheet(run, found.mechanism, window).save(path)
+            _mechanism_sheet(given, found.mechanism, window).save(path)
     if found.stress:
         with store.writing("figures/bounds_stress.png") as path:
-            _stress_sheet(run, found.stress, window).save(path)
+            _stress_sheet(given, found.stress, window).save(path)
     with store.writing("figures/bounds_mesh.png") as path:
-        _mesh_sheet(run, found, window).save(path)
+        _mesh_sheet(given, found, window).save(path)
 
 
-def conditions(run: Input) -> str:
+def conditions(given: Input) -> str:
     """What a bound depends on and must be said beside it."""
-    kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
-    return f"sides {run.fem.sides}, ψ = φ, pushed {run.fem.direction}{kv}"
+    kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
+    return f"sides {given.fem.sides}, ψ = φ, pushed {given.fem.direction}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:
@@ -50,7 +50,7 @@ def yield_use(stress: StressField) -> np.ndarray:
     return np.max(np.divide(radius, strength, out=np.zeros_like(radius), where=strength > 0.0), axis=1)
 
 
-def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
+def _mechanism_sheet(given: Input, mechanism: Mechanism, window: Window) -> Sheet:
     problem = mechanism.problem
     density = mechanism.dissipation / problem.mesh.areas
     density = density / max(float(density.max()), 1e-300)
@@ -72,8 +72,8 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
-    title = f"{run.title or run.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion] * 3, foot(run), legend_rows=3)
+    title = f"{given.title or given.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
+    sheet = Sheet(title, [window.proportion] * 3, foot(given), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
@@ -86,23 +86,23 @@ def _mechanism_sheet(run: Input, mechanism: Mechanism, window: Window) -> Sheet:
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
     label = "shear rate, dissipation per area: over the largest (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
-    sheet.note(conditions(run))
+    sheet.note(conditions(given))
     return sheet
 
 
-def _stress_sheet(run: Input, stress: StressField, window: Window) -> Sheet:
+def _stress_sheet(given: Input, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
-    title = f"{run.title or run.name}: lower bound, Kh = {stress.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=3)
+    title = f"{given.title or given.name}: lower bound, Kh = {stress.multiplier:.4f}"
+    sheet = Sheet(title, [window.proportion], foot(given), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
-    sheet.note(conditions(run))
+    sheet.note(conditions(given))
     return sheet
 
 
-def _mesh_sheet(run: Input, found: KhBounds, window: Window) -> Sheet:
-    mesh, strata = found.mesh, (found.section or run).strata
+def _mesh_sheet(given: Input, found: KhBounds, window: Window) -> Sheet:
+    mesh, strata = found.mesh, (found.section or given).strata
     colours = [soil_colour(k) for k in range(len(strata))]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
@@ -118,8 +118,8 @@ def _mesh_sheet(run: Input, found: KhBounds, window: Window) -> Sheet:
             edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
         )  # fmt: skip
 
-    title = f"{run.title or run.name}: {len(mesh.cells)} triangles of the bounds"
-    sheet = Sheet(title, [window.proportion], foot(run), legend_rows=-(-len(handles) // columns))
+    title = f"{given.title or given.name}: {len(mesh.cells)} triangles of the bounds"
+    sheet = Sheet(title, [window.proportion], foot(given), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
     sheet.show(0, render(window, draw), window, "divided where the gap between the bounds is")
     return sheet

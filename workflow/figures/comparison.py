@@ -34,7 +34,7 @@ def draw_all(results: Results) -> list[str]:
 
 
 def _title(results: Results) -> str:
-    return results.run.title or results.run.name
+    return results.given.title or results.given.name
 
 
 def _curves(results: Results, name: str) -> bool:
@@ -42,7 +42,7 @@ def _curves(results: Results, name: str) -> bool:
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
-    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.run), legend_rows=2)
+    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.given), legend_rows=2)
     axes = sheet.plot(0, "displacement (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]
@@ -110,7 +110,7 @@ def _surfaces(results: Results, name: str) -> bool:
             f"{100 * both.same_stratum_share:.0f} % of the length"
         )
     with results.store.writing(name) as file:
-        draw_section(results.run, file, title, lines)
+        draw_section(results.given, file, title, lines)
     return True
 
 
@@ -119,7 +119,7 @@ def _calibration(results: Results, name: str) -> bool:
     answer = results.calibration
     if answer is None or answer.target_kc is None:
         return False
-    sheet = Sheet(f"{_title(results)}: calibration of the discs", [0.34, 0.34], foot(results.run), legend_rows=1)
+    sheet = Sheet(f"{_title(results)}: calibration of the discs", [0.34, 0.34], foot(results.given), legend_rows=1)
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
     parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
@@ -163,11 +163,11 @@ def _factors(axes: Axes) -> None:
 
 def _block(results: Results, name: str) -> bool:
     """The accelerogram, and the slide of the rigid block under it, both ways."""
-    if not results.run.sliding_block.accelerogram or results.kc is None:
+    if not results.given.sliding_block.accelerogram or results.kc is None:
         return False
-    record = accelerogram.of_input(results.run)
+    record = accelerogram.of_input(results.given)
     sheet = Sheet(
-        f"{_title(results)}: rigid block under {record.name}", [0.2, 0.2, 0.2], foot(results.run), legend_rows=1
+        f"{_title(results)}: rigid block under {record.name}", [0.2, 0.2, 0.2], foot(results.given), legend_rows=1
     )
     first = sheet.plot(0, "time (s)", "acceleration (m/s²)", f"{record.kind}, peak {record.peak:.2f} m/s²")
     first.plot(record.time, record.acceleration, color=INK, linewidth=0.6)

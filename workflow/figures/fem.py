@@ -23,7 +23,7 @@ SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703
 SLIP = "#111111"
 
 
-def draw_all(run: Input, results: FemResults, store: Store) -> None:
+def draw_all(given: Input, results: FemResults, store: Store) -> None:
     """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png; removes older ones."""
     drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
@@ -31,41 +31,41 @@ def draw_all(run: Input, results: FemResults, store: Store) -> None:
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
             drawn[same] = _views(results.mesh, state)
-        names.append(picture_of(run, state))
+        names.append(picture_of(given, state))
         with store.writing(names[-1]) as path:
-            _state_sheet(run, results.answer.element, state, drawn[same]).save(path)
+            _state_sheet(given, results.answer.element, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
-        _curve_sheet(run, results.answer).save(path)
+        _curve_sheet(given, results.answer).save(path)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
 
 
-def draw_state(run: Input, results: FemResults, state: State, store: Store) -> str:
+def draw_state(given: Input, results: FemResults, state: State, store: Store) -> str:
     """Draw one state again; returns the name of its picture."""
-    name = picture_of(run, state)
+    name = picture_of(given, state)
     with store.writing(name) as path:
-        _state_sheet(run, results.answer.element, state, _views(results.mesh, state)).save(path)
+        _state_sheet(given, results.answer.element, state, _views(results.mesh, state)).save(path)
     return name
 
 
-def picture_of(run: Input, state: State) -> str:
+def picture_of(given: Input, state: State) -> str:
     """The name of the picture of a state."""
     is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
 
 
-def conditions(run: Input, element: str) -> str:
+def conditions(given: Input, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
     flow = {
         "associated": "ψ = φ",
-        "davis": f"Davis's substitute for ψ = {_dilations(run)}",
-        "section": f"ψ as given ({_dilations(run)})",
-    }[run.fem.flow]
-    kv = f", Kv = {run.fem.vertical:g}" if run.fem.vertical else ""
-    return f"sides {run.fem.sides}, {flow}, {element} element, pushed {run.fem.direction}{kv}"
+        "davis": f"Davis's substitute for ψ = {_dilations(given)}",
+        "section": f"ψ as given ({_dilations(given)})",
+    }[given.fem.flow]
+    kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
+    return f"sides {given.fem.sides}, {flow}, {element} element, pushed {given.fem.direction}{kv}"
 
 
-def _dilations(run: Input) -> str:
-    angles = sorted({round(float(np.degrees(s.dilation_angle)), 1) for s in run.strata})
+def _dilations(given: Input) -> str:
+    angles = sorted({round(float(np.degrees(s.dilation_angle)), 1) for s in given.strata})
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 
@@ -106,10 +106,10 @@ def _views(mesh: QuadMesh, state: State) -> Views:
     return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest, window)
 
 
-def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
+def _state_sheet(given: Input, element: str, state: State, views: Views) -> Sheet:
     window = views.window
-    title = f"{run.title or run.name}: FEM, {state.label}"
-    sheet = Sheet(title, [window.proportion, window.proportion], foot(run), legend_rows=3)
+    title = f"{given.title or given.name}: FEM, {state.label}"
+    sheet = Sheet(title, [window.proportion, window.proportion], foot(given), legend_rows=3)
     shown = f"displacement since gravity, arrows {views.stretch:g} times too long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
     axes = sheet.show(
@@ -122,7 +122,7 @@ def _state_sheet(run: Input, element: str, state: State, views: Views) -> Sheet:
         axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     label = "mobilised / available shear strength (-); 1: failure"
     sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
-    note = f"{conditions(run, element)}. Dotted: slip surface, where the section fails."
+    note = f"{conditions(given, element)}. Dotted: slip surface, where the section fails."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
     sheet.note(note)
@@ -135,14 +135,14 @@ def nice_number(value: float) -> float:
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 
 
-def _curve_sheet(run: Input, answer: FemAnswer) -> Sheet:
-    sheet = Sheet(f"{run.title or run.name}: FEM, rising Kh", [0.42], foot(run), legend_rows=2)
+def _curve_sheet(given: Input, answer: FemAnswer) -> Sheet:
+    sheet = Sheet(f"{given.title or given.name}: FEM, rising Kh", [0.42], foot(given), legend_rows=2)
     axes = sheet.plot(
         0,
         "mean horizontal displacement, weighted by seismic mass (cm)",
         "seismic coefficient Kh (-)",
         f"critical Kh = {answer.kc:.3f}, at most {answer.kc_upper:.3f}: {answer.verdict}; "
-        f"{conditions(run, answer.element)}",
+        f"{conditions(given, answer.element)}",
     )
     moving = [step for step in answer.curve if not step.at_rest]
     resting = [step for step in answer.curve if step.balanced]

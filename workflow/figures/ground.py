@@ -79,6 +79,9 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
             for polygon in section.layering.polygons(k):
                 closed = Outline(np.vstack([polygon, polygon[:1]]))
                 axes.add_patch(PathPatch(closed, facecolor="none", edgecolor=INK, linewidth=0.6, hatch=hatch))
+        if section.given_extent != section.extent:
+            for x in section.given_extent:  # what lies beyond was not surveyed
+                axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
         water = section.water_points()
         if water is not None:
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))

@@ -56,25 +56,25 @@ class Frame:
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
-def name_of(run: Section, springs: str, case: int) -> str:
+def name_of(given: Section, springs: str, case: int) -> str:
     """The title of a case."""
-    return f"{run.title or run.name}: case {case}, {SPRINGS.get(springs, springs)}"
+    return f"{given.title or given.name}: case {case}, {SPRINGS.get(springs, springs)}"
 
 
-def end(run: Section, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
+def end(given: Section, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     window, norm = window_of(frame), frame.scale()
     before, after = np.array(case.surface_before), np.array(case.surface_after)
 
     def strata(plotter: pv.Plotter) -> None:
-        for k in range(-1, len(run.strata)):
+        for k in range(-1, len(given.strata)):
             mesh = discs(frame, frame.stratum == k)
             if mesh.n_points:
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = (
-        f"{name_of(run, springs, number)}: slides at most {case.slide_max_m:.2f} m, settles "
+        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2f} m, settles "
         f"{case.settlement_uphill_m:.2f} m uphill"
     )
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Stiffness of the liquefied layers times {case.stiffness:g}."
@@ -100,7 +100,7 @@ def end(run: Section, path: Path, case: CaseAnswer, springs: str, number: int, o
     sheet.save(out)
 
 
-def animate(run: Section, paths: list[Path], springs: str, number: int, out: Path) -> None:
+def animate(given: Section, paths: list[Path], springs: str, number: int, out: Path) -> None:
     """A GIF of all states of a case, displacement in colour."""
     last = Frame.read(paths[-1])
     norm, window = last.scale(), window_of(Frame.read(paths[0]))
@@ -112,7 +112,7 @@ def animate(run: Section, paths: list[Path], springs: str, number: int, out: Pat
         picture = render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH)
         image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
         image.paste(Image.fromarray(picture), (0, 34))
-        text = f"{name_of(run, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
+        text = f"{name_of(given, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
         ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
         images.append(image.quantize(64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
     durations = [FRAME_MS] * (len(images) - 1) + [HOLD_MS]
@@ -126,9 +126,9 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
-def history(run: Section, slides: Sequence[SlideHistory], out: Path) -> None:
+def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     """Settlement uphill and largest slide against time, a line for each case."""
-    sheet = Sheet(f"{run.title or run.name}: slides in time", [0.26, 0.26], "", 2)
+    sheet = Sheet(f"{given.title or given.name}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
     handles = []

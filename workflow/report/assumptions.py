@@ -22,31 +22,31 @@ DIRECTIONS = {
 }
 
 
-def assumptions(run: Input) -> Iterator[tuple[str, str]]:
+def assumptions(given: Input) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
     yield "Plane strain", "The slope is taken to be endless across the section: nothing holds it at its ends."
     yield (
         "Shaking",
         "It acts as a horizontal force that does not change, Kh times g times the seismic density, and Kh is the same "
         "everywhere: no waves, no amplification, no frequency. "
-        + (f"Kv = {run.fem.vertical:g} acts with it. " if run.fem.vertical else "No vertical acceleration. ")
-        + DIRECTIONS[run.fem.direction],
+        + (f"Kv = {given.fem.vertical:g} acts with it. " if given.fem.vertical else "No vertical acceleration. ")
+        + DIRECTIONS[given.fem.direction],
     )
     yield (
         "Strength",
         "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
-        + FLOWS[run.fem.flow],
+        + FLOWS[given.fem.flow],
     )
     yield (
         "Water",
         "It enters by the densities and strengths given: no pore pressure is computed, and none changes with strain.",
     )
-    yield "Sides and base", f"{SIDES[run.fem.sides]} The base does not move."
-    if any(stratum.liquefies_in for stratum in run.strata):
+    yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
+    if any(stratum.liquefies_in for stratum in given.strata):
         yield (
             "Liquefaction",
             "Which layers liquefy, and how far, is given and not found. The slides start at once under a constant "
-            f"Kh = {run.slide.kh:g} that acts as long as they last, where an earthquake pushes both ways and ends.",
+            f"Kh = {given.slide.kh:g} that acts as long as they last, where an earthquake pushes both ways and ends.",
         )
         yield (
             "Discs",

@@ -13,18 +13,18 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 
-def mesh_sentences(run: Input, store: Store) -> Iterator[str]:
+def mesh_sentences(given: Input, store: Store) -> Iterator[str]:
     """How many cells, and how good."""
     from workflow.results.stored_mesh import stored_mesh
 
-    mesh = stored_mesh(run, store)
+    mesh = stored_mesh(given, store)
     quality = mesh.quality()
     yield (
         f"{quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method}). "
         f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
-    for notice in run.notices:
+    for notice in given.notices:
         yield f"Mind: {notice}."
 
 
@@ -125,12 +125,12 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         )
 
 
-def slide_sentences(run: Input, answer: CasesAnswer) -> Iterator[str]:
+def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
     """What the cases are, and how far each of them slides, from dem/cases.json."""
     names = [name for name, _ in case_heads()]
     told = [
         f"case {number}, {layers}: {', '.join(map(' '.join, zip(names, factors, strict=True)))}"
-        for number, layers, *factors in case_rows(run)
+        for number, layers, *factors in case_rows(given)
     ]
     if told:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
@@ -143,10 +143,10 @@ def slide_sentences(run: Input, answer: CasesAnswer) -> Iterator[str]:
         )
 
 
-def sentences(name: str, run: Input, store: Store) -> Iterator[str]:
+def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     if name == "mesh":
-        yield from mesh_sentences(run, store)
+        yield from mesh_sentences(given, store)
     elif name == "fem":
         yield from fem_sentences(FemAnswer.read(store))
     elif name == "bounds":
@@ -154,6 +154,6 @@ def sentences(name: str, run: Input, store: Store) -> Iterator[str]:
     elif name == "calibrate":
         yield from calibrate_sentences(CalibrationAnswer.read(store))
     elif name == "slide":
-        yield from slide_sentences(run, CasesAnswer.read(store))
+        yield from slide_sentences(given, CasesAnswer.read(store))
     elif name == "report":
         yield from Summary.read(store).in_short

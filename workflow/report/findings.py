@@ -28,11 +28,11 @@ def findings(results: Results) -> list[str]:
 
 
 def _asked(results: Results) -> Iterator[str]:
-    names = [stratum.name for stratum in results.run.strata if stratum.liquefies_in]
+    names = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
     question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
     if names:
         have = "has" if len(names) == 1 else "have"
-        kh = results.run.slide.kh
+        kh = results.given.slide.kh
         yield f"{question}, and how far it slides under Kh = {kh:g} once {listed(names)} {have} liquefied."
     else:
         yield f"{question}. No layer is said to liquefy, so no slide was computed."
@@ -107,7 +107,7 @@ def _slides(results: Results) -> Iterator[str]:
     first, cases = results.case_set()
     if not cases:
         entry = results.no_answer("calibrate") or results.no_answer("slide")
-        if any(stratum.liquefies_in for stratum in results.run.strata):
+        if any(stratum.liquefies_in for stratum in results.given.strata):
             why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
@@ -185,7 +185,7 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
-    found = (one for one in estimates(results.run, results.kc) if one.kind == kind)
+    found = (one for one in estimates(results.given, results.kc) if one.kind == kind)
     return [one.displacement_m for one in found if one.displacement_m is not None]
 
 
@@ -200,8 +200,8 @@ def _doubtful(results: Results) -> Iterator[str]:
 
 
 def _doubts(results: Results) -> Iterator[str]:
-    run, fem, discs = results.run, results.fem, results.dem
-    if run.reconstruction:
+    given, fem, discs = results.given, results.fem, results.dem
+    if given.reconstruction:
         yield "the ground is a reconstruction"
     if fem is not None and fem.verdict == "undecided":
         yield f"the path of the finite elements ended undecided ({fem.reason})"
@@ -210,7 +210,7 @@ def _doubts(results: Results) -> Iterator[str]:
             yield doubt.what.rstrip(".")
     yield from _doubts_of_calibration(results)
     if discs is not None and discs.slip_surface.mean_distance_m is not None:
-        apart, heights = discs.slip_surface.mean_distance_m, run.outline()[:, 1]
+        apart, heights = discs.slip_surface.mean_distance_m, given.outline()[:, 1]
         if apart > SURFACES_APART * float(heights.max() - heights.min()):
             yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
     if discs is not None and discs.model.packing != "random":

@@ -46,35 +46,35 @@ def page(results: Results, summary: Summary) -> str:
 
 def _content(results: Results, summary: Summary) -> dict[str, Any]:
     """All that the template shows."""
-    run = results.run
+    given = results.given
     return {
-        "run": run,
+        "given": given,
         "results": results,
         "summary": summary,
-        "title": run.title or run.name,
-        "head": _head(run.report),
-        "logo": _logo(run.report.logo),
+        "title": given.title or given.name,
+        "head": _head(given.report),
+        "logo": _logo(given.report.logo),
         "written": datetime.now().isoformat(" ", "minutes"),
         "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
-        "strata": list(tables.strata_rows(run)),
-        "cases": list(tables.case_rows(run)),
+        "strata": list(tables.strata_rows(given)),
+        "cases": list(tables.case_rows(given)),
         "case_heads": tables.case_heads(),
         "springs": SPRINGS,
-        "conditions": conditions(run, results.fem.element) if results.fem is not None else "",
+        "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
         "doubts": list(doubts(results)),
-        "assumptions": list(assumptions(run)),
-        "estimates": estimates(run, results.kc),
-        "kh": run.slide.kh,
+        "assumptions": list(assumptions(given)),
+        "estimates": estimates(given, results.kc),
+        "kh": given.slide.kh,
         "paper": rows(results),
-        "is_s13": is_s13(run),
+        "is_s13": is_s13(given),
         "pictures": _pictures(results),
         "stages": results.stages,
         "versions": versions(),
         "machine": machine(),
         "written_heads": [symbol for _, symbol, _ in tables.WRITTEN],
-        "written_rows": list(tables.written_rows(run)),
-        "lines": list(tables.line_rows(run)),
-        "changed": list(tables.changed_settings(run)),
+        "written_rows": list(tables.written_rows(given)),
+        "lines": list(tables.line_rows(given)),
+        "changed": list(tables.changed_settings(given)),
     }
 
 
@@ -103,7 +103,7 @@ def _pictures(results: Results) -> dict[str, list[Any]]:
 
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
-    settings = results.run.figures
+    settings = results.given.figures
     by_part: dict[str, list[Any]] = {}
     for picture in collect(names, results.store.folder, settings.report_width, settings.report_animations):
         by_part.setdefault(picture.part, []).append(picture)

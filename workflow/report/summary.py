@@ -26,13 +26,13 @@ from workflow.run.log import machine, versions
 
 def summary(results: Results, report_seconds: float) -> Summary:
     """What summary.json holds; ``report_seconds`` is the computing time of the report so far."""
-    run = results.run
+    given = results.given
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
     return Summary(
         in_short=tuple(findings(results)),
-        section=SectionLabel.of(run),
+        section=SectionLabel.of(given),
         mesh=_mesh(results),
         fem=_fem(results),
         fem_variants=_variants(results),
@@ -45,7 +45,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         cases_table2=_numbers(printed) or None,
         paper_model=_paper_model(results, printed),
         cases_random=results.cases.random if results.cases is not None else None,
-        comparison=tuple(EstimateSummary.model_validate(one) for one in estimates(run, results.kc)),
+        comparison=tuple(EstimateSummary.model_validate(one) for one in estimates(given, results.kc)),
         paper=paper or None,
         no_answer={
             stage: NoAnswer(reason=entry.reason, remedy=entry.remedy)
@@ -72,7 +72,7 @@ def _mesh(results: Results) -> MeshCount | None:
         return results.fem.mesh
     if "mesh" not in results.ends or results.no_answer("mesh"):
         return None
-    return MeshCount.of(stored_mesh(results.run, results.store))
+    return MeshCount.of(stored_mesh(results.given, results.store))
 
 
 def _fem(results: Results) -> FemSummary | None:

@@ -53,17 +53,17 @@ def case_heads() -> list[tuple[str, str]]:
     return [(name.replace("_", " "), str(field.description)) for name, field in Case.model_fields.items()]
 
 
-def case_rows(run: Input) -> Iterator[list[str]]:
+def case_rows(given: Input) -> Iterator[list[str]]:
     """Every case in which a stratum liquefies: its number, the strata, and its factors."""
-    for number, case in enumerate(run.slide.cases, start=1):
-        names = [stratum.name for stratum in run.strata if number in stratum.liquefies_in]
+    for number, case in enumerate(given.slide.cases, start=1):
+        names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
             yield [str(number), ", ".join(names), *(f"{value:g}" for _, value in case)]
 
 
-def written_rows(run: Section) -> Iterator[list[str]]:
+def written_rows(given: Section) -> Iterator[list[str]]:
     """The strata as the file gives them, with the units that were written there."""
-    for stratum in run.strata:
+    for stratum in given.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in WRITTEN), cases]
 
@@ -76,15 +76,15 @@ def _written(stratum: Stratum, field: str, unit: str) -> str:
     return f"{written:g} {unit}".strip() if written else "0"
 
 
-def line_rows(run: Section) -> Iterator[tuple[str, str, str]]:
+def line_rows(given: Section) -> Iterator[tuple[str, str, str]]:
     """The lines of the section: what each is, whether elevation or depth is given, and its points (m)."""
-    yield "ground surface", "elevation", _points(run.surface)
-    for stratum in run.strata:
+    yield "ground surface", "elevation", _points(given.surface)
+    for stratum in given.strata:
         if stratum.bottom is not None:
             yield f"bottom of {stratum.name}", *_line(stratum.bottom)
-    yield "base", *_line(run.base)
-    if run.water_table is not None:
-        yield "water table", *_line(run.water_table)
+    yield "base", *_line(given.base)
+    if given.water_table is not None:
+        yield "water table", *_line(given.water_table)
 
 
 def _line(line: Line) -> tuple[str, str]:
@@ -99,10 +99,10 @@ def _points(points: Any) -> str:
     return "  ".join(f"({x:g}, {z:g})" for x, z in points)
 
 
-def changed_settings(run: Input) -> Iterator[tuple[str, str, str]]:
+def changed_settings(given: Input) -> Iterator[tuple[str, str, str]]:
     """The settings that differ from their defaults: name, value, and what it is."""
-    for table in run.tables():
-        settings: BaseModel = getattr(run, table)
+    for table in given.tables():
+        settings: BaseModel = getattr(given, table)
         for key, field in type(settings).model_fields.items():
             value = getattr(settings, key)
             if value != field.get_default(call_default_factory=True) and table != "report":

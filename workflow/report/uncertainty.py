@@ -18,8 +18,8 @@ SIDES = {
 
 def doubts(results: Results) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
-    if results.run.notices:
-        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.run.notices)
+    if results.given.notices:
+        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.given.notices)
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
         seen = {variant.name: _seen(variant, results.kc) for variant in variants}
@@ -78,7 +78,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     yield "Dilation", _dilation(fem), "dilation"
     yield (
         "Side condition",
-        f"{SIDES[results.run.fem.sides]}.",
+        f"{SIDES[results.given.fem.sides]}.",
         "sides",
     )
 

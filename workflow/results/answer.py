@@ -93,9 +93,9 @@ class SectionLabel(Part):
     reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
 
     @classmethod
-    def of(cls, run: Input) -> Self:
+    def of(cls, given: Input) -> Self:
         """The label of the section of an input."""
-        return cls(name=run.name, sha256=run.sha256(), reconstruction=run.reconstruction)
+        return cls(name=given.name, sha256=given.sha256(), reconstruction=given.reconstruction)
 
 
 def line(points: np.ndarray) -> Line:

@@ -29,7 +29,7 @@ class FemResults:
     states: list[State]
 
     @classmethod
-    def load(cls, run: Input, store: Store) -> "FemResults":
+    def load(cls, given: Input, store: Store) -> "FemResults":
         """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
         answer = FemAnswer.read(store)
         states: list[State] = []
@@ -40,7 +40,7 @@ class FemResults:
             else:
                 grid = pv.read(store.folder / "fem" / fields_file(len(states)))
                 states.append(_state(grid, told.label, told.kh))
-        return cls(fem_mesh(run, store, answer.mesh.method), answer, states)
+        return cls(fem_mesh(given, store, answer.mesh.method), answer, states)
 
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:

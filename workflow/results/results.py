@@ -28,7 +28,7 @@ class Results:
     The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
     """
 
-    run: Input
+    given: Input
     store: Store
     ends: dict[str, Entry]
     missing: dict[str, str]

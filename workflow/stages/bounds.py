@@ -39,41 +39,41 @@ def work(job: Job) -> None:
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
 
-    run, asked = job.given, job.given.bounds.in_a_run
+    given, asked = job.given, job.given.bounds.in_a_run
     started = time.perf_counter()
     job.progress("first mesh", None)
-    one_way = run.fem.model_copy(update={"direction": direction_of(run, job.store)})
-    run = run.model_copy(update={"fem": one_way})
-    found = kh_bounds(run, run.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
-    answer = answer_of(run, found, asked, time.perf_counter() - started)
+    one_way = given.fem.model_copy(update={"direction": direction_of(given, job.store)})
+    given = given.model_copy(update={"fem": one_way})
+    found = kh_bounds(given, given.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
+    answer = answer_of(given, found, asked, time.perf_counter() - started)
     answer.write(job.store)
-    draw_all(run, found, job.store)
+    draw_all(given, found, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
 
 
-def direction_of(run: Input, store: Store) -> Direction:
+def direction_of(given: Input, store: Store) -> Direction:
     """Where the ground is pushed; of both sides that to which it fails first, as the finite elements have found."""
-    if run.fem.direction != "both":
-        return run.fem.direction
+    if given.fem.direction != "both":
+        return given.fem.direction
     try:
         return FemAnswer.read(store).direction
     except InputError:  # they have not run
         return "downhill"
 
 
-def answer_of(run: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
+def answer_of(given: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
     """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
     return BoundsAnswer(
         **vars(bracket_part(found, asked)),
-        section=SectionLabel.of(run),
+        section=SectionLabel.of(given),
         flow="associated, ψ = φ",
         substitute=bracket_part(found.substitute, asked) if found.substitute else None,
         skins=tuple(SkinPart.model_validate(face) for face in found.skins),
-        least_depth=run.fem.least_depth,
-        sides=run.fem.sides,
-        direction="uphill" if run.fem.direction == "uphill" else "downhill",
-        vertical=run.fem.vertical,
+        least_depth=given.fem.least_depth,
+        sides=given.fem.sides,
+        direction="uphill" if given.fem.direction == "uphill" else "downhill",
+        vertical=given.fem.vertical,
         seconds=round(seconds, 2),
         settings=asked,
     )

@@ -48,51 +48,51 @@ CALIBRATED = "dem/calibrated.h5"
 NARROWING = 7  # searches that finding the factor takes, more or less
 
 
-def calibrate_stage(run: Input, store: Store, progress: Progress) -> None:
+def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    discs = discs_at_rest(run, store, run.dem, SETTLED, lambda what: progress(what, None))
-    calibrator = _calibrator(run, store, discs, progress)
-    base = calibrator.search("", 1.0, run.dem.workers)
+    discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
+    calibrator = _calibrator(given, store, discs, progress)
+    base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
-        discs_answer(run, discs, (base, base), {}, Kept(), fem).write(store)
-        CalibrationAnswer.not_asked_for(base, run.dem.tolerance).write(store)
+        discs_answer(given, discs, (base, base), {}, Kept(), fem).write(store)
+        CalibrationAnswer.not_asked_for(base, given.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
-    found = _solve(run, calibrator, _target(run, fem))
+    found = _solve(given, calibrator, _target(given, fem))
     parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
     calibrated = calibrator.settled_with(parameter, value)
     save(store, CALIBRATED, calibrated)
     progress("states of the discs at the recorded Kh", None)
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, base, run.dem),
-        "after": Start(calibrated, discs.ground, after, run.dem),
+        "before": Start(discs.settled, discs.ground, base, given.dem),
+        "after": Start(calibrated, discs.ground, after, given.dem),
     }
     paper = None
-    if run.dem.model == "soil" and run.dem.paper:
-        paper, sets["paper"] = _paper(run, store, progress)
-    kept = _keep_states(run, store, sets)
+    if given.dem.model == "soil" and given.dem.paper:
+        paper, sets["paper"] = _paper(given, store, progress)
+    kept = _keep_states(given, store, sets)
     factor = {parameter: value} if found else {}
-    discs_answer(run, discs, (base, after), factor, kept, fem).model_copy(update={"paper": paper}).write(store)
-    _write_calibration(run, store, progress, discs, base, found)
-    calibrate_pictures(run, store)
-    if found is not None and found.verdict != "calibrated" and run.dem.out_of_reach == "stop":
+    discs_answer(given, discs, (base, after), factor, kept, fem).model_copy(update={"paper": paper}).write(store)
+    _write_calibration(given, store, progress, discs, base, found)
+    calibrate_pictures(given, store)
+    if found is not None and found.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
             found.reason, 'choose another parameter, widen its range, or set dem.out_of_reach = "go on" for the closest'
         )
 
 
-def _target(run: Input, fem: FemAnswer) -> float:
+def _target(given: Input, fem: FemAnswer) -> float:
     """The critical Kh that the discs are to have: of a continuum with the sides of their box, for soil discs."""
-    return fem.kc_for_discs if run.dem.model == "soil" else fem.kc
+    return fem.kc_for_discs if given.dem.model == "soil" else fem.kc
 
 
-def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
+def _calibrator(given: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
     journal = Journal(store, JOURNAL)
-    single = run.dem.parameter == "none"
-    wanted = 1 if single else NARROWING + (1 if run.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
+    single = given.dem.parameter == "none"
+    wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = min(0.99, len(calibrator.searches) / wanted)
@@ -102,7 +102,7 @@ def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> C
         discs.ground,
         discs.layers,
         discs.settled,
-        run.dem,
+        given.dem,
         known=journal.known(),
         on_trial=on_trial,
         on_search=journal.add,
@@ -110,40 +110,42 @@ def _calibrator(run: Input, store: Store, discs: Discs, progress: Progress) -> C
     return calibrator
 
 
-def _solve(run: Input, calibrator: Calibrator, target: float) -> Calibration | None:
-    if run.dem.parameter == "none":
+def _solve(given: Input, calibrator: Calibrator, target: float) -> Calibration | None:
+    if given.dem.parameter == "none":
         return None
     # soil discs take one factor on strength, so there is nothing to choose from
-    soil = run.dem.model == "soil"
+    soil = given.dem.model == "soil"
     table = [("", 1.0, calibrator.search("", 1.0))] if soil else sensitivities(calibrator)
-    return best(calibrator, target, run.dem.parameter, table)
+    return best(calibrator, target, given.dem.parameter, table)
 
 
 def _write_calibration(
-    run: Input, store: Store, progress: Progress, discs: Discs, base: Search, found: Calibration | None
+    given: Input, store: Store, progress: Progress, discs: Discs, base: Search, found: Calibration | None
 ) -> None:
     """The answer at once, and once more with the element tests when these are through."""
-    answer = CalibrationAnswer.not_asked_for(base, run.dem.tolerance) if found is None else CalibrationAnswer.of(found)
-    if run.dem.model == "soil" and found is not None and base.kc is not None:
+    answer = (
+        CalibrationAnswer.not_asked_for(base, given.dem.tolerance) if found is None else CalibrationAnswer.of(found)
+    )
+    if given.dem.model == "soil" and found is not None and base.kc is not None:
         ratio = base.kc / found.target
         answer = answer.model_copy(update={"predicted_kc": base.kc, "predicted_ratio": ratio})
     answer.write(store)
-    if not run.dem.element_tests or (found is None and run.dem.model == "paper"):
+    if not given.dem.element_tests or (found is None and given.dem.model == "paper"):
         return
     progress("element tests of the discs of every layer", None)
-    if run.dem.model == "soil":
-        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, workers=run.dem.workers)
+    if given.dem.model == "soil":
+        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, workers=given.dem.workers)
         layers = tuple(LayerAnswer.model_validate(check) for check in checks)
         answer.model_copy(update={"layers": layers}).write(store)
     elif found is not None:
-        tests = _layer_tests(run, discs, found.parameter, found.value)
+        tests = _layer_tests(given, discs, found.parameter, found.value)
         answer.model_copy(update={"element_tests": tests}).write(store)
 
 
-def _paper(run: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, "Start"]:
+def _paper(given: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, "Start"]:
     """The paper's own discs, as the paper used them: at rest, and the Kh at which they fail."""
-    dem = run.dem.as_paper()
-    discs = discs_at_rest(run, store, dem, PAPER, lambda what: progress(f"the paper's discs: {what}", None))
+    dem = given.dem.as_paper()
+    discs = discs_at_rest(given, store, dem, PAPER, lambda what: progress(f"the paper's discs: {what}", None))
     journal = Journal(store, PAPER_JOURNAL)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
@@ -153,14 +155,14 @@ def _paper(run: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, "S
         discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_trial=on_trial, on_search=journal.add
     )
     search = calibrator.search("", 1.0, dem.workers)
-    answer = PaperDiscs(model=_model_answer(run, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
+    answer = PaperDiscs(model=_model_answer(given, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
     return answer, Start(discs.settled, discs.ground, search, dem)
 
 
-def _layer_tests(run: Input, discs: Discs, parameter: str, value: float) -> tuple[LayerTest, ...]:
+def _layer_tests(given: Input, discs: Discs, parameter: str, value: float) -> tuple[LayerTest, ...]:
     """Patches of the calibrated discs of every layer, tested as soil samples are."""
     springs = changed(discs.layers, parameter, value)
-    tests = element_tests(run, springs, discs.ground.radius, seed=run.dem.seed, workers=run.dem.workers)
+    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, workers=given.dem.workers)
     return tuple(LayerTest.model_validate(test) for test in tests)
 
 
@@ -197,11 +199,11 @@ class Kept:
         return self.surfaces.get(which, np.zeros((0, 2)))
 
 
-def _keep_states(run: Input, store: Store, sets: Sets) -> Kept:
+def _keep_states(given: Input, store: Store, sets: Sets) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
-    recorded = [(which, kh, f"{kh:g}") for which in sets for kh in run.dem.kh]
+    recorded = [(which, kh, f"{kh:g}") for which in sets for kh in given.dem.kh]
     ends = [
         (which, start.search.upper, "failing")
         for which, start in sets.items()
@@ -230,13 +232,13 @@ def _keep_states(run: Input, store: Store, sets: Sets) -> Kept:
             largest_displacement_m=float(far.max()),
         )
 
-    found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], run.dem.workers, stop)
+    found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], given.dem.workers, stop)
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
     return Kept(tuple(found[: len(recorded)]), failing)
 
 
 def discs_answer(
-    run: Input,
+    given: Input,
     discs: Discs,
     searches: tuple[Search, Search],
     factor: dict[str, float],
@@ -246,12 +248,12 @@ def discs_answer(
     """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""
     base, after = searches
     return DiscsAnswer(
-        section=SectionLabel.of(run),
-        model=_model_answer(run, run.dem, discs),
-        before=DiscSearch.of(base, _parameters(run.dem, {})),
-        after=DiscSearch.of(after, _parameters(run.dem, factor)),
+        section=SectionLabel.of(given),
+        model=_model_answer(given, given.dem, discs),
+        before=DiscSearch.of(base, _parameters(given.dem, {})),
+        after=DiscSearch.of(after, _parameters(given.dem, factor)),
         states=kept.states,
-        slip_surface=_slip_surfaces(run, kept, fem),
+        slip_surface=_slip_surfaces(given, kept, fem),
     )
 
 
@@ -261,7 +263,7 @@ def _parameters(dem: DemSettings, factor: dict[str, float]) -> Parameters:
     return Parameters.model_validate({**chosen, **factor})
 
 
-def _model_answer(run: Input, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
+def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
     ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return DiscModelAnswer(
@@ -273,22 +275,22 @@ def _model_answer(run: Input, dem: DemSettings, discs: Discs) -> DiscModelAnswer
         boundary_elements=int((~packing.free).sum()),
         tilt_deg=float(np.degrees(ground.tilt)),
         seed=dem.seed if ground.kind == "random" else None,
-        porosity=1.0 - solid / float(run.layering.areas().sum()),
+        porosity=1.0 - solid / float(given.layering.areas().sum()),
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
         pore_springs=int((settled.pore_length != 0.0).sum()),
     )
 
 
-def _slip_surfaces(run: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
+def _slip_surfaces(given: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
     """The slip surfaces of the discs, and of the continuum at the last state of its path, with the sides of the discs'
     box where it was computed with these.
     """
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
-    if run.dem.model == "soil" and fem.rigid_box is not None and fem.rigid_box.has_kc:
+    if given.dem.model == "soil" and fem.rigid_box is not None and fem.rigid_box.has_kc:
         of_fem.append(fem.rigid_box.slip_surface)
     continuum = np.array(of_fem[-1] if of_fem else ()).reshape(-1, 2)
-    agreement = compare(run, kept.surface("after"), continuum)
+    agreement = compare(given, kept.surface("after"), continuum)
     return SlipSurfaces(
         dem=line(kept.surface("after")),
         dem_before=line(kept.surface("before")),
@@ -299,23 +301,23 @@ def _slip_surfaces(run: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
     )
 
 
-def calibrate_pictures(run: Input, store: Store) -> None:
+def calibrate_pictures(given: Input, store: Store) -> None:
     """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
     from workflow.figures import discs as dem_figures
 
     start: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
-    dem: dict[SetOfSprings, DemSettings] = {"before": run.dem, "after": run.dem, "paper": run.dem.as_paper()}
+    dem: dict[SetOfSprings, DemSettings] = {"before": given.dem, "after": given.dem, "paper": given.dem.as_paper()}
 
     def placed(which: SetOfSprings, file: str) -> DiscModel:
         settled = DiscModel.load(store.folder / start[which])
-        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(run, store, dem[which], settled))
+        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(given, store, dem[which], settled))
 
     with store.writing("figures/dem_model.png") as path:
         dem_figures.layers(
-            placed("before", SETTLED), path, f"{run.title or run.name}: discs by layer, at rest under their weight"
+            placed("before", SETTLED), path, f"{given.title or given.name}: discs by layer, at rest under their weight"
         )
     for state in DiscsAnswer.read(store).states:
         before, model = (placed(state.set, file) for file in (start[state.set], state.file))
-        title = f"{run.title or run.name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
+        title = f"{given.title or given.name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
         with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
             dem_figures.state(model, before, path, title)

@@ -37,34 +37,34 @@ class Discs:
     soil: tuple[SoilLayer, ...] = ()
 
 
-def discs_at_rest(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def discs_at_rest(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
     """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError."""
-    return _soil(run, store, dem, file, tell) if dem.model == "soil" else _paper(run, store, dem, file, tell)
+    return _soil(given, store, dem, file, tell) if dem.model == "soil" else _paper(given, store, dem, file, tell)
 
 
-def ground_for(run: Input, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
+def ground_for(given: Input, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
     """The ground that discs at rest lie in, pushed to where it fails by the finite elements."""
-    ground = ground_at_rest(run, dem, settled) if dem.model == "soil" else ground_of(run, dem)
+    ground = ground_at_rest(given, dem, settled) if dem.model == "soil" else ground_of(given, dem)
     try:
         towards = FemAnswer.read(store).towards
-    except InputError:  # they have not run: the ground falls to where it is lower
+    except InputError:  # they have not given: the ground falls to where it is lower
         return ground
     return replace(ground, downhill=1 if towards == "right" else -1)
 
 
-def _soil(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    soil = soil_layers(run)
+def _soil(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    soil = soil_layers(given)
     if not store.has(file):
         tell("soil discs are filled in, settle, are cut to the section and settle again")
-        found = deposit(run, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        found = deposit(given, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
         save(store, file, found.settled)
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(run, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
+    return Discs(ground_for(given, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
 
 
-def _paper(run: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    ground = ground_of(run, dem)
-    layers = springs_of(run, dem, ground.radius)
+def _paper(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    ground = ground_of(given, dem)
+    layers = springs_of(given, dem, ground.radius)
     if not store.has(file):
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
         save(store, file, settle(ground, layers, dem))

@@ -62,7 +62,7 @@ def draw(job: Job) -> None:
     draw_all(job.given, FemResults.load(job.given, job.store), job.store)
 
 
-def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
+def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
     """Find the critical Kh to both sides, that with ψ = φ, and factors of safety; leaves fem/ and figures/fem_*.png.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
@@ -84,33 +84,33 @@ def fem_stage(run: Input, mesh: "QuadMesh", store: Store | None, comm: Any, prog
         )
 
     progress("gravity", None)
-    adapted = mesh_for_mechanism(run, run.mesh, mesh, run.fem, comm, tell)
-    settings, opposite = run.fem, None
+    adapted = mesh_for_mechanism(given, given.mesh, mesh, given.fem, comm, tell)
+    settings, opposite = given.fem, None
     if adapted is not None:  # fine cells are where the ground fails in one direction; the other was found before
-        settings = run.fem.model_copy(update={"direction": adapted.result.direction})
+        settings = given.fem.model_copy(update={"direction": adapted.result.direction})
         mesh, opposite = adapted.mesh, _other_way(mesh, adapted.start.other)
-    found = assess(run, mesh, settings, comm, tell)
+    found = assess(given, mesh, settings, comm, tell)
     result = found.critical
     opposite = opposite or _other_way(mesh, result.other)
     box = None
-    if run.fem.rigid_box and run.fem.sides != "fixed" and result.verdict != "undecided":
+    if given.fem.rigid_box and given.fem.sides != "fixed" and result.verdict != "undecided":
         # the discs are pushed downhill, whatever direction counts
-        fixed = run.fem.model_copy(update={"sides": "fixed", "direction": "downhill", "kh": ()})
-        box = critical_coefficient(run, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
+        fixed = given.fem.model_copy(update={"sides": "fixed", "direction": "downhill", "kh": ()})
+        box = critical_coefficient(given, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
     if store is not None:
         with store.writing(FEM_FILE) as path:
             save(mesh, path)
-        answer = answer_of(run, mesh, found, opposite, adapted)
+        answer = answer_of(given, mesh, found, opposite, adapted)
         answer.model_copy(update={"rigid_box": rigid_box(mesh, box) if box is not None else None}).write(store)
-        write_fields(run, mesh, result.states, store)
+        write_fields(given, mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
-        draw_all(run, FemResults.load(run, store), store)
+        draw_all(given, FemResults.load(given, store), store)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
 def answer_of(
-    run: Input,
+    given: Input,
     mesh: "QuadMesh",
     found: "Assessment",
     opposite: OtherWay | None,
@@ -120,9 +120,9 @@ def answer_of(
     from fem.judges import is_doubtful
 
     result = found.critical
-    angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in run.strata}
+    angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in given.strata}
     return FemAnswer(
-        section=SectionLabel.of(run),
+        section=SectionLabel.of(given),
         kc=result.kc,
         kc_lower=result.lower,
         kc_upper=result.upper,
@@ -147,8 +147,8 @@ def answer_of(
         ),
         flow=result.flow,
         element=result.element,
-        settings=run.fem,
-        dilation_deg="equal to the friction angle" if run.fem.flow == "associated" else angles,
+        settings=given.fem,
+        dilation_deg="equal to the friction angle" if given.fem.flow == "associated" else angles,
         mesh=MeshCount.of(mesh),
         meshes=tuple(MeshStep(cells=one.cells, kc=one.kc) for one in adapted.rounds) if adapted else (),
         meshes_ended=adapted.reason if adapted else "",
@@ -220,14 +220,14 @@ def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
     return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
-def write_fields(run: Input, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
+def write_fields(given: Input, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
     """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
     from workflow.results.fem_states import COLLECTION, fields_file
     from workflow.results.mesh_grids import add_texts, grid_of
 
     entries = []
     for number, state in enumerate(state for state in states if not state.past_equilibrium):
-        grid = grid_of(run, mesh)
+        grid = grid_of(given, mesh)
         grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
         grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
         grid.cell_data["mobilised_strength"] = state.mobilised

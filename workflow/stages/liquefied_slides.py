@@ -21,27 +21,27 @@ from workflow.stages.random_packings import random_packings
 from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
 
 
-def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
+def slide_stage(given: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
     """Slides of the cases asked for, or of all. Raises InputError for cases that there are not."""
-    wanted = _wanted(run, cases)
-    starts = _starts(run, store)
-    tasks = _tasks(run, starts, wanted)
-    recorder = Recorder(run, store, progress, len(tasks))
-    slides = dict(zip(tasks, slide_all(run, store, tasks, recorder.look, recorder.end), strict=True))
+    wanted = _wanted(given, cases)
+    starts = _starts(given, store)
+    tasks = _tasks(given, starts, wanted)
+    recorder = Recorder(given, store, progress, len(tasks))
+    slides = dict(zip(tasks, slide_all(given, store, tasks, recorder.look, recorder.end), strict=True))
     random: RandomPackings | None = None
-    if run.slide.seeds and wanted:
-        random = random_packings(run, store, progress, _target(run, store), wanted)
+    if given.slide.seeds and wanted:
+        random = random_packings(given, store, progress, _target(given, store), wanted)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
         write_collection(store, case_name(each.springs, each.number))
     progress("pictures of the slides", None)
-    slide_pictures(run, store)
+    slide_pictures(given, store)
 
 
-def _wanted(run: Input, cases: tuple[int, ...] | None) -> list[int]:
+def _wanted(given: Input, cases: tuple[int, ...] | None) -> list[int]:
     """The numbers of the cases to compute."""
-    possible = list(liquefying(run))
+    possible = list(liquefying(given))
     if cases is not None and (unknown := sorted(set(cases) - set(possible))):
         there = ", ".join(map(str, possible)) or "which there are none"
         told = f"expected cases in which a stratum liquefies, of {there}"
@@ -49,31 +49,31 @@ def _wanted(run: Input, cases: tuple[int, ...] | None) -> list[int]:
     return [number for number in possible if cases is None or number in cases]
 
 
-def _target(run: Input, store: Store) -> float:
+def _target(given: Input, store: Store) -> float:
     """The critical Kh that random packings are brought to."""
     fem = FemAnswer.read(store)
-    return fem.kc_for_discs if run.dem.model == "soil" else fem.kc
+    return fem.kc_for_discs if given.dem.model == "soil" else fem.kc
 
 
-def _starts(run: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
+def _starts(given: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
     """Discs at rest to start from: the calibrated ones, and the paper's as printed where these were asked for."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
-    starts = {"calibrated": (calibrated, ground_for(run, store, run.dem, calibrated))}
+    starts = {"calibrated": (calibrated, ground_for(given, store, given.dem, calibrated))}
     paper = ""
-    if run.dem.model == "soil" and run.dem.paper:
+    if given.dem.model == "soil" and given.dem.paper:
         paper = PAPER
-    elif run.dem.model == "paper" and run.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
+    elif given.dem.model == "paper" and given.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
         paper = SETTLED
     if paper:
         settled = DiscModel.load(store.folder / paper)
-        starts["table2"] = settled, ground_for(run, store, run.dem.as_paper(), settled)
+        starts["table2"] = settled, ground_for(given, store, given.dem.as_paper(), settled)
     return starts
 
 
-def _tasks(run: Input, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
+def _tasks(given: Input, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
     """The cases on every set of springs, the last ones first since they take longest, and Kh alone."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
-    return [task(run, springs, number, *start) for number in numbers for springs, start in starts.items()]
+    return [task(given, springs, number, *start) for number in numbers for springs, start in starts.items()]
 
 
 def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
@@ -89,14 +89,14 @@ def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
 class Recorder:
     """Keeps the frames of the slides, and tells how far they are."""
 
-    def __init__(self, run: Input, store: Store, progress: Progress, count: int) -> None:
-        self.run, self.store, self.progress, self.count = run, store, progress, count
+    def __init__(self, given: Input, store: Store, progress: Progress, count: int) -> None:
+        self.given, self.store, self.progress, self.count = given, store, progress, count
         self.done: dict[Task, float] = {}
 
     def look(self, task: Task, slider: Slider, row: Row, keep: bool) -> None:
         """Tell of a look at a slide, and keep the discs where a frame is due."""
         name = case_name(task.springs, task.number)
-        self.done[task] = min(1.0, row.time_s / self.run.slide.duration)
+        self.done[task] = min(1.0, row.time_s / self.given.slide.duration)
         self.progress(
             f"{name}: {row.time_s:.1f} s, slide {row.slide_max_m:.2f} m, settlement "
             f"{row.settlement_uphill_m:.2f} m, {row.surface_speed_m_s:.2g} m/s",
@@ -117,7 +117,7 @@ class Recorder:
         return (len(slider.slide.rows) - 1) // slider.frame
 
 
-def slide_pictures(run: Input, store: Store) -> None:
+def slide_pictures(given: Input, store: Store) -> None:
     """Draw every case at its end, its animation, and the histories, from what is stored."""
     from workflow.figures import slides as slide_figures
 
@@ -128,9 +128,9 @@ def slide_pictures(run: Input, store: Store) -> None:
         if not states:
             continue
         with store.writing(f"figures/{name}.png") as path:
-            slide_figures.end(run, states[-1], case, springs, number, path)
+            slide_figures.end(given, states[-1], case, springs, number, path)
         with store.writing(f"figures/{name}.gif") as path:
-            slide_figures.animate(run, states, springs, number, path)
+            slide_figures.animate(given, states, springs, number, path)
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
-            slide_figures.history(run, read_histories(store), path)
+            slide_figures.history(given, read_histories(store), path)

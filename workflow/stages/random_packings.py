@@ -17,7 +17,7 @@ from workflow.stages.discs_at_rest import discs_at_rest
 from workflow.stages.sliding import slide_all, task
 
 
-def random_packings(run: Input, store: Store, progress: Progress, target: float, wanted: list[int]) -> RandomPackings:
+def random_packings(given: Input, store: Store, progress: Progress, target: float, wanted: list[int]) -> RandomPackings:
     """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
 
     ``target`` is the critical Kh of the continuum. A seed whose packing cannot be brought to it is named with the
@@ -25,19 +25,19 @@ def random_packings(run: Input, store: Store, progress: Progress, target: float,
     """
     seeds: list[Seed] = []
     slides: dict[int, list[Slide]] = {number: [] for number in wanted}
-    parameter: str = "auto" if run.dem.parameter == "none" else run.dem.parameter
-    for place, seed in enumerate(run.slide.seeds):
-        tell = partial(_tell, progress, seed, place / len(run.slide.seeds))
-        dem = run.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
-        calibrator = _calibrator(run, store, dem, tell)
+    parameter: str = "auto" if given.dem.parameter == "none" else given.dem.parameter
+    for place, seed in enumerate(given.slide.seeds):
+        tell = partial(_tell, progress, seed, place / len(given.slide.seeds))
+        dem = given.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
+        calibrator = _calibrator(given, store, dem, tell)
         found = _calibrated(calibrator, target, parameter)
         parameter = found.parameter
         seeds.append(_seed(seed, calibrator, found))
         if found.verdict == "calibrated":
             tell("slides")
             start = calibrator.settled_with(parameter, found.value)
-            tasks = [task(run, f"seed{seed}", number, start, calibrator.ground) for number in wanted]
-            for number, slide in zip(wanted, slide_all(run, store, tasks), strict=True):
+            tasks = [task(given, f"seed{seed}", number, start, calibrator.ground) for number in wanted]
+            for number, slide in zip(wanted, slide_all(given, store, tasks), strict=True):
                 slides[number].append(slide)
     return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
 
@@ -46,9 +46,9 @@ def _tell(progress: Progress, seed: int, share: float, what: str) -> None:
     progress(f"random packing, seed {seed}: {what}", share)
 
 
-def _calibrator(run: Input, store: Store, dem: DemSettings, tell: Callable[[str], None]) -> Calibrator:
+def _calibrator(given: Input, store: Store, dem: DemSettings, tell: Callable[[str], None]) -> Calibrator:
     """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
-    discs = discs_at_rest(run, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
+    discs = discs_at_rest(given, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         tell(f"Kh = {trial.kh:.4f} {trial.verdict}")

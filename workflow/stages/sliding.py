@@ -48,21 +48,21 @@ OnLook = Callable[[Task, Slider, Row, bool], None]
 OnEnd = Callable[[Task, Slider], None]
 
 
-def liquefying(run: Input) -> dict[int, list[int]]:
+def liquefying(given: Input) -> dict[int, list[int]]:
     """For every case the indices of the strata that liquefy in it; cases without any are left out."""
-    numbers = range(1, len(run.slide.cases) + 1)
-    found = {n: [k for k, stratum in enumerate(run.strata) if n in stratum.liquefies_in] for n in numbers}
+    numbers = range(1, len(given.slide.cases) + 1)
+    found = {n: [k for k, stratum in enumerate(given.strata) if n in stratum.liquefies_in] for n in numbers}
     return {n: strata for n, strata in found.items() if strata}
 
 
-def task(run: Input, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
+def task(given: Input, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
     """A case of the input by its number, or `ALONE`, from some discs at rest."""
-    case = None if number == ALONE else run.slide.cases[number - 1]
-    return Task(springs, number, start, ground, liquefying(run).get(number, []), case)
+    case = None if number == ALONE else given.slide.cases[number - 1]
+    return Task(springs, number, start, ground, liquefying(given).get(number, []), case)
 
 
 def slide_all(
-    run: Input, store: Store, tasks: Sequence[Task], on_look: OnLook | None = None, on_end: OnEnd | None = None
+    given: Input, store: Store, tasks: Sequence[Task], on_look: OnLook | None = None, on_end: OnEnd | None = None
 ) -> list[Slide]:
     """All slides in the order of the tasks, as many at a time as there are workers.
 
@@ -71,7 +71,7 @@ def slide_all(
     stop = Event()
 
     def work(task: Task) -> Slide:
-        slider = Slider(task.start, task.ground, task.strata, task.case, run.slide, store.folder / task.folder)
+        slider = Slider(task.start, task.ground, task.strata, task.case, given.slide, store.folder / task.folder)
 
         def look(_model: DiscModel, row: Row, keep: bool) -> None:
             if stop.is_set():
@@ -84,4 +84,4 @@ def slide_all(
             on_end(task, slider)
         return slide
 
-    return side_by_side([partial(work, each) for each in tasks], run.dem.workers, stop)
+    return side_by_side([partial(work, each) for each in tasks], given.dem.workers, stop)

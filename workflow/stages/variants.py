@@ -26,49 +26,49 @@ def work(job: Job) -> None:
     """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
     from workflow.results.stored_mesh import fem_mesh
 
-    run, store, progress = job.given, job.store, job.progress
+    given, store, progress = job.given, job.store, job.progress
     answer = FemAnswer.read(store)
-    mesh = fem_mesh(run, store, answer.mesh.method)
-    one_way = _with(run, "fem", direction=answer.direction)
-    asked = [change for name in run.variants.which if (change := changed(one_way, name, answer.element))]
+    mesh = fem_mesh(given, store, answer.mesh.method)
+    one_way = _with(given, "fem", direction=answer.direction)
+    asked = [change for name in given.variants.which if (change := changed(one_way, name, answer.element))]
     found = []
     for number, (name, words, other) in enumerate(asked):
         progress(words, number / len(asked))
-        found.append(_variant(run, name, words, other, mesh, progress, number / len(asked)))
+        found.append(_variant(given, name, words, other, mesh, progress, number / len(asked)))
     VariantsAnswer(variants=tuple(found)).write(store)
 
 
-def changed(run: Input, name: str, element: str) -> tuple[str, str, Input] | None:
+def changed(given: Input, name: str, element: str) -> tuple[str, str, Input] | None:
     """A variant by its name, in words, and its input; None where it would change nothing.
 
     ``element`` is the one that the answer was found with.
     """
-    fem = run.fem
+    fem = given.fem
     if name == "mesh":
-        return name, "cells of half the size", _with(run, "mesh", refine=2 * run.mesh.refine)
+        return name, "cells of half the size", _with(given, "mesh", refine=2 * given.mesh.refine)
     if name == "element":
         other = "quadratic" if element != "quadratic" else "bilinear"
-        return name, f"{other} element instead of {element}", _with(run, "fem", element=other)
+        return name, f"{other} element instead of {element}", _with(given, "fem", element=other)
     if name == "step" and fem.first_step < LARGEST_STEP:
         step = min(2.0 * fem.first_step, LARGEST_STEP)
-        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(run, "fem", first_step=step)
+        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(given, "fem", first_step=step)
     if name == "sides" and fem.sides != "tied":
         sides = "fixed" if fem.sides == "roller" else "roller"
-        return name, f"sides {sides} instead of {fem.sides}", _with(run, "fem", sides=sides)
-    dilates = all(stratum.dilation_angle == stratum.friction_angle for stratum in run.strata)
+        return name, f"sides {sides} instead of {fem.sides}", _with(given, "fem", sides=sides)
+    dilates = all(stratum.dilation_angle == stratum.friction_angle for stratum in given.strata)
     if name == "dilation" and not dilates:
         flow = "section" if fem.flow == "davis" else "davis"
-        return name, f"{FLOWS[flow]} instead of {FLOWS[fem.flow]}", _with(run, "fem", flow=flow)
+        return name, f"{FLOWS[flow]} instead of {FLOWS[fem.flow]}", _with(given, "fem", flow=flow)
     return None
 
 
-def _with(run: Input, table: str, **values: Any) -> Input:
-    settings = getattr(run, table).model_copy(update=values)
-    return run.model_copy(update={table: settings})
+def _with(given: Input, table: str, **values: Any) -> Input:
+    settings = getattr(given, table).model_copy(update=values)
+    return given.model_copy(update={table: settings})
 
 
 def _variant(
-    run: Input, name: str, words: str, other: Input, mesh: "QuadMesh", progress: Progress, share: float
+    given: Input, name: str, words: str, other: Input, mesh: "QuadMesh", progress: Progress, share: float
 ) -> Variant:
     """The critical Kh of a variant; none where the path has none."""
 
@@ -82,7 +82,7 @@ def _variant(
 
     start = time.perf_counter()
     try:
-        its_mesh = mesh if other.mesh == run.mesh else divided(mesh)
+        its_mesh = mesh if other.mesh == given.mesh else divided(mesh)
         result = critical_coefficient(other, its_mesh, other.fem, MPI.COMM_SELF, tell)
     except UnstableError as error:
         return Variant(
