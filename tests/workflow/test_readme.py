@@ -1,6 +1,8 @@
 """What the README shows works as shown."""
 
 import re
+import subprocess
+import sys
 import tomllib
 from textwrap import dedent
 
@@ -13,8 +15,19 @@ from workflow.settings import Input
 README = (TOP / "README.md").read_text(encoding="utf-8")
 
 
-def test_the_section_and_the_settings_of_the_readme() -> None:
-    section, meshing, solving, bottom, block = map(dedent, re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL))
+def blocks(language: str, text: str) -> list[str]:
+    """The examples in a language, as they would be typed."""
+    return [dedent(block) for block in re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)]
+
+
+def settings_of(package: str) -> str:
+    """The table of settings in the README of a package."""
+    return blocks("toml", (TOP / package / "README.md").read_text(encoding="utf-8"))[0]
+
+
+def test_the_section_and_the_settings_of_the_readmes() -> None:
+    section, bottom, block = blocks("toml", README)
+    meshing, solving = settings_of("meshes"), settings_of("fem")
     texts = (section, meshing, solving, block)
     used = Input.parse({key: value for text in texts for key, value in tomllib.loads(text).items()})
     assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
@@ -28,3 +41,13 @@ def test_pictures_are_there_and_small() -> None:
     pictures = [TOP / name for name in re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)]
     assert len(pictures) == 3
     assert sum(path.stat().st_size for path in pictures) < 300_000
+
+
+def test_the_example_in_python_runs() -> None:
+    (example,) = blocks("python", README)
+    done = subprocess.run([sys.executable, "-c", example], cwd=TOP, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    told = dict(line.split(": ") for line in done.stdout.splitlines())
+    assert re.fullmatch(r"0\.[23]\d+ plateau", told["finite elements"])
+    assert 0.1 < float(told["discs"]) < 0.6
+    assert 0.0 < float(told["slide"].removesuffix(" m")) < 20.0

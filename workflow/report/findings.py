@@ -112,12 +112,23 @@ def _slides(results: Results) -> Iterator[str]:
             yield f"How far the section slides is still open: {why}."
         return
     yield f"How far it slides was computed with {SPRINGS.get(first, first)}."
+    yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
     for other, its in (results.cases.sets if results.cases is not None else {}).items():
         if other != first and its:
             yield f"Computed with {SPRINGS.get(other, other)} instead:"
             yield from _by_end(its)
+
+
+def _prediction(results: Results) -> Iterator[str]:
+    """How near the discs come to the continuum before they are calibrated to it."""
+    calibration = results.calibration
+    if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
+        yield (
+            f"Made from the soil alone they fail at Kh of about {coefficient(calibration.predicted_kc)}, "
+            f"{calibration.predicted_ratio:.2g} times that of the finite elements with the same sides."
+        )
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
@@ -216,6 +227,9 @@ def _doubts(results: Results) -> Iterator[str]:
     if discs is not None and discs.model.packing != "random":
         yield "the discs lie in rows, which must climb over each other to slide"
     _, cases = results.case_set()
+    notes = dict.fromkeys(note for case in cases.values() for note in case.notes)
+    for note in notes:
+        yield f"{note} ({_of([number for number, case in cases.items() if note in case.notes])})"
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:
         yield f"discs have left the section in {_of(escaped)}"

@@ -310,7 +310,8 @@ def calibrate_pictures(given: Input, store: Store) -> None:
 
     def placed(which: SetOfSprings, file: str) -> DiscModel:
         settled = DiscModel.load(store.folder / start[which])
-        return dem_figures.in_section(DiscModel.load(store.folder / file), ground_for(given, store, dem[which], settled))
+        ground = ground_for(given, store, dem[which], settled)
+        return dem_figures.in_section(DiscModel.load(store.folder / file), ground)
 
     with store.writing("figures/dem_model.png") as path:
         dem_figures.layers(

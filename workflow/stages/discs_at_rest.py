@@ -69,7 +69,7 @@ def _paper(given: Input, store: Store, dem: DemSettings, file: str, tell: Callab
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
         save(store, file, settle(ground, layers, dem))
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(run, store, dem, settled), layers, settled)
+    return Discs(ground_for(given, store, dem, settled), layers, settled)
 
 
 def save(store: Store, name: str, model: DiscModel) -> None:

@@ -121,6 +121,16 @@ def test_methods_that_disagree_are_told_to(run: Input) -> None:
     assert "disagree" not in told
 
 
+def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_prediction(run: Input) -> None:
+    noted = {number: dem_fixture.case(0.1, 3.0).model_copy(update={"notes": ("discs overlap",)}) for number in (1, 3)}
+    cases = CasesAnswer(sets={"calibrated": {**noted, 2: dem_fixture.case(0.1, 3.0)}}, random=None)
+    predicted = {"predicted_kc": 0.213, "predicted_ratio": 0.86}
+    calibration = dem_fixture.calibration(0.24, True).model_copy(update=predicted)
+    told = text(results(run, fem=fem(run), calibration=calibration, cases=cases))
+    assert "discs overlap (cases 1 and 3)" in told
+    assert "Made from the soil alone they fail at Kh of about 0.21, 0.86 times that of the finite elements" in told
+
+
 def test_what_is_doubtful_is_told(run: Input) -> None:
     guessed = Input.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
     calibration = dem_fixture.calibration(0.24, True)
