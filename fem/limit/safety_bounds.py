@@ -92,14 +92,17 @@ def safety_bounds(
     no triangles.
     """
     start = Start(kh, guess, davis)
-    down = _Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)
-    down.find()
-    up = _Search(section, down.mesh, fem, settings, -1, start)
-    up.confirm(down)
-    lower, upper = min(down.lower, up.lower), min(down.upper, up.upper)
+    searches = [_Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)]
+    searches[0].find()
+    searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
+    if not searches[1].confirms(searches[0]):
+        start = replace(start, factor=searches[0].lower or guess)
+        searches.append(_Search(section, first_mesh(section, settings.max_cells), fem, settings, -1, start))
+        searches[2].find()
+    lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):
         raise UnstableError("no factor of safety from 0.02 to 20 could be bounded; check strengths and densities")
-    trials = [*down.trials, *up.trials]
+    trials = [trial for search in searches for trial in search.trials]
     return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials)
 
 
@@ -126,17 +129,14 @@ class _Search:
                 return
             self.refine()
 
-    def confirm(self, other: "_Search") -> None:
-        """Prove that what the other push bears, this one bears, too; look for its own factor only where it does not."""
-        wanted = other.lower
-        if wanted > 0.0:
-            trial = self.measure(wanted)
-            if self.lower >= wanted:
-                return
-            if trial.upper is not None and trial.upper > self.target:
-                return  # it does not fail here; a stress was not found
-            self.factor = wanted
-        self.find()
+    def confirms(self, other: "_Search") -> bool:
+        """Whether this push, too, is proven to bear what the other one bears.
+
+        Where it is not, its own factor is looked for on triangles of its own: these are fine where the other fails.
+        """
+        if other.lower > 0.0:
+            self.measure(other.lower)
+        return 0.0 < other.lower <= self.lower
 
     @property
     def good(self) -> bool:
