@@ -73,6 +73,8 @@ def _largest_jump(z: np.ndarray, moved: np.ndarray, reach: float) -> tuple[float
     levels = 0.5 * (z[1:] + z[:-1])
     middle = np.arange(1, len(z))
     low, high = np.searchsorted(z, levels - reach), np.searchsorted(z, levels + reach)
+    both = (high > middle) & (middle > low)  # a void as high as the reach has discs on neither side
+    levels, low, middle, high = levels[both], low[both], middle[both], high[both]
     jump = np.abs((total[high] - total[middle]) / (high - middle) - (total[middle] - total[low]) / (middle - low))
     if not len(jump):
         return float("nan"), 0.0
