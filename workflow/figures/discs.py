@@ -135,7 +135,7 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
     moved = partial(draw_values, model=model, values=far, norm=norm, dark=model.fixed)
     there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
     foot = f"{_count(model)}; {cracked} of {there} pore springs cracked"
-    sheet = Sheet(title, [window.proportion] * 2, foot, 2)
+    sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3)
     sheet.show(0, render(window, moved), window, "displacement")
     springs = partial(draw_pore_springs, model=model)
     sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")

@@ -166,7 +166,7 @@ def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
 
     title = f"{job.given.title or job.given.name}: {field.label}"
-    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.given), legend_rows=2)
+    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.given), legend_rows=3)
     for number, much in enumerate(view.exaggerations()):
         heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
         sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)

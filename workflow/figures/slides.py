@@ -78,7 +78,7 @@ def end(given: Section, path: Path, case: CaseAnswer, springs: str, number: int,
         f"{case.settlement_uphill_m:.2f} m uphill"
     )
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Stiffness of the liquefied layers times {case.stiffness:g}."
-    sheet = Sheet(title, [window.proportion] * 2, foot, 2)
+    sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3)
     axes = sheet.show(
         0,
         render(window, partial(draw_frame, frame=frame, norm=norm)),
