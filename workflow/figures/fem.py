@@ -110,7 +110,7 @@ def _state_sheet(given: Input, element: str, state: State, views: Views) -> Shee
     window = views.window
     title = f"{given.title or given.name}: FEM, {state.label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(given), legend_rows=3)
-    shown = f"displacement since gravity, arrows drawn at {views.stretch:g} times their length; largest {views.largest:.3g} m"
+    shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
     axes = sheet.show(
         1,
