@@ -225,6 +225,19 @@ def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> No
 
 
 @app.command()
+def liquefaction(
+    section: SectionFile,
+    folder: Out = None,
+    settings: Set = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """F_L at the blow counts of the borings, which strata liquefy, and P_L; nothing else."""
+    _execute_up_to("triggering", _job(_input(section, {}, settings), folder), force, quiet, verbose)
+
+
+@app.command()
 def bounds(
     section: SectionFile,
     folder: Out = None,

@@ -13,8 +13,12 @@ from pydantic import Field, StrictBool, model_validator
 from dem.settings import DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
+from meshes.section.liquefies import Cases
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
+from workflow.earthquake.settings import EarthquakeSettings
+from workflow.triggering.assessment import Assessment, assess
+from workflow.triggering.settings import TriggeringSettings
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
@@ -88,6 +92,12 @@ class Input(Section):
     sliding_block: SlidingBlockSettings = Field(
         default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
     )
+    earthquake: EarthquakeSettings = Field(
+        default=EarthquakeSettings(), description="a table [earthquake] of magnitude and distance, or acceleration"
+    )
+    triggering: TriggeringSettings = Field(
+        default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"
+    )
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
     report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
 
@@ -102,6 +112,39 @@ class Input(Section):
     def notices(self) -> list[str]:
         """What a person has to know of the section and of its mesh, one sentence each."""
         return [*super().notices, *self.mesh.notices(self)]
+
+    @classmethod
+    def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
+        """The input from what a TOML file holds; raises InputError with every problem found.
+
+        Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
+        """
+        given = super().parse(data, source)
+        if not any(stratum.liquefies_in.triggered for stratum in given.strata):
+            return given
+        try:
+            return given._triggered(given.assessment())
+        except InputError as error:
+            raise InputError(source, error.problems) from None
+
+    def assessment(self) -> Assessment:
+        """F_L at every blow count; raises InputError where borings or the earthquake do not allow it."""
+        return assess(self, self.earthquake, self.triggering)
+
+    def _triggered(self, found: Assessment) -> Self:
+        pairs = list(zip(self.strata, found.strata, strict=True))
+        untested = [own.name for own, its in pairs if own.liquefies_in.triggered and its.share is None]
+        if untested:
+            told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
+            raise InputError(self.name, [f'strata "{name}", {told}' for name in untested])
+        numbers = range(1, len(self.slide.cases) + 1)
+        strata = [
+            own.model_copy(update={"liquefies_in": Cases(numbers if its.liquefies else (), triggered=True)})
+            if own.liquefies_in.triggered
+            else own
+            for own, its in pairs
+        ]
+        return self.model_copy(update={"strata": tuple(strata)})
 
     @classmethod
     def tables(cls) -> list[str]:

@@ -113,6 +113,7 @@ ANGLE = Kind("an angle", "rad", '"35 deg"', minimum=0.0, maximum=math.pi / 2, li
 POISSON = Kind("a Poisson's ratio", "", "0.33", minimum=0.0, maximum=0.5, limits=" from 0 to below 0.5")
 
 Length = _field(LENGTH)
+Coordinate = _field(COORDINATE)
 Stiffness = _field(STIFFNESS)
 Strength = _field(STRENGTH)
 Density = _field(DENSITY)

@@ -5,15 +5,16 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import tomli_w
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, TypeAdapter, ValidationError, model_validator
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.layering import Layering, Layers, above_ground, layering
+from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Angle, Density, Length, PoissonsRatio, Stiffness, Strength
 from meshes.section.sentences import sentences
@@ -21,7 +22,10 @@ from meshes.section.sentences import sentences
 BOUNDARIES = ("surface", "base", "left", "right")
 
 # Tables that stand in the same file and belong to those who mesh, solve and draw.
-SETTINGS_TABLES = ("mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures", "report")
+SETTINGS_TABLES = (
+    "mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures", "report",
+    "earthquake", "triggering",
+)  # fmt: skip
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
@@ -58,9 +62,7 @@ class Stratum(Model):
     cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
-    liquefies_in: tuple[Annotated[StrictInt, Field(ge=1)], ...] = Field(
-        default=(), description="the cases it liquefies in, such as [1, 2, 3]"
-    )
+    liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
 
     @property
     def liquefiable(self) -> bool:

@@ -15,6 +15,11 @@ LARGEST_ANIMATIONS = 12_000_000
 # In the order in which the report shows them: a pattern of the name, the part of the report, and what it shows.
 CAPTIONS = (
     (r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table."),
+    (
+        r"triggering",
+        "triggering",
+        "Blow counts and F_L with depth beside each boring; the strata, and the water table.",
+    ),
     (r"mesh", "ground", "The mesh of the continuum."),
     (
         r"fem_kh_(\d+\.\d+)",

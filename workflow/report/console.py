@@ -9,6 +9,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.summary import Summary
+from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -143,9 +144,26 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
         )
 
 
+def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
+    """What liquefies, from triggering.json."""
+    motion = answer.motion
+    spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
+    magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
+    yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
+    for stratum in answer.strata:
+        if stratum.share is not None:
+            lowest = f", smallest F_L {stratum.lowest_factor:.2f}" if stratum.lowest_factor is not None else ""
+            word = "liquefies" if stratum.liquefies else "does not liquefy"
+            yield f'"{stratum.name}" {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}.'
+    for boring in answer.borings:
+        yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
+
+
 def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
-    if name == "mesh":
+    if name == "triggering":
+        yield from triggering_sentences(TriggeringAnswer.read(store))
+    elif name == "mesh":
         yield from mesh_sentences(given, store)
     elif name == "fem":
         yield from fem_sentences(FemAnswer.read(store))

@@ -65,6 +65,7 @@ def written_rows(given: Section) -> Iterator[list[str]]:
     """The strata as the file gives them, with the units that were written there."""
     for stratum in given.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
+        cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
         yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in WRITTEN), cases]
 
 

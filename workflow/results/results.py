@@ -10,6 +10,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
+from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, made_from
 from workflow.run.record import Entry, Record
@@ -38,6 +39,7 @@ class Results:
     dem: DiscsAnswer | None = None
     calibration: CalibrationAnswer | None = None
     cases: CasesAnswer | None = None
+    triggering: TriggeringAnswer | None = None
     stages: tuple[Stage, ...] = ()
 
     @classmethod
@@ -70,6 +72,7 @@ class Results:
             dem=left("calibrate", DiscsAnswer),
             calibration=left("calibrate", CalibrationAnswer),
             cases=left("slide", CasesAnswer),
+            triggering=left("triggering", TriggeringAnswer),
             stages=told,
         )
 

@@ -11,9 +11,9 @@ from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages import bounds, calibrate, fem, mesh, report, slide, variants
+from workflow.stages import bounds, calibrate, fem, mesh, report, slide, triggering, variants
 
-STAGES = tuple(module.STAGE for module in (mesh, fem, variants, bounds, calibrate, slide, report))
+STAGES = tuple(module.STAGE for module in (triggering, mesh, fem, variants, bounds, calibrate, slide, report))
 
 
 def stored_job(folder: Path) -> Job:

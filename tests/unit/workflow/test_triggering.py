@@ -1,0 +1,121 @@
+"""What borings and an earthquake say of a section: stresses, shares of strata, and what cannot be said."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from tests.support import command_line
+from tests.support.borings import bored, test
+from tests.support.sections import problems
+from workflow.settings import Input
+from workflow.triggering.overburden import overburden
+
+
+def told(change: Any) -> str:
+    data = bored()
+    change(data)
+    return "\n".join(problems(data, Input))
+
+
+def test_stresses_before_the_earthquake() -> None:
+    """5 m of 1.9 t/m³ weigh 93.163 kPa, 4 m of water carry 39.227 kPa."""
+    section = Input.parse(bored())
+    found = overburden(section, 50.0, 5.0)
+    assert found.total == pytest.approx(1900.0 * GRAVITY * 5.0)
+    assert found.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
+    assert found.stratum == 0
+    assert not overburden(section, 50.0, 0.5).below_water
+
+
+def test_what_tests_stand_for() -> None:
+    """B-1 has loose sand from the water, at 1 m, to 6 m; B-2 as much of dense sand: half of it liquefies."""
+    found = Input.parse(bored()).assessment()
+    loose, dense = found.strata
+    pieces = np.array([(t.top, t.bottom) for t in found.tests[:4]])
+    np.testing.assert_allclose(pieces, [(0.0, 1.75), (1.75, 4.0), (4.0, 6.0), (6.0, 20.0)])
+    assert found.tests[0].reason == "above the water table"
+    assert loose.share == pytest.approx((6.0 - 1.75) / (6.0 + 5.0))
+    assert (dense.share, dense.liquefies) == (0.0, False)
+    assert found.potentials["B-2"] == 0.0
+    assert found.potentials["B-1"] > 5.0
+
+
+def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None:
+    data = bored()
+    assert [stratum.liquefies_in for stratum in Input.parse(data).strata] == [(), ()]
+    data["triggering"]["share"] = 0.3
+    given = Input.parse(data)
+    assert [tuple(stratum.liquefies_in) for stratum in given.strata] == [(1, 2, 3), ()]
+    again = Input.parse({**data, "strata": given.model_dump(mode="json")["strata"]})
+    assert 'liquefies_in = "triggered"' in given.to_toml()
+    assert again.strata == given.strata
+
+
+def test_what_is_not_known_is_named() -> None:
+    assert "earthquake: expected peak_acceleration" in told(lambda data: data["earthquake"].pop("peak_acceleration"))
+    assert "earthquake, magnitude: missing" in told(lambda data: data["earthquake"].pop("magnitude"))
+    assert "water_table: missing" in told(lambda data: data.pop("water_table"))
+    assert "triggering, borings: missing" in told(lambda data: data.pop("triggering"))
+    assert "outside the range of Idriss" in told(lambda data: data["earthquake"].update(magnitude=9.0))
+
+
+@pytest.mark.parametrize(
+    ("boring", "expected"),
+    [
+        ({"x": 120.0, "spt": [test(2.0, 4)]}, "x = 120 m is off the section"),
+        ({"x": 50.0, "spt": [test(25.0, 4)]}, "depth = 25 m is below the base"),
+        ({"x": 50.0, "spt": [{"N": 4}]}, "depth: missing"),
+        ({"x": 50.0, "spt": [{"depth": 3.0}]}, "N: missing"),
+        ({"x": 50.0, "spt": [test(3.0, 4), test(2.0, 4)]}, "expected every test below the one before"),
+        ({"x": 50.0, "spt": [test(3.0, 4, fines=120.0)]}, "fines = 120.0"),
+        ({"x": 50.0, "spt": []}, "spt"),
+    ],
+)
+def test_bad_borings(boring: dict[str, Any], expected: str) -> None:
+    assert expected in told(lambda data: data["triggering"]["borings"].append({"name": "B-3", **boring}))
+
+
+def test_a_stratum_without_a_blow_count_cannot_be_triggered() -> None:
+    def shallow(data: dict[str, Any]) -> None:
+        data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 5)]}]
+
+    assert 'strata "dense", liquefies_in = "triggered": no boring has a blow count in it' in told(shallow)
+
+
+def test_a_plain_section_does_not_ask_for_borings() -> None:
+    data = bored()
+    for name in ("earthquake", "triggering"):
+        data.pop(name)
+    assert Section.parse(data).strata[0].liquefies_in.triggered
+
+
+@pytest.mark.parametrize("method", ["idriss_boulanger_2008", "highway_1990", "highway_2012", "highway_2017"])
+def test_the_command(method: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = bored()
+    for boring in data["triggering"]["borings"]:
+        for sample in boring["spt"]:
+            sample["d50"] = "0.3 mm"
+    data["triggering"]["method"] = method
+    path = tmp_path / "bored.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 0
+    assert '"dense" does not liquefy: F_L is below 1 in 0 % of it' in capsys.readouterr().out
+    assert (tmp_path / "run/triggering.json").is_file()
+    assert (tmp_path / "run/figures/triggering.png").is_file()
+    assert command_line.run("report", tmp_path / "run", "--quiet") == 0
+    page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
+    assert "What the blow counts say of the earthquake" in page
+
+
+def test_bad_input_ends_with_exit_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = bored()
+    data["earthquake"] = {"magnitude": 7.5, "distance": "500 km"}
+    path = tmp_path / "bored.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 2
+    assert "distance = 500 km: outside the range of Fukushima & Tanaka (1990)" in capsys.readouterr().err

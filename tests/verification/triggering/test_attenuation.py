@@ -1,0 +1,54 @@
+"""Attenuation against the tables by which the hazard engine OpenQuake tests its own implementations."""
+
+import pytest
+
+from meshes.errors import InputError
+from meshes.section.quantity import GRAVITY
+from workflow.earthquake.attenuation import GAL, fukushima_tanaka, si_midorikawa
+
+
+@pytest.mark.parametrize(
+    ("magnitude", "kilometres", "expected"),
+    [(5.0, 10.0, 0.15527333), (6.0, 30.0, 0.118229228), (7.0, 60.0, 0.112587914), (8.0, 30.0, 0.336829527),
+     (8.0, 200.0, 0.031026481)],
+)  # fmt: skip
+def test_fukushima_tanaka(magnitude: float, kilometres: float, expected: float) -> None:
+    """gem/oq-engine, tests/gsim/data/FT1990/FT1990_MEAN.csv, in g of 9.81 m/s²."""
+    found = fukushima_tanaka(magnitude, 1000.0 * kilometres, "average")
+    assert found.median / 9.81 == pytest.approx(expected, rel=1e-5)
+    assert fukushima_tanaka(magnitude, 1000.0 * kilometres, "soft").median == pytest.approx(1.4 * found.median)
+
+
+@pytest.mark.parametrize(
+    ("magnitude", "depth", "kilometres", "expected"),
+    [(6.0, 20.0, 30.9, 0.18649966), (7.0, 50.0, 75.75, 0.22755208), (6.0, 70.0, 300.0, 0.00568157)],
+)
+def test_si_midorikawa_within_a_plate(magnitude: float, depth: float, kilometres: float, expected: float) -> None:
+    """gem/oq-engine, tests/gsim/data/SM99/SM99SSLAB_MEAN_PGA.csv, in g."""
+    found = si_midorikawa(magnitude, 1000.0 * kilometres, 1000.0 * depth, "intraplate")
+    assert found.median / GRAVITY == pytest.approx(expected, rel=1e-5)
+
+
+def test_si_midorikawa_elsewhere() -> None:
+    """SM99SINTER_MEAN_PGA.csv there at M 7, 50 km deep, 300 km away; in the crust it is 10^0.01 less."""
+    between, crust = (si_midorikawa(7.0, 300_000.0, 50_000.0, kind).median for kind in ("interplate", "crustal"))
+    assert between / GRAVITY == pytest.approx(0.00874747, rel=1e-5)
+    assert between / crust == pytest.approx(10.0**0.01)
+
+
+def test_noshiro_1983() -> None:
+    """The paper has 250 gal for M 7.7, by an attenuation analysis of its own, whose distance it does not give. The
+    distance of 27 km that Youd, Hansen & Bartlett (2002) use for Noshiro gives 318 gal, and 250 gal is within one
+    standard deviation; the median is 250 gal at 39 km."""
+    found = fukushima_tanaka(7.7, 27_000.0, "average")
+    assert found.median / GAL == pytest.approx(318.0, abs=1.0)
+    assert found.low < 250.0 * GAL < found.high
+    assert fukushima_tanaka(7.7, 39_000.0, "average").median / GAL == pytest.approx(250.0, abs=3.0)
+
+
+def test_outside_its_range_a_relation_says_nothing() -> None:
+    with pytest.raises(InputError, match=r"magnitude = 8.5: outside the range of Fukushima & Tanaka \(1990\)"):
+        fukushima_tanaka(8.5, 50_000.0, "average")
+    with pytest.raises(InputError, match=r"(?s)magnitude = 5.*distance = 400 km") as caught:
+        si_midorikawa(5.0, 400_000.0, 10_000.0, "crustal")
+    assert len(caught.value.problems) == 2

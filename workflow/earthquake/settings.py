@@ -1,0 +1,52 @@
+"""The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from meshes.section.quantity import Length
+from meshes.section.section import Model
+from workflow.earthquake.acceleration import Acceleration
+from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
+
+Relation = Literal["si_midorikawa", "fukushima_tanaka"]
+
+
+class EarthquakeSettings(Model):
+    """An earthquake by magnitude and distance, or by the peak acceleration that it has at the ground surface."""
+
+    magnitude: float | None = Field(
+        default=None, ge=4.0, le=9.5, description="the (moment) magnitude, from 4 to 9.5, such as 7.7"
+    )
+    distance: Length | None = Field(
+        default=None, description='the shortest distance to the fault, a length such as "27 km"'
+    )
+    depth: Length = Field(default=10_000.0, description='the depth of the middle of the fault, such as "14 km"')
+    mechanism: Mechanism = Field(default="crustal", description='"crustal", "interplate" or "intraplate"')
+    site: Site = Field(default="average", description='the ground: "rock", "average" or "soft"')
+    relation: Relation = Field(
+        default="fukushima_tanaka",
+        description='how acceleration falls with distance: "fukushima_tanaka" (1990) or "si_midorikawa" (1999)',
+    )
+    peak_acceleration: Acceleration | None = Field(
+        default=None,
+        description='the peak acceleration at the ground surface, such as "250 gal"; goes before all others',
+    )
+
+    def motion(self) -> Motion | None:
+        """The peak acceleration with its spread; None where nothing says it.
+
+        Raises InputError outside the range of the relation.
+        """
+        if self.peak_acceleration is not None:
+            return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
+        if self.magnitude is None or self.distance is None:
+            return None
+        return expected(self, self.magnitude, self.distance)
+
+
+def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
+    """What the relation that is asked for expects of a magnitude at a distance (m)."""
+    if settings.relation == "si_midorikawa":
+        return si_midorikawa(magnitude, distance, settings.depth, settings.mechanism)
+    return fukushima_tanaka(magnitude, distance, settings.site)

@@ -1,0 +1,86 @@
+"""The borings of a section side by side: strata, blow counts, and F_L with depth."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from meshes.section.section import Section
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, soil_colour
+from workflow.figures.ground import foot
+from workflow.results.triggering import TestPart, TriggeringAnswer
+from workflow.triggering.overburden import water_level
+
+ABREAST = 4  # borings in a row of the picture
+MOST_BLOWS, MOST_FACTOR = 50.0, 2.0
+ROW = 4.4  # inches
+
+
+def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
+    """Every boring in two frames: N in the strata, F_L beside it."""
+    names = [boring.name for boring in answer.borings]
+    rows = -(-len(names) // ABREAST)
+    figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    title = f"{section.title or section.name}: {answer.method}, {answer.motion.median_gal:.0f} gal"
+    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+    across = min(len(names), ABREAST)
+    frames = figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
+    for number in range(rows * across):
+        row, column = divmod(number, across)
+        pair = (frames[row, 2 * column], frames[row, 2 * column + 1])
+        if number >= len(names):
+            for axes in pair:
+                axes.set_axis_off()
+            continue
+        _boring(section, [test for test in answer.tests if test.boring == names[number]], answer, pair)
+    figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
+    if note := foot(section):
+        figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
+    figure.savefig(path, format="png")
+
+
+def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, pair: tuple[Axes, Axes]) -> None:
+    x = tests[0].x_m
+    levels = section.layering.interfaces(np.array([x]))[0]
+    depths = levels[0] - levels
+    deepest = min(float(depths[-1]), 1.15 * max(test.depth_m for test in tests))
+    blows, factors = pair
+    for axes in pair:
+        for k in range(len(section.strata)):
+            if depths[k + 1] > depths[k]:
+                axes.axhspan(depths[k], depths[k + 1], color=soil_colour(k), alpha=0.75, linewidth=0)
+        water = water_level(section, x)
+        if water is not None:
+            axes.axhline(levels[0] - water, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
+        axes.set_ylim(deepest, 0.0)
+        axes.tick_params(labelsize=7, colors=INK)
+        axes.grid(color="white", linewidth=0.5)
+    at = [test.depth_m for test in tests]
+    blows.plot([min(test.N, MOST_BLOWS) for test in tests], at, color=CONTINUUM, marker="o", markersize=3.5)
+    blows.set_xlim(0.0, MOST_BLOWS)
+    blows.set_xlabel("N", fontsize=8, color=INK)
+    blows.set_ylabel("depth (m)", fontsize=8, color=INK)
+    potential = next(boring.potential for boring in answer.borings if boring.name == tests[0].boring)
+    blows.set_title(f"{tests[0].boring}, x = {x:g} m", fontsize=8.5, loc="left", color=INK, parse_math=False)
+    factors.set_title(f"P_L = {potential:.1f}", fontsize=8.5, loc="left", color=INK, parse_math=False)
+    for test in tests:
+        if test.factor is not None:
+            colour = CRITICAL if test.factor < 1.0 else CONTINUUM
+            factors.plot([test.factor, test.factor], [test.top_m, test.bottom_m], color=colour, linewidth=1.0)
+            factors.plot(test.factor, test.depth_m, color=colour, marker="o", markersize=3.5)
+    factors.axvline(1.0, color=INK, linewidth=0.9)
+    factors.set_xlim(0.0, MOST_FACTOR + 0.1)
+    factors.set_xlabel("F_L", fontsize=8, color=INK, parse_math=False)
+    factors.set_yticklabels([])
+
+
+def _handles() -> list[Line2D]:
+    return [
+        Line2D([], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="N, and F_L of 1 or more"),
+        Line2D([], [], color=CRITICAL, marker="o", markersize=3.5, linewidth=1.0, label="F_L below 1"),
+        Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"),
+    ]

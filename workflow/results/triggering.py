@@ -1,0 +1,147 @@
+"""triggering.json: F_L at every blow count, which strata liquefy, and P_L of every boring."""
+
+from typing import ClassVar, Self
+
+from pydantic import Field
+
+from workflow.earthquake.attenuation import GAL, Motion
+from workflow.results.answer import Answer, Known, Part, SectionLabel
+from workflow.settings import Input
+from workflow.triggering.assessment import Assessment, Judged, OfStratum
+from workflow.triggering.potential import SOURCE, risk
+
+
+class MotionPart(Part):
+    """The peak acceleration that the factors are for: median, and one standard deviation above and below."""
+
+    median_gal: float
+    low_gal: float
+    high_gal: float
+    sigma: float = Field(description="standard deviation of the common logarithm; 0 of an acceleration as given")
+    relation: str
+    source: str
+    validity: str
+
+    @classmethod
+    def of(cls, motion: Motion) -> Self:
+        """The motion as an answer holds it."""
+        return cls(
+            median_gal=motion.median / GAL,
+            low_gal=motion.low / GAL,
+            high_gal=motion.high / GAL,
+            sigma=motion.sigma,
+            relation=motion.relation,
+            source=motion.source,
+            validity=motion.validity,
+        )
+
+
+class TestPart(Part):
+    """One blow count: where, the stresses there, and F_L; None where it was not judged, for the reason given."""
+
+    __test__ = False  # no test of pytest's
+
+    boring: str
+    x_m: float
+    depth_m: float
+    top_m: float = Field(description="depth from which on the test stands for its stratum")
+    bottom_m: float = Field(description="depth to which it does")
+    stratum: str
+    N: float
+    fines_percent: float | None = Field(description="None: not known, taken as clean sand")
+    total_Pa: float  # noqa: N815
+    effective_Pa: float  # noqa: N815
+    normalised: Known = Field(description="(N1)60 or N1")
+    corrected: Known = Field(description="(N1)60cs or Na")
+    load: Known = Field(description="cyclic stress ratio of the earthquake")
+    resistance: Known = Field(description="cyclic stress ratio that the soil bears; None: more than is known")
+    factor: Known = Field(description="F_L, at most 2")
+    reason: str = Field(description="why it was not judged")
+
+    @classmethod
+    def of(cls, test: Judged, stratum: str) -> Self:
+        """A test as an answer holds it."""
+        found = test.found
+        return cls(
+            boring=test.boring,
+            x_m=test.x,
+            depth_m=test.sample.depth,
+            top_m=test.top,
+            bottom_m=test.bottom,
+            stratum=stratum,
+            N=test.sample.N,
+            fines_percent=test.sample.fines,
+            total_Pa=test.where.total,
+            effective_Pa=test.where.effective,
+            normalised=found.normalised if found else None,
+            corrected=found.corrected if found else None,
+            load=found.load if found else None,
+            resistance=found.resistance if found else None,
+            factor=test.factor,
+            reason=test.reason,
+        )
+
+
+class StratumPart(Part):
+    """How much of a stratum liquefies; None for the share where no boring has a blow count in it."""
+
+    name: str
+    tests: int
+    share: float | None = Field(description="share of it in which F_L is below 1")
+    lowest_factor: float | None
+    liquefies: bool
+
+    @classmethod
+    def of(cls, stratum: OfStratum) -> Self:
+        """A stratum as an answer holds it."""
+        return cls(
+            name=stratum.name,
+            tests=stratum.tests,
+            share=stratum.share,
+            lowest_factor=stratum.lowest,
+            liquefies=stratum.liquefies,
+        )
+
+
+class BoringPart(Part):
+    """The liquefaction potential of a boring (Iwasaki et al. 1978), and the risk in words (1982)."""
+
+    name: str
+    potential: float = Field(description="P_L, from 0 to 100")
+    risk: str
+
+
+class TriggeringAnswer(Answer):
+    """What the blow counts say of an earthquake."""
+
+    FILE: ClassVar[str] = "triggering.json"
+
+    section: SectionLabel
+    motion: MotionPart
+    magnitude: float | None
+    method: str
+    source: str
+    validity: str
+    potential_source: str = SOURCE
+    share: float = Field(description="of a stratum, in which F_L is below 1, so that it counts as liquefied")
+    strata: tuple[StratumPart, ...]
+    borings: tuple[BoringPart, ...]
+    tests: tuple[TestPart, ...]
+
+    @classmethod
+    def of(cls, given: Input, found: Assessment) -> Self:
+        """An assessment as an answer holds it."""
+        return cls(
+            section=SectionLabel.of(given),
+            motion=MotionPart.of(found.motion),
+            magnitude=found.magnitude,
+            method=found.relation.title,
+            source=found.relation.source,
+            validity=found.relation.validity,
+            share=given.triggering.share,
+            strata=tuple(StratumPart.of(stratum) for stratum in found.strata),
+            borings=tuple(
+                BoringPart(name=name, potential=value, risk=risk(value)) for name, value in found.potentials.items()
+            ),
+            tests=tuple(TestPart.of(test, given.strata[test.where.stratum].name) for test in found.tests),
+        )

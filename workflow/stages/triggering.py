@@ -1,0 +1,34 @@
+"""The stage `triggering`: which strata the earthquake liquefies, by the blow counts of the borings."""
+
+from workflow.results.triggering import TriggeringAnswer
+from workflow.run.stage import Job, Stage
+
+PICTURE = "figures/triggering.png"
+
+
+def work(job: Job) -> None:
+    """F_L at every blow count; leaves triggering.json and its picture. Raises InputError."""
+    TriggeringAnswer.of(job.given, job.given.assessment()).write(job.store)
+    draw(job)
+
+
+def draw(job: Job) -> None:
+    """Draw blow counts and F_L with depth."""
+    from workflow.figures.triggering import draw as draw_borings
+
+    with job.store.writing(PICTURE) as path:
+        draw_borings(job.given, TriggeringAnswer.read(job.store), path)
+
+
+STAGE = Stage(
+    name="triggering",
+    what="which strata liquefy",
+    module=__name__,
+    work=work,
+    draw=draw,
+    tables=("earthquake", "triggering"),
+    results=(TriggeringAnswer.FILE,),
+    read=TriggeringAnswer.read,
+    pictures=(PICTURE,),
+    wanted=lambda given: bool(given.triggering.borings),
+)

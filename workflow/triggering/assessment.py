@@ -1,0 +1,197 @@
+"""F_L at every blow count of a section, which strata liquefy, and P_L of every boring."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from meshes.borings.boring import Boring, Sample
+from meshes.errors import InputError
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from workflow.earthquake.attenuation import Motion, Range
+from workflow.earthquake.settings import EarthquakeSettings
+from workflow.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
+from workflow.triggering.methods import RELATIONS, Relation
+from workflow.triggering.overburden import Overburden, outside, overburden, water_level
+from workflow.triggering.potential import potential
+from workflow.triggering.settings import TriggeringSettings
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One test, and what is thought of it.
+
+    Attributes
+    ----------
+    boring, x, sample : where and what was measured
+    top, bottom : the depths (m) for which it stands, half-way to its neighbours in the same stratum
+    where : the stresses there, and the stratum
+    found : what the method finds; None where it does not judge
+    reason : why it does not
+    """
+
+    boring: str
+    x: float
+    sample: Sample
+    top: float
+    bottom: float
+    where: Overburden
+    found: Resistance | None
+    reason: str
+
+    @property
+    def factor(self) -> float | None:
+        """F_L; None where the soil is not judged."""
+        return None if self.found is None else self.found.factor
+
+    @property
+    def liquefies(self) -> bool:
+        """Whether F_L is below 1."""
+        return self.factor is not None and self.factor < 1.0
+
+
+@dataclass(frozen=True)
+class OfStratum:
+    """How much of a stratum liquefies.
+
+    Attributes
+    ----------
+    name : of the stratum
+    tests : how many tests lie in it
+    share : share of what its tests stand for in which F_L is below 1; None without tests
+    lowest : smallest F_L; None where none was judged
+    liquefies : whether the share is as large as asked for
+    """
+
+    name: str
+    tests: int
+    share: float | None
+    lowest: float | None
+    liquefies: bool
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """All tests, all strata, and P_L by boring; with the motion and the method that they were judged by."""
+
+    motion: Motion
+    magnitude: float | None
+    relation: Relation
+    tests: tuple[Judged, ...]
+    strata: tuple[OfStratum, ...]
+    potentials: dict[str, float]
+
+
+def assess(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> Assessment:
+    """Judge every test of every boring. Raises InputError with every problem found."""
+    relation = RELATIONS[settings.method]
+    problems = _missing(section, earthquake, settings)
+    problems += [text for boring in settings.borings for text in _outside(section, boring)]
+    motion = None if problems else earthquake.motion()
+    if motion is None:
+        raise InputError(section.name, problems)
+    shaking = Shaking(motion.median / GRAVITY, earthquake.magnitude or math.nan)
+    tests: list[Judged] = []
+    for boring in settings.borings:
+        for sample, (top, bottom, where) in zip(boring.spt, _pieces(section, boring), strict=True):
+            point = _blow_count(sample, where)
+            reason = relation.why_not(point) if where.below_water else "above the water table"
+            try:
+                found = None if reason else relation.find(point, shaking, settings)
+            except ValueError as error:
+                problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
+                continue
+            tests.append(Judged(boring.name, float(boring.x), sample, top, bottom, where, found, reason))
+    if problems:
+        raise InputError(section.name, problems)
+    strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
+    layers = {boring.name: [t for t in tests if t.boring == boring.name] for boring in settings.borings}
+    potentials = {name: potential([(t.top, t.bottom, t.factor) for t in its]) for name, its in layers.items()}
+    return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
+
+
+def _missing(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> list[str]:
+    """What triggering cannot do without."""
+    problems = []
+    if not settings.borings:
+        problems.append("triggering, borings: missing; expected one table [[triggering.borings]] for each boring")
+    names = [boring.name for boring in settings.borings]
+    problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
+                 if names.count(n) > 1]  # fmt: skip
+    if section.water_table is None:
+        problems.append("water_table: missing; soil liquefies below water alone")
+    try:
+        if earthquake.motion() is None:
+            problems.append("earthquake: expected peak_acceleration, or magnitude and distance")
+    except InputError as error:
+        problems += [f"earthquake, {text}" for text in error.problems]
+    relation = RELATIONS[settings.method]
+    if relation.magnitudes is not None and earthquake.magnitude is None:
+        problems.append(f"earthquake, magnitude: missing; {relation.title} asks for it")
+    elif relation.magnitudes is not None and earthquake.magnitude is not None:
+        told = Range("earthquake, magnitude", *relation.magnitudes).problem(earthquake.magnitude, relation.title)
+        problems += [told] if told else []
+    return problems
+
+
+def _outside(section: Section, boring: Boring) -> list[str]:
+    told = {outside(section, boring.x, sample.depth): None for sample in boring.spt}
+    return [f"triggering, boring {boring.name}: {text}" for text in told if text]
+
+
+def _blow_count(sample: Sample, where: Overburden) -> BlowCount:
+    """A test as the methods see it; without a fines content it counts as clean sand, which is on the safe side."""
+    return BlowCount(
+        sample.depth,
+        sample.N,
+        where.total / KPA,
+        where.effective / KPA,
+        sample.fines or 0.0,
+        None if sample.d50 is None else 1000.0 * sample.d50,
+        sample.plasticity,
+    )
+
+
+def _pieces(section: Section, boring: Boring) -> list[tuple[float, float, Overburden]]:
+    """For every test the depths for which it stands: half-way to the next ones, not beyond its stratum or the water."""
+    levels = section.layering.interfaces(np.array([boring.x]))[0]
+    depth_of = levels[0] - levels
+    water = water_level(section, boring.x)
+    depths = [float(sample.depth) for sample in boring.spt]
+    stresses = [overburden(section, boring.x, depth) for depth in depths]
+    found = []
+    for number, (depth, where) in enumerate(zip(depths, stresses, strict=True)):
+        top, bottom = float(depth_of[where.stratum]), float(depth_of[where.stratum + 1])
+        if where.below_water and water is not None:
+            top = max(top, float(levels[0]) - water)
+        if number > 0 and stresses[number - 1].stratum == where.stratum:
+            top = max(top, 0.5 * (depths[number - 1] + depth))
+        if number + 1 < len(depths) and stresses[number + 1].stratum == where.stratum:
+            bottom = min(bottom, 0.5 * (depth + depths[number + 1]))
+        found.append((top, bottom, where))
+    return found
+
+
+def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
+    """Tests weigh by the depths for which they stand, times the stretch of the section nearest to their boring."""
+    here = [test for test in tests if test.where.stratum == number]
+    stretch = _stretches(section, sorted({test.x for test in tests}))
+    areas = np.array([(test.bottom - test.top) * stretch[test.x] for test in here])
+    share = float(areas[[test.liquefies for test in here]].sum() / areas.sum()) if here else None
+    factors = [test.factor for test in here if test.factor is not None]
+    return OfStratum(
+        section.strata[number].name,
+        len(here),
+        share,
+        min(factors, default=None),
+        share is not None and share >= wanted,
+    )
+
+
+def _stretches(section: Section, x: list[float]) -> dict[float, float]:
+    """For every boring at x the length of the section (m) that is nearest to it."""
+    left, right = section.given_extent
+    limits = [left, *(0.5 * (a + b) for a, b in pairwise(x)), right]
+    return {place: max(limits[k + 1] - limits[k], 1e-9) for k, place in enumerate(x)}

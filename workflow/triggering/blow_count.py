@@ -1,0 +1,63 @@
+"""A standard penetration test with the stresses around it, and what a method of triggering finds there.
+
+Stresses in kPa, depths in m, fines and plasticity in percent, grain sizes in mm, as the published relations have them.
+"""
+
+from dataclasses import dataclass
+
+KPA = 1000.0  # Pa
+ATMOSPHERE = 101.325  # kPa
+
+
+@dataclass(frozen=True)
+class BlowCount:
+    """What a method needs to know of one test.
+
+    Attributes
+    ----------
+    depth : below the ground (m)
+    N : blows for 30 cm, as measured
+    total, effective : vertical stresses before the earthquake (kPa)
+    fines : content of fines (%)
+    d50 : mean grain size (mm); None if not known
+    plasticity : plasticity index (%); None if not known
+    """
+
+    depth: float
+    N: float
+    total: float
+    effective: float
+    fines: float
+    d50: float | None = None
+    plasticity: float | None = None
+
+
+@dataclass(frozen=True)
+class Shaking:
+    """The earthquake as a method sees it: ``peak`` acceleration over g at the surface, and magnitude."""
+
+    peak: float
+    magnitude: float
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """What a method finds at a test: F_L = ``resistance`` / ``load``.
+
+    Attributes
+    ----------
+    normalised : the blow count at an effective stress of one atmosphere, without correction for fines: (N1)60 or N1
+    corrected : the same with it: (N1)60cs or Na; None where a method has none
+    load : cyclic stress ratio of the earthquake
+    resistance : cyclic stress ratio that the soil bears in it
+    """
+
+    normalised: float
+    corrected: float | None
+    load: float
+    resistance: float
+
+    @property
+    def factor(self) -> float:
+        """F_L, at most 2: beyond that nothing is known."""
+        return min(2.0, self.resistance / self.load)

@@ -1,0 +1,65 @@
+"""The methods of triggering by their names in [triggering]."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+from workflow.triggering import highway_code, idriss_boulanger
+from workflow.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.triggering.settings import Method, TriggeringSettings
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A published method.
+
+    Attributes
+    ----------
+    title : as people call it
+    source, validity : where it was published, and what it holds for
+    find : what it finds at a test; raises ValueError where it lacks something
+    why_not : why it does not judge a soil; empty where it does
+    magnitudes : the smallest and the largest magnitude; None where it asks for none
+    """
+
+    title: str
+    source: str
+    validity: str
+    find: Callable[[BlowCount, Shaking, TriggeringSettings], Resistance]
+    why_not: Callable[[BlowCount], str]
+    magnitudes: tuple[float, float] | None
+
+
+def _idriss_boulanger(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+    return idriss_boulanger.assess(point, shaking, settings.energy_ratio, settings.rods_above)
+
+
+def _highway_1990(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+    return highway_code.assess_1990(point, shaking)
+
+
+def _highway_later(
+    form: Literal["2012", "2017"], point: BlowCount, shaking: Shaking, settings: TriggeringSettings
+) -> Resistance:
+    return highway_code.assess_later(point, shaking, form, settings.motion)
+
+
+def _highway(form: str, find: Callable[[BlowCount, Shaking, TriggeringSettings], Resistance]) -> Relation:
+    title = f"Japanese highway code, form of {form}"
+    return Relation(title, f"{highway_code.SOURCE} ({form})", highway_code.VALIDITY, find, highway_code.why_not, None)
+
+
+RELATIONS: dict[Method, Relation] = {
+    "idriss_boulanger_2008": Relation(
+        "Idriss & Boulanger (2008)",
+        idriss_boulanger.SOURCE,
+        idriss_boulanger.VALIDITY,
+        _idriss_boulanger,
+        idriss_boulanger.why_not,
+        idriss_boulanger.MAGNITUDES,
+    ),
+    "highway_1990": _highway("1990", _highway_1990),
+    "highway_2012": _highway("2012", partial(_highway_later, "2012")),
+    "highway_2017": _highway("2017", partial(_highway_later, "2017")),
+}

@@ -1,0 +1,38 @@
+"""How triggering is judged, and from which borings: a table [triggering]."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from meshes.borings.boring import Boring
+from meshes.section.quantity import Length
+from meshes.section.section import Model
+from workflow.triggering.highway_code import MotionType
+
+Method = Literal["idriss_boulanger_2008", "highway_1990", "highway_2012", "highway_2017"]
+
+
+class TriggeringSettings(Model):
+    """Which relation judges, what is known of the hammer, and the borings."""
+
+    method: Method = Field(
+        default="idriss_boulanger_2008",
+        description='"idriss_boulanger_2008", or a form of the Japanese highway code: "highway_1990" (that behind the '
+        'paper), "highway_2012", "highway_2017"',
+    )
+    energy_ratio: float = Field(
+        default=60.0,
+        ge=20.0,
+        le=120.0,
+        description="energy of the hammer in percent of its free fall, from 20 to 120; for Idriss & Boulanger alone",
+    )
+    rods_above: Length = Field(
+        default=1.5, description='how far the rods stand out of the ground, such as "1.5 m"; for Idriss & Boulanger'
+    )
+    motion: MotionType = Field(
+        default="I", description='type of motion of the highway code from 2012 on: "I" plate boundary, "II" inland'
+    )
+    share: float = Field(
+        default=0.5, gt=0.0, le=1.0, description="share of a stratum in which F_L is below 1 so that it liquefies"
+    )
+    borings: tuple[Boring, ...] = Field(default=(), description="one table [[triggering.borings]] for each boring")
