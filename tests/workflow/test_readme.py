@@ -26,9 +26,9 @@ def settings_of(package: str) -> str:
 
 
 def test_the_section_and_the_settings_of_the_readmes() -> None:
-    section, bottom, block = blocks("toml", README)
+    section, bottom, borings, block = blocks("toml", README)
     meshing, solving = settings_of("meshes"), settings_of("fem")
-    texts = (section, meshing, solving, block)
+    texts = (section, meshing, solving, borings, block)
     used = Input.parse({key: value for text in texts for key, value in tomllib.loads(text).items()})
     assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
     mesh = generate(used, used.mesh)

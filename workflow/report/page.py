@@ -24,6 +24,8 @@ from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 from workflow.settings import ReportSettings
 
+# Parts of the page with a template of their own.
+PARTS = {"triggering": "triggering.html.jinja"}
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 
@@ -69,6 +71,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "is_s13": is_s13(given),
         "pictures": _pictures(results),
         "stages": results.stages,
+        "parts": PARTS,
         "versions": versions(),
         "machine": machine(),
         "written_heads": [symbol for _, symbol, _ in tables.WRITTEN],
