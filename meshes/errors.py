@@ -1,6 +1,7 @@
 """What is told to a person whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 
 class InputError(ValueError):
@@ -23,7 +24,10 @@ class NoAnswerError(RuntimeError):
     ----------
     reason: why there is none.
     remedy: what to try; empty where nobody knows.
+    MISSING: what there is none of, in words.
     """
+
+    MISSING: ClassVar[str] = "No answer"
 
     def __init__(self, reason: str, remedy: str = "") -> None:
         self.reason = reason

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import meshio
 import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
@@ -67,6 +66,8 @@ def divided(mesh: QuadMesh) -> QuadMesh:
 class BadMeshError(NoAnswerError):
     """A mesh with a cell that cannot be computed with; says which and where."""
 
+    MISSING = "No usable mesh"
+
 
 def check(mesh: QuadMesh) -> None:
     """Raise BadMeshError if a cell has a Jacobian that is not positive."""
@@ -84,6 +85,8 @@ def check(mesh: QuadMesh) -> None:
 
 def read(path: Path | str) -> QuadMesh:
     """A mesh written by ``generate``, by the names of its groups; raises InputError if those are missing."""
+    import meshio
+
     path = Path(path)
     if not path.is_file():
         raise InputError(str(path), ["there is no such file"])
@@ -117,6 +120,8 @@ def read(path: Path | str) -> QuadMesh:
 
 def save(mesh: QuadMesh, path: Path | str) -> None:
     """Write a mesh as a gmsh file with its groups, for ``read``: strata from 1 on, then the boundaries."""
+    import meshio
+
     edges = {name: ends for name, ends in mesh.boundaries.items() if len(ends)}
     tags = {name: len(mesh.strata) + number for number, name in enumerate(edges, start=1)}
     of_lines = np.concatenate([np.full(len(ends), tags[name]) for name, ends in edges.items()])

@@ -1,33 +1,23 @@
-"""The command `noshiro`."""
+"""The command `noshiro`. What a command needs is imported when it is called: so `noshiro --help` answers at once."""
 
-import sys
-import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.markup import escape
 
-from meshes.errors import InputError, NoAnswerError
-from meshes.quad_mesh import BadMeshError
-from meshes.section.section import Section
+from meshes import shipped
+from meshes.errors import InputError
 from workflow import stages
-from workflow.run import pipeline
-from workflow.run.display import Display
-from workflow.run.plan import Choice
-from workflow.run.ranks import Ranks
-from workflow.run.stage import Job
-from workflow.run.store import Store
-from workflow.settings import Input, dotted, merged
-from workflow.terminal import err, execute, out, show_plan, show_strata
+from workflow.exits import ended
 from workflow.verify.command import verify
 
-DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
+if TYPE_CHECKING:
+    from workflow.request import Request
+    from workflow.terminal import Voice
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     help="At which seismic coefficient a layered slope fails, and how far it slides once layers in it liquefy.",
 )
@@ -48,39 +38,70 @@ Set = Annotated[
     typer.Option("--set", help="Any setting by its name, such as fem.sides=fixed; repeatable.", show_default=False),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Run again even where nothing has changed.")]
+STAGES = ", ".join(stages.NAMES)
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"noshiro {version('noshiro')}")
+        raise typer.Exit
 
 
 @app.callback()
-def root() -> None:
-    """Keep subcommands even while there is one."""
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which version this is.")
+    ] = False,
+) -> None:
+    """What holds for all commands."""
 
 
 @app.command()
 def init(
     file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("section.toml"),
-) -> None:
-    """Write a commented example of a section to start from."""
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--from", show_default=False,
+            help=f"A section that comes with noshiro: {', '.join(shipped.names())}. [default: a commented example]",
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:  # fmt: skip
+    """Write a section to start from: a commented example, or one of those that come with noshiro."""
+    from json import dumps
+
     from workflow.example import write_example
 
-    write_example(file)
-    out.print(f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}", soft_wrap=True)
+    write_example(file, start)
+    words = f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}"
+    typer.echo(dumps({"section": str(file)}) if json else words)
 
 
 @app.command()
-def check(section: SectionFile, folder: Out = None, settings: Set = None) -> None:
+def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it; nothing else."""
     from workflow.figures.ground import draw_section
+    from workflow.report.data import of_section
+    from workflow.request import Request
+    from workflow.terminal import say, say_data, show_strata
 
-    given = _input(section, {}, settings)
-    store = _store(given, folder)
-    show_strata(given)
-    with store.writing("figures/section.png") as path:
-        draw_section(given, path)
-    for notice in given.notices:
-        out.print(f"Mind: {notice}.", soft_wrap=True, markup=False)
-    out.print(f"The section is sound. Picture: {store.folder / 'figures' / 'section.png'}", soft_wrap=True)
+    request = Request.of(section, folder, {}, settings)
+    picture = request.store.folder / "figures" / "section.png"
+    if not json:
+        show_strata(request.given)
+    with request.store.writing("figures/section.png") as path:
+        draw_section(request.given, path)
+    if json:
+        return say_data(of_section(request.given, picture))
+    for notice in request.given.notices:
+        say(f"Mind: {notice}.")
+    return say(f"The section is sound. Picture: {picture}")
 
 
 @app.command("run")
@@ -89,24 +110,40 @@ def run_all(
     folder: Out = None,
     settings: Set = None,
     start: Annotated[
-        str | None, typer.Option("--from", help="Run this stage and all after it, changed or not.", show_default=False)
+        str | None,
+        typer.Option(
+            "--from", help=f"Run this stage and all after it, changed or not: {STAGES}.", show_default=False,
+            autocompletion=lambda: list(stages.NAMES),
+        ),
     ] = None,
     only: Annotated[
-        list[str] | None, typer.Option("--only", help="Run this stage only; repeatable.", show_default=False)
+        list[str] | None,
+        typer.Option(
+            "--only", help=f"Run this stage only, one of {STAGES}; repeatable.", show_default=False,
+            autocompletion=lambda: list(stages.NAMES),
+        ),
     ] = None,
     force: Force = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; nothing else.")] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
-) -> None:
+    json: Json = False,
+) -> None:  # fmt: skip
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
+    from workflow.request import Request
+    from workflow.run.plan import Choice
+    from workflow.terminal import Voice, execute, say, show_plan, show_strata
+
     choice = Choice.of(stages.STAGES, start, only or (), force)
-    job = _job(_input(section, {}, settings), folder)
+    voice = Voice.of(quiet, verbose, json)
+    request = Request.of(section, folder, {}, settings)
+    if voice.speaks and request.notice:
+        say(request.notice)
+    if voice.speaks and not dry_run:
+        show_strata(request.given)
     if dry_run:
-        return show_plan(job, choice)
-    if not quiet:
-        show_strata(job.given)
-    return execute(job, choice, quiet, verbose)
+        return show_plan(request.job(), choice, voice)
+    return execute(request.job(), choice, voice)
 
 
 @app.command()
@@ -122,12 +159,18 @@ def mesh(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
-    """Mesh a section with quadrilaterals and draw both."""
-    given = _input(section, {"mesh": _mesh_options(refine, size, free, columns, rows)}, settings)
-    if not quiet:
-        show_strata(given)
-    _execute_up_to("mesh", _job(given, folder), force, quiet, verbose)
+    """Mesh a section with quadrilaterals and draw both. What comes after it in the same folder takes the same mesh."""
+    from workflow.request import Request, mesh_options
+    from workflow.terminal import Voice, show_strata
+
+    voice = Voice.of(quiet, verbose, json)
+    options = {"mesh": mesh_options(refine, size, free, columns, rows)}
+    request = Request.of(section, folder, options, settings, afresh=True)
+    if voice.speaks:
+        show_strata(request.given)
+    _up_to("mesh", request, force, voice)
 
 
 @app.command()
@@ -155,8 +198,13 @@ def fem(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
+    from workflow.request import Request, mesh_options
+    from workflow.run.ranks import Ranks
+    from workflow.terminal import Voice, err, out
+
     options = {
         "kh": kh,
         "sides": sides,
@@ -165,20 +213,19 @@ def fem(
         "vertical": vertical,
         "flow": "associated" if associated else None,
     }
-    given = _input(section, {"mesh": _mesh_options(refine, size, free, None, None), "fem": options}, settings)
+    request = Request.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
     if safety_factor:
-        asked = tuple(sorted({0.0, *given.fem.kh, *given.fem.safety_factor_at}))
-        wanted = given.fem.model_copy(update={"safety_factor_at": asked})
-        given = given.model_copy(update={"fem": wanted})
+        request = request.with_safety_factors()
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
-    job = _job(given, folder, mesh_file=mesh_file, ranks=ranks)
     if not ranks.first:
+        from workflow.stages.fem import help_compute
+
         out.quiet = err.quiet = True
-        return stages.fem.help_compute(job, ranks)
+        return help_compute(request.job(mesh_file=mesh_file, ranks=ranks), ranks)
     with ranks.leading():
-        return _execute_up_to("fem", job, force, quiet, verbose)
+        return _up_to("fem", request, force, Voice.of(quiet, verbose, json), mesh_file=mesh_file, ranks=ranks)
 
 
 @app.command()
@@ -189,20 +236,17 @@ def plot(
         typer.Option(help="One field: such as mobilised; of the discs pore_springs, velocity or force_chains."),
     ] = None,
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
+    json: Json = False,
 ) -> None:
     """Draw the pictures of a run again, or single ones, without computing anything."""
     from workflow.figures.single import draw
+    from workflow.terminal import redraw, say, say_data
 
     job = stages.stored_job(folder)
     if field is None and at is None:
-        with Display(out, err, job.stages) as display:
-            told = pipeline.redraw_all(job, display)
-        for line in told:
-            out.print(escape(line), soft_wrap=True)
-        out.print(f"Pictures are in {folder / 'figures'}/", soft_wrap=True)
-        return
-    for path in draw(job, field, at):
-        out.print(str(path), soft_wrap=True)
+        return redraw(job, json)
+    paths = [str(path) for path in draw(job, field, at)]
+    return say_data({"pictures": paths}) if json else say("\n".join(paths))
 
 
 @app.command()
@@ -218,10 +262,34 @@ def view(
 
 
 @app.command()
-def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False) -> None:
+def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False, json: Json = False) -> None:
     """Write summary and report of a run again, from what is there."""
+    from workflow.run.plan import Choice
+    from workflow.terminal import Voice, execute
+
     job = stages.stored_job(folder)
-    execute(job, Choice.of(job.stages, only=["report"], force=True), quiet, verbose)
+    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json))
+
+
+@app.command()
+def compare(
+    folders: Annotated[list[Path], typer.Argument(help="Folders of runs with a report.", show_default=False)],
+    page: Annotated[
+        Path | None, typer.Option("--page", help="Write an HTML page with all pictures, too.", show_default=False)
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Put runs side by side: where their inputs differ, what they found; with --page their pictures, too."""
+    from workflow.report import side_by_side
+    from workflow.terminal import say, say_data, show_runs
+
+    runs = side_by_side.read(folders)
+    if page is not None:
+        side_by_side.write_page(runs, page)
+    if json:
+        return say_data({str(run.folder): run.summary.model_dump(mode="json") for run in runs})
+    show_runs(runs)
+    return say("" if page is None else f"Page: {page}")
 
 
 @app.command()
@@ -232,9 +300,13 @@ def liquefaction(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
     """F_L at the blow counts of the borings, which strata liquefy, and P_L; nothing else."""
-    _execute_up_to("triggering", _job(_input(section, {}, settings), folder), force, quiet, verbose)
+    from workflow.request import Request
+    from workflow.terminal import Voice
+
+    _up_to("triggering", Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
 
 
 @app.command()
@@ -249,11 +321,15 @@ def bounds(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
     """Strict lower and upper bound of the critical seismic coefficient, ψ = φ; the judge of the finite elements."""
+    from workflow.request import Request
+    from workflow.terminal import Voice
+
     options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells}
-    given = _input(section, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _execute_up_to("bounds", _job(given, folder), force, quiet, verbose)
+    request = Request.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
+    _up_to("bounds", request, force, Voice.of(quiet, verbose, json))
 
 
 @app.command()
@@ -264,9 +340,13 @@ def calibrate(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
     """Calibrate the discs so that they fail at the Kh that the finite elements found."""
-    _execute_up_to("calibrate", _job(_input(section, {}, settings), folder), force, quiet, verbose)
+    from workflow.request import Request
+    from workflow.terminal import Voice
+
+    _up_to("calibrate", Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
 
 
 @app.command()
@@ -278,81 +358,33 @@ def slide(
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    json: Json = False,
 ) -> None:
     """How far the calibrated discs slide once layers have liquefied."""
-    job = _job(_input(section, {}, settings), folder, cases=tuple(case) if case else None)
-    _execute_up_to("slide", job, force, quiet, verbose)
+    from workflow.request import Request
+    from workflow.terminal import Voice
+
+    request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
+    _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
 app.command()(verify)
 
 
-def _input(section: Path, options: Mapping[str, Mapping[str, Any]], settings: list[str] | None) -> Input:
-    """The input of a command: the file, over it the settings of the command line, over those its options."""
-    given = {
-        table: {key: value for key, value in values.items() if value is not None} for table, values in options.items()
-    }
-    read = Input.load(section, merged(dotted(settings or []), given))
-    if read.sliding_block.accelerogram:
-        from workflow.estimates.accelerogram import of_input
-
-        of_input(read)  # a record that cannot be read is told now, not after minutes
-    return read
-
-
-def _job(given: Input, folder: Path | None, **options: Any) -> Job:
-    return Job(given, _store(given, folder), stages.STAGES, **options)
-
-
-def _execute_up_to(stage: str, job: Job, force: bool, quiet: bool, verbose: bool) -> None:
+def _up_to(stage: str, request: "Request", force: bool, voice: "Voice", **more: Any) -> None:
     """Run a stage, and before it what it needs and is not there yet."""
-    execute(job, Choice.up_to(job.stages, stage, force), quiet, verbose)
+    from workflow.run.plan import Choice
+    from workflow.terminal import execute, say
 
-
-def _mesh_options(
-    refine: int | None, size: str | None, free: bool, columns: int | None, rows: int | None
-) -> dict[str, Any]:
-    """The options of `mesh` as settings; a plain number for the size is metres."""
-    try:
-        wanted: str | float | None = size if size is None else float(size)
-    except ValueError:
-        wanted = size
-    method = "free" if free else None
-    return {"refine": refine, "size": wanted, "method": method, "columns": columns, "rows": rows}
-
-
-def _store(given: Section, folder: Path | None) -> Store:
-    return Store(folder or Path("runs") / given.name)
+    if voice.speaks and request.notice:
+        say(request.notice)
+    job = request.job(**more)
+    execute(job, Choice.up_to(job.stages, stage, force), voice)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 our fault."""
-    try:
-        command(arguments, standalone_mode=True)
-    except InputError as error:
-        err.print(escape(str(error)), style="red", soft_wrap=True)
-        sys.exit(BAD_INPUT)
-    except NoAnswerError as error:
-        what = "No usable mesh" if isinstance(error, BadMeshError) else "No answer"
-        err.print(escape(f"{what}: {error}"), style="red", soft_wrap=True)
-        sys.exit(NO_ANSWER)
-    except (KeyboardInterrupt, SystemExit) as stop:
-        if isinstance(stop, SystemExit) and stop.code != STOPPED:
-            raise
-        err.print("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
-        sys.exit(STOPPED)
-    except MemoryError:
-        err.print("Out of memory: take larger cells or discs, or a machine with more.", style="red")
-        sys.exit(BAD_INPUT)
-    except Exception as error:
-        err.print(escape(traceback.format_exc()), soft_wrap=True)
-        err.print(
-            escape(f"This is a fault of noshiro, not of your input: {type(error).__name__}: {error}"),
-            "Please report it with log.txt and your section; what was computed is kept.",
-            style="red",
-            soft_wrap=True,
-        )
-        sys.exit(FAULT)
+    ended(lambda: command(arguments, standalone_mode=True))
 
 
 if __name__ == "__main__":

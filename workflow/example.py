@@ -1,21 +1,27 @@
-"""A commented section to start from."""
+"""Sections to start from: a commented one, and those that come with the program."""
 
 from importlib import resources
 from pathlib import Path
 
+from meshes import shipped
 from meshes.errors import InputError
 
 
-def example() -> str:
-    """The text of the example."""
-    return resources.files("workflow").joinpath("example.toml").read_text(encoding="utf-8")
+def example(name: str | None = None) -> str:
+    """The text of the commented example, or of a section that comes with the program; InputError if there is none."""
+    if name is None:
+        return resources.files("workflow").joinpath("example.toml").read_text(encoding="utf-8")
+    if name not in shipped.names():
+        raise InputError("--from", [f"{name!r}: expected one of {', '.join(shipped.names())}"])
+    return shipped.file_of(name).read_text(encoding="utf-8")
 
 
-def write_example(path: Path) -> None:
-    """Write the example; raises InputError if there is such a file or it cannot be written."""
+def write_example(path: Path, name: str | None = None) -> None:
+    """Write an example; raises InputError if there is such a file or it cannot be written."""
+    text = example(name)
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(example())
+            file.write(text)
     except FileExistsError:
         raise InputError(str(path), ["is there already; expected the name of a new file"]) from None
     except OSError as error:

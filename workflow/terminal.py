@@ -2,6 +2,9 @@
 
 import shlex
 import sys
+from collections.abc import Iterable, Sequence
+from enum import Enum
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -10,17 +13,52 @@ from rich.table import Table
 
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
-from workflow.report import tables
-from workflow.report.console import sentences
-from workflow.results.results import Results
-from workflow.run import pipeline
-from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
+from workflow.report import data, tables
 from workflow.run.plan import Choice, plan
 from workflow.run.record import Record
 from workflow.run.stage import Job
 
+if TYPE_CHECKING:
+    from workflow.report.side_by_side import Found
+
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
+
+
+class Voice(Enum):
+    """How a command tells: nothing but faults, in sentences, every step, or as data."""
+
+    QUIET, NORMAL, VERBOSE, JSON = range(4)
+
+    @classmethod
+    def of(cls, quiet: bool, verbose: bool, json: bool) -> "Voice":
+        """The one that was asked for; data before silence, silence before every step."""
+        return cls.JSON if json else cls.QUIET if quiet else cls.VERBOSE if verbose else cls.NORMAL
+
+    @property
+    def speaks(self) -> bool:
+        """Whether it tells in sentences."""
+        return self in (Voice.NORMAL, Voice.VERBOSE)
+
+
+def say(line: str) -> None:
+    """A line as it stands, however long."""
+    out.print(line, soft_wrap=True, markup=False)
+
+
+def say_data(what: Any) -> None:
+    """Data as JSON, and nothing else."""
+    out.print(data.told(what), soft_wrap=True, markup=False)
+
+
+def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """A table of texts."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
+    for head in heads:
+        table.add_column(escape(head))
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row))
+    out.print(table)
 
 
 def show_strata(section: Section) -> None:
@@ -36,35 +74,45 @@ def show_strata(section: Section) -> None:
     out.print(table)
 
 
-def show_plan(job: Job, choice: Choice) -> None:
+def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
     """What would be done about every stage, and why."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
-    for head in ("stage", "would", "because"):
-        table.add_column(head)
+    decisions = plan(job, Record(job.store), choice)
+    if voice == Voice.JSON:
+        return say_data(data.of_plan(decisions))
     verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-    for decision in plan(job, Record(job.store), choice):
-        table.add_row(decision.stage.name, verbs[decision.action], escape(decision.why or "nothing has changed"))
-    out.print(table)
+    rows = [(one.stage.name, verbs[one.action], one.why or "nothing has changed") for one in decisions]
+    return show_table(("stage", "would", "because"), rows)
 
 
-def execute(job: Job, choice: Choice, quiet: bool, verbose: bool) -> None:
+def execute(job: Job, choice: Choice, voice: Voice) -> None:
     """Run the stages that have to, and tell what they found. Raises what `pipeline.execute` does."""
-    verbosity = QUIET if quiet else VERBOSE if verbose else NORMAL
+    from workflow.run import pipeline
+    from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
+
+    verbosity = {Voice.NORMAL: NORMAL, Voice.VERBOSE: VERBOSE}.get(voice, QUIET)
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(job, choice, display, what)
     except NoAnswerError:
-        if verbosity > QUIET:
-            _tell(job, choice)
+        _tell(job, choice, voice)
         raise
-    if verbosity > QUIET:
-        _tell(job, choice)
+    _tell(job, choice, voice)
 
 
-def _tell(job: Job, choice: Choice) -> None:
-    """What the stages found that have an answer, and where it all is."""
+def _tell(job: Job, choice: Choice, voice: Voice) -> None:
+    """What the stages found, in sentences or as data, and where it all is."""
+    if voice == Voice.JSON:
+        say_data(data.of_stages(job, choice.chosen))
+    elif voice.speaks:
+        _tell_in_sentences(job, choice)
+
+
+def _tell_in_sentences(job: Job, choice: Choice) -> None:
+    from workflow.report.console import sentences
+    from workflow.results.results import Results
+
     ends = Results.of(job).ends
     for stage in job.stages:
         if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
@@ -75,3 +123,29 @@ def _tell(job: Job, choice: Choice) -> None:
             out.print(escape(line))
         out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
     out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)
+
+
+def redraw(job: Job, json: bool) -> None:
+    """Draw all pictures of a folder again, and tell which could not be."""
+    from workflow.run import pipeline
+    from workflow.run.display import NORMAL, QUIET, Display
+
+    with Display(out, err, job.stages, QUIET if json else NORMAL) as display:
+        told = pipeline.redraw_all(job, display)
+    if json:
+        pictures = [str(job.store.folder / name) for name in job.store.matching(["figures/*"])]
+        return say_data({"pictures": pictures, "not_drawn": told})
+    return say("\n".join([*told, f"Pictures are in {job.store.folder / 'figures'}/"]))
+
+
+def show_runs(runs: "Sequence[Found]") -> None:
+    """Runs side by side: what they found, and where their inputs differ."""
+    from workflow.report import side_by_side
+
+    folders = [str(run.folder) for run in runs]
+    show_table(("", *folders), [(name, *values) for name, values in side_by_side.rows(runs)])
+    differences = [(key, *values) for key, values in side_by_side.differences(runs)]
+    if differences:
+        show_table(("input", *folders), differences)
+    else:
+        say("Their inputs are the same.")

@@ -4,10 +4,12 @@ import math
 import re
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import pint
 from pydantic import PlainSerializer, PlainValidator
+
+if TYPE_CHECKING:
+    import pint
 
 # Standard gravity (m/s²), which also turns tonnes-force into newtons.
 GRAVITY = 9.80665
@@ -15,6 +17,23 @@ GRAVITY = 9.80665
 # A number, then a unit. Not a sum, a product or a power of numbers; and no comma, which is a decimal point to some
 # and nothing to others.
 NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf)\b)\s*(\D?[^,]{0,40}?)\s*")
+
+
+# What most files are written in: SI unit and factor. pint knows these, too, and all others, but takes a second to load.
+COMMON_UNITS = {
+    "m": ("m", 1.0),
+    "Pa": ("Pa", 1.0),
+    "kPa": ("Pa", 1e3),
+    "MPa": ("Pa", 1e6),
+    "GPa": ("Pa", 1e9),
+    "kN/m^2": ("Pa", 1e3),
+    "tf/m^2": ("Pa", 1e3 * GRAVITY),
+    "kg/m^3": ("kg/m^3", 1.0),
+    "t/m^3": ("kg/m^3", 1e3),
+    "rad": ("rad", 1.0),
+    "deg": ("rad", math.pi / 180.0),
+    "°": ("rad", math.pi / 180.0),
+}
 
 
 class Quantity(float):
@@ -71,8 +90,11 @@ class Kind:
         return Quantity(number, written)
 
     def _convert(self, text: str) -> float:
-        registry = unit_registry()
         parts = NUMBER_AND_UNIT.fullmatch(text)
+        unit, factor = COMMON_UNITS.get(parts[2], ("", 0.0)) if parts else ("", 0.0)
+        if parts and unit and unit == self.unit:
+            return float(parts[1]) * factor
+        registry = unit_registry()
         if not parts or re.search(r"\d{3}|(\^|\*\*)[^/*]*(\^|\*\*)", parts[2]):
             raise ValueError(f"not understood as a number with a unit; {self.expected}")
         try:
@@ -89,8 +111,10 @@ class Kind:
 
 
 @cache
-def unit_registry() -> pint.UnitRegistry:
+def unit_registry() -> "pint.UnitRegistry":
     """pint's units, which know the tonne-force (tf) of Japanese soil reports."""
+    import pint
+
     return pint.UnitRegistry()
 
 

@@ -22,14 +22,14 @@ def folder(tmp_path: Path) -> Path:
 
 def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.CaptureFixture[str]):
     """Taylor's circle of friction: c / γH = 0.097 at φ = 20° and 60°; log-spiral 0.0964."""
-    rows = folder / "rows.json"
-    verify(folder=folder, only=["bounds"], file=rows, page=True)
+    verify(folder=folder, only=["bounds"], page=True)
     found = read_answers(folder / "answers.json")["taylor_60_20"]
     assert 0.97 < found.lower < 1.006 < found.upper < 1.03
-    by_name = {row["name"]: row for row in json.loads(rows.read_text(encoding="utf-8"))}
+    assert "right     taylor_60_20" in capsys.readouterr().out
+    verify(folder=folder, judge=True, json=True)
+    by_name = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
     assert by_name["taylor_60_20"]["verdict"] == "right"
     assert by_name["arai_tagyo_3"]["verdict"] == "waiting"
-    assert "right     taylor_60_20" in capsys.readouterr().out
     page = (folder / "README.md").read_text(encoding="utf-8")
     assert "1 right, 1 waiting" in page or "1 waiting, 1 right" in page
     assert (folder / "pictures" / "taylor_60_20.png").stat().st_size < 5000

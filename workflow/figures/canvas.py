@@ -6,26 +6,30 @@ a screen; matplotlib sets the axes, legend and notes.
 
 import os
 import textwrap
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import font_manager, rcParams
+from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
+
+from workflow.figures import fonts
+
+if TYPE_CHECKING:
+    import pyvista as pv
 
 # Without a screen VTK would first complain that there is none; it reads this when it is loaded.
 if not os.environ.get("DISPLAY"):
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-import pyvista as pv
 
 WIDTH = 1600  # px
 DPI = 160
@@ -42,11 +46,10 @@ CRITICAL = "#b3202c"
 # The tallest view, and the flattest that can be read, as height over width.
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than the section is high
 TITLE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 150, 88
 
-# Names may be Japanese: fonts that have the characters, where the machine has such a font.
-EAST_ASIAN = ("Noto Sans CJK JP", "Noto Sans JP", "IPAexGothic", "IPAGothic", "TakaoPGothic", "WenQuanYi Zen Hei")
-rcParams["font.family"] = ["DejaVu Sans", *sorted(set(EAST_ASIAN) & set(font_manager.get_font_names()))]
+rcParams["font.family"] = [fonts.PLAIN]
 
 # Soils by their place in the section; read against black lines and white paper, and by the colour-blind.
 SOILS = (
@@ -92,7 +95,7 @@ class Window:
 
 def render(
     window: Window,
-    draw: Callable[[pv.Plotter], object],
+    draw: "Callable[[pv.Plotter], object]",
     width: int = round((RIGHT - LEFT) * WIDTH),
     exaggeration: int = 1,
 ) -> np.ndarray:
@@ -100,6 +103,8 @@ def render(
 
     Heights are multiplied by ``exaggeration``; a tall window gets a narrower image.
     """
+    import pyvista as pv
+
     proportion = exaggeration * window.proportion
     width = max(2, round(width * min(1.0, TALLEST / proportion)))
     plotter = pv.Plotter(off_screen=True, window_size=[width, max(2, round(width * proportion))])
@@ -147,9 +152,17 @@ class Sheet:
 
     def show(self, view: int, image: np.ndarray, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
         """Put a rendered image into a view, with axes in metres."""
-        axes = self.views[view]
+        axes = self.frame(view, window, title, exaggeration)
         extent = (window.left, window.right, window.bottom, window.top)
         axes.imshow(image, extent=extent, aspect=exaggeration, interpolation="nearest")
+        return axes
+
+    def frame(self, view: int, window: Window, title: str = "", exaggeration: int = 1) -> Axes:
+        """A view of a window to draw into, with axes in metres."""
+        axes = self.views[view]
+        axes.set_xlim(window.left, window.right)
+        axes.set_ylim(window.bottom, window.top)
+        axes.set_aspect(exaggeration)
         axes.set_autoscale_on(False)
         axes.set_anchor("W")
         box = axes.get_position()
@@ -207,9 +220,12 @@ class Sheet:
 
     def save(self, path: Path | str) -> None:
         """Write the picture as a PNG."""
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="Glyph .* missing")  # drawn as a box
-            self.figure.savefig(path, format="png")
+        for text in self.figure.findobj(Text):
+            words = text.get_text()
+            if not words.isascii():  # names may be in any script
+                text.set_fontfamily(fonts.families_for(words))
+                text.set_text(fonts.without(words, fonts.missing(words)))
+        self.figure.savefig(path, format="png")
 
 
 def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappable:

@@ -1,14 +1,12 @@
 """Pictures of the ground and of its mesh."""
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pyvista as pv
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
@@ -18,6 +16,7 @@ from meshes.section.section import Section
 from workflow.figures.canvas import (
     INK,
     LEGEND_CHARACTERS,
+    LEGEND_ROWS,
     WATER,
     WIDTH,
     Sheet,
@@ -26,7 +25,9 @@ from workflow.figures.canvas import (
     render,
     soil_colour,
 )
-from workflow.results.mesh_grids import unstructured
+
+if TYPE_CHECKING:
+    import pyvista as pv
 
 HATCH = "...."
 FOOT_CHARACTERS = 190
@@ -36,19 +37,6 @@ def foot(section: Section) -> str:
     """The note at the foot of every picture of a section: that it is a reconstruction, if it is one."""
     text = f"Reconstruction. {section.reconstruction_note}" if section.reconstruction else ""
     return textwrap.fill(text, FOOT_CHARACTERS)
-
-
-def surfaces(section: Section) -> list[tuple[int, pv.PolyData]]:
-    """The strata as flat triangulated surfaces, with their index; a stratum may come in several pieces."""
-    pieces = []
-    for k in range(len(section.strata)):
-        for polygon in section.layering.polygons(k):
-            flat = pv.PolyData(
-                np.column_stack([polygon, np.zeros(len(polygon))]),
-                faces=[len(polygon), *range(len(polygon))],
-            )
-            pieces.append((k, flat.triangulate()))
-    return pieces
 
 
 class Overlay(NamedTuple):
@@ -63,22 +51,19 @@ class Overlay(NamedTuple):
 def draw_section(section: Section, path: Path, title: str = "layers", lines: Sequence[Overlay] = ()) -> None:
     """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it."""
     window = Window.around(section.outline())
-
-    def draw(plotter: pv.Plotter) -> None:
-        for k, surface in surfaces(section):
-            plotter.add_mesh(surface, color=soil_colour(k), lighting=False)
-
     handles = _legend_of(section)
     handles += [
         Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
     ]
     sheet = _sheet(section, f"{section.title or section.name}: {title}", window, handles)
-    for axes in _show(sheet, window, draw):
+    line_width = _line_width(section)
+    for view, much in enumerate(window.exaggerations()):
+        axes = sheet.frame(view, window, _heights(much), much)
         for k, stratum in enumerate(section.strata):
             hatch = HATCH if stratum.liquefiable else None
             for polygon in section.layering.polygons(k):
-                closed = Outline(np.vstack([polygon, polygon[:1]]))
-                axes.add_patch(PathPatch(closed, facecolor="none", edgecolor=INK, linewidth=0.6, hatch=hatch))
+                closed, style = Outline(np.vstack([polygon, polygon[:1]])), {"edgecolor": INK, "linewidth": line_width}
+                axes.add_patch(PathPatch(closed, facecolor=soil_colour(k), hatch=hatch, **style))
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
                 axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
@@ -92,6 +77,8 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
 
 def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     """The quadrilaterals, coloured by stratum, with their quality."""
+    from workflow.results.mesh_grids import unstructured
+
     window = Window.around(mesh.points)
     grid = unstructured(mesh)
     colours = [soil_colour(k) for k in range(len(mesh.strata))]
@@ -109,14 +96,16 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
     opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
 
-    def draw(plotter: pv.Plotter) -> None:
+    def draw(plotter: "pv.Plotter") -> None:
         plotter.add_mesh(
             grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
             show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
         )  # fmt: skip
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
-    _show(sheet, window, draw, subtitle)
+    for view, much in enumerate(window.exaggerations()):
+        text = f"{_heights(much)}; {subtitle}" if view == 0 else _heights(much)
+        sheet.show(view, render(window, draw, exaggeration=much), window, text, much)
     sheet.save(path)
 
 
@@ -129,17 +118,17 @@ def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) 
     return sheet
 
 
-def _show(sheet: Sheet, window: Window, draw: Callable[[pv.Plotter], None], title: str = "") -> list[Axes]:
-    """Render into every view of a sheet; the title goes to the first, and each says what its heights are."""
-    views = []
-    for view, much in enumerate(window.exaggerations()):
-        heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
-        text = f"{heights}; {title}" if title and view == 0 else heights
-        views.append(sheet.show(view, render(window, draw, exaggeration=much), window, text, much))
-    return views
+def _heights(much: int) -> str:
+    return "true proportions" if much == 1 else f"heights exaggerated {much} times"
+
+
+def _line_width(section: Section) -> float:
+    """Of the lines between strata (points): finer where there are so many that lines would hide the colours."""
+    return float(np.clip(30.0 / len(section.strata), 0.05, 0.6))
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:
+    """A patch for every stratum, or for as many as there is room for."""
     handles: list[Artist] = []
     for k, stratum in enumerate(section.strata):
         label = stratum.name + (f": {stratum.description}" if stratum.description else "")
@@ -149,6 +138,10 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         label = " " + label if label.startswith("_") else label  # matplotlib hides labels that begin with _
         hatch = HATCH if stratum.liquefiable and water else None
         handles.append(Patch(facecolor=soil_colour(k), edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
+    room = LEGEND_ROWS * legend_columns(handles)
+    if len(handles) > room:
+        more = f"and {len(handles) - room + 1} more, down to {section.strata[-1].name}"
+        handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
     if water and section.water_table is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
     return handles

@@ -58,7 +58,7 @@ class Picture:
     height: int
 
 
-def collect(names: list[str], folder: Path, width: int, animations: bool) -> list[Picture]:
+def collect(names: list[str], folder: Path, width: int, animations: bool = False) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
     found: list[Picture] = []
     room = LARGEST_ANIMATIONS

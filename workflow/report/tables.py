@@ -107,18 +107,18 @@ def changed_settings(given: Input) -> Iterator[tuple[str, str, str]]:
         for key, field in type(settings).model_fields.items():
             value = getattr(settings, key)
             if value != field.get_default(call_default_factory=True) and table != "report":
-                yield f"{table}.{key}", _plain(value), str(field.description or "")
+                yield f"{table}.{key}", plain(value), str(field.description or "")
 
 
-def _plain(value: Any) -> str:
+def plain(value: Any) -> str:
     """A setting as people read it."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, BaseModel):
-        return ", ".join(f"{name.replace('_', ' ')} {_plain(each)}" for name, each in value)
+        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value)
     if isinstance(value, dict):
-        return ", ".join(f"{name}: {_plain(each)}" for name, each in value.items())
+        return ", ".join(f"{name}: {plain(each)}" for name, each in value.items())
     if isinstance(value, tuple | list):
-        return "; ".join(_plain(each) for each in value) or "none"
+        return "; ".join(plain(each) for each in value) or "none"
     written = getattr(value, "written", value)
     return f"{written:g}" if isinstance(written, float) else str(written)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import TypeVar
 
-from fem.judges import Computed, of_bounds, of_others
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -91,6 +90,8 @@ class Results:
     @property
     def doubts(self) -> list[Doubt]:
         """What contradicts the critical Kh of the FEM, or is to be known beside it."""
+        from fem.judges import Computed, of_others
+
         told = list(self.fem.doubts) if self.fem is not None else []
         others = [
             Computed(one.change, one.kc, decisive=one.name == "mesh")
@@ -102,6 +103,8 @@ class Results:
 
     def doubts_by_bounds(self) -> list[Doubt]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ too."""
+        from fem.judges import of_bounds
+
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
             return []

@@ -4,7 +4,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyvista as pv
 
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh, check, read
@@ -34,6 +33,8 @@ def given_mesh(given: Input, path: Path) -> QuadMesh:
 
 def stored_mesh(given: Input, store: Store) -> QuadMesh:
     """The mesh that the stage left; raises InputError if it is not there or not of this section."""
+    import pyvista as pv
+
     mesh = given_mesh(given, store.folder / GMSH_FILE)
     method = pv.read(store.folder / VTK_FILE).field_data["method"][0]
     return replace(mesh, method=str(method))

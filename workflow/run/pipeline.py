@@ -7,6 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Protocol
 
+from workflow.run import mesh_options
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
@@ -74,6 +75,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         except BaseException as error:
             log.stop(error)
             raise
+        mesh_options.keep(job.store, job.mesh_options)
         log.done()
         if failures:
             raise next(iter(failures.values()))
@@ -152,6 +154,7 @@ class Run:
         )
         if failure is None:
             leave_input(self.job.given, store)
+            mesh_options.keep(store, self.job.mesh_options)
         else:
             self.failures[stage.name] = failure
         self.record.put(stage.name, entry)

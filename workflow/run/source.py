@@ -6,8 +6,6 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-import grimp
-
 from workflow.run.interrupts import postponed
 
 PACKAGES = ("meshes", "fem", "dem", "workflow")
@@ -18,6 +16,8 @@ DATA = (".csv", ".jinja", ".toml")  # what a module reads stands beside it, and 
 @cache
 def imports(packages: tuple[str, ...] = PACKAGES) -> Mapping[str, frozenset[str]]:
     """For every module of some packages those that it imports from them, inside functions too; not for types alone."""
+    import grimp
+
     with postponed():  # else grimp panics
         graph = grimp.build_graph(*packages, cache_dir=None, exclude_type_checking_imports=True)
     return {name: frozenset(graph.find_modules_directly_imported_by(name)) for name in graph.modules}

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflow.run.progress import Progress, silent
 from workflow.run.store import Store
@@ -26,6 +26,7 @@ class Job:
     mesh_file: a mesh made elsewhere, to be taken instead of a new one.
     cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
     ranks: the MPI ranks that may help; None where the program is alone.
+    mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
     """
 
     given: Input
@@ -35,6 +36,7 @@ class Job:
     mesh_file: Path | None = None
     cases: tuple[int, ...] | None = None
     ranks: "Ranks | None" = None
+    mesh_options: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,27 +1,46 @@
 """The stages of a run, one file each, which ends with its STAGE; a file may use heavy packages inside functions only.
 
-So the program starts quickly, and each command needs no more installed than it uses. What is too long for one file
-stands beside it: calibrated_discs, liquefied_slides, random_packings, sliding.
+So the program starts quickly, and each command needs no more installed than it uses; the files themselves are imported
+when STAGES is first asked for. What is too long for one file stands beside it: calibrated_discs, liquefied_slides,
+random_packings, sliding.
 """
 
+from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
-from workflow.run.record import Record
-from workflow.run.stage import Job
-from workflow.run.store import Store
-from workflow.settings import Input
-from workflow.stages import bounds, calibrate, fem, mesh, report, slide, triggering, variants
 
-STAGES = tuple(module.STAGE for module in (triggering, mesh, fem, variants, bounds, calibrate, slide, report))
+if TYPE_CHECKING:
+    from workflow.run.stage import Job, Stage
+
+    STAGES: tuple[Stage, ...]
+
+# In the order in which they run: each is the name of a stage and of its module here.
+NAMES = ("triggering", "mesh", "fem", "variants", "bounds", "calibrate", "slide", "report")
 
 
-def stored_job(folder: Path) -> Job:
+def __getattr__(name: str) -> Any:
+    """STAGES, the declarations of all stages, once they are needed (PEP 562)."""
+    if name != "STAGES":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = globals()["STAGES"] = tuple(import_module(f"{__name__}.{stage}").STAGE for stage in NAMES)
+    return found
+
+
+def stored_job(folder: Path) -> "Job":
     """What a folder's results were made from; raises InputError if it holds no run."""
+    from workflow.run.record import Record
+    from workflow.run.stage import Job
+    from workflow.run.store import Store
+    from workflow.settings import Input
+    from workflow.stages.mesh import GIVEN
+
     path = folder / "section.toml"
     if not path.is_file():
         raise InputError(str(folder), ["holds no run: there is no section.toml; expected a folder that noshiro wrote"])
     store = Store(folder)
     left = Record(store)["mesh"]
-    given = left is not None and mesh.GIVEN in left.inputs
-    return Job(Input.load(path), store, STAGES, mesh_file=folder / "mesh/section.msh" if given else None)
+    given = left is not None and GIVEN in left.inputs
+    found = globals().get("STAGES") or __getattr__("STAGES")
+    return Job(Input.load(path), store, found, mesh_file=folder / "mesh/section.msh" if given else None)

@@ -1,18 +1,16 @@
 """The command `noshiro verify`."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
 from meshes.errors import InputError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
     from workflow.verify.collection import Row
 
 FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published]", show_default=False)
@@ -25,10 +23,14 @@ def verify(
         list[str] | None, typer.Option(help="bounds, associated or section; repeatable.", show_default=False)
     ] = None,
     judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
-    file: Annotated[Path | None, typer.Option("--json", help="Write the rows to a file.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON, and nothing else.")] = False,
     page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
 ) -> None:
     """Find the answers of published slopes and judge them: right, wrong or explained."""
+    from json import dumps
+
+    from rich.console import Console
+
     from workflow.verify.case import FOLDER
     from workflow.verify.collection import run
     from workflow.verify.record import PARTS
@@ -37,13 +39,13 @@ def verify(
     if unknown:
         raise InputError("--only", [f'"{part}": expected one of {", ".join(PARTS)}' for part in unknown])
     wanted = () if judge else tuple(part for part in PARTS if not only or part in only)
-    out = Console(highlight=False)
+    out = Console(highlight=False, quiet=json)
     rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
     out.print(_count(rows))
-    if file:
-        file.write_text(json.dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False), encoding="utf-8")
     if page:
         out.print(str(_page(folder or FOLDER)), soft_wrap=True)
+    if json:
+        typer.echo(dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False))
 
 
 def _page(folder: Path) -> Path:
@@ -54,8 +56,10 @@ def _page(folder: Path) -> Path:
     return write_page(folder, read_cases(folder), read_answers(folder / FILE))
 
 
-def _tell(out: Console, row: "Row") -> None:
+def _tell(out: "Console", row: "Row") -> None:
     """One line for a case, and one for each remark on a wrong one."""
+    from rich.markup import escape
+
     from workflow.verify.page import elements, numbers, published
 
     if row.verdict.word == "waiting":
@@ -68,7 +72,10 @@ def _tell(out: Console, row: "Row") -> None:
             out.print(escape(f"          {remark}"), soft_wrap=True)
 
 
-def _count(rows: "list[Row]") -> Table:
+def _count(rows: "list[Row]") -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
     words = list(dict.fromkeys(row.verdict.word for row in rows))
     table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
     for word in words:

@@ -2,8 +2,22 @@ import math
 import pickle
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from meshes.section.quantity import ANGLE, COORDINATE, DENSITY, LENGTH, POISSON, STIFFNESS, STRENGTH, Kind, Quantity
+from meshes.section.quantity import (
+    ANGLE,
+    COMMON_UNITS,
+    COORDINATE,
+    DENSITY,
+    LENGTH,
+    POISSON,
+    STIFFNESS,
+    STRENGTH,
+    Kind,
+    Quantity,
+    unit_registry,
+)
 
 
 @pytest.mark.parametrize(
@@ -105,3 +119,12 @@ def test_reading_again_keeps_how_it_was_written() -> None:
     copy = pickle.loads(pickle.dumps(number))
     assert isinstance(copy, Quantity)
     assert (float(copy), copy.written) == (float(number), "1560 tf/m^2")
+
+
+@pytest.mark.parametrize("unit", COMMON_UNITS)
+@given(number=st.floats(min_value=-1e9, max_value=1e9))
+def test_common_units_are_those_of_pint_to_the_last_bit(unit: str, number: float) -> None:
+    si, factor = COMMON_UNITS[unit]
+    registry = unit_registry()
+    by_pint: float = registry.Quantity(number, registry.parse_units(unit)).to(si).magnitude
+    assert number * factor == by_pint

@@ -1,0 +1,161 @@
+"""What commands share: help, version, answers as JSON, sections to start from, a mesh that stays, runs compared."""
+
+import json
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+from matplotlib.image import imread
+
+from meshes import shipped
+from tests.support.command_line import run
+from tests.support.sections import layer, slope, written
+from workflow.settings import Input
+from workflow.stages import NAMES
+
+
+def small(folder: Path, **soil: Any) -> Path:
+    """A slope that is computed in a second."""
+    data = {**slope(), "mesh": {"size": 3.0}, "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0}}
+    data["strata"] = [{**stratum, **soil} for stratum in data["strata"]]
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+def told(capsys: pytest.CaptureFixture[str]) -> Any:
+    """What was printed, which is one JSON document."""
+    return json.loads(capsys.readouterr().out)
+
+
+def words(capsys: pytest.CaptureFixture[str]) -> str:
+    return " ".join(capsys.readouterr().out.replace("│", " ").split())
+
+
+def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--version") == 0
+    assert capsys.readouterr().out == f"noshiro {version('noshiro')}\n"
+
+
+def test_help_lists_the_stages_and_the_sections_that_come_with_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("run", "--help") == 0
+    assert words(capsys).count(", ".join(NAMES)) == 2
+    assert run("init", "--help") == 0
+    assert ", ".join(shipped.names()) in words(capsys)
+
+
+def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in shipped.names():
+        assert run("init", tmp_path / f"{name}.toml", "--from", name) == 0
+        assert Input.load(tmp_path / f"{name}.toml") == Input.load(shipped.file_of(name))
+    assert run("init", tmp_path / "none.toml", "--from", "s14") == 2
+    assert f"'s14': expected one of {', '.join(shipped.names())}" in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "none.toml").exists()
+
+
+def test_check_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("check", written(tmp_path), "--out", tmp_path / "out", "--json") == 0
+    checked = told(capsys)
+    given = Input.load(tmp_path / "slope.toml")
+    assert [one["name"] for one in checked["strata"]] == [one.name for one in given.strata]
+    assert checked["strata"][0]["friction_angle"] == pytest.approx(given.strata[0].friction_angle)
+    assert Path(checked["picture"]).is_file()
+
+
+def test_plan_and_answers_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = small(tmp_path)
+    assert run("run", path, "--out", tmp_path / "out", "--dry-run", "--json") == 0
+    assert [one["stage"] for one in told(capsys)] == list(NAMES)
+    assert run("fem", path, "--out", tmp_path / "out", "--json") == 0
+    stages = told(capsys)["stages"]
+    assert (
+        stages["mesh"]["mesh"]["quadrilaterals"]
+        == stages["fem"]["answers"]["fem/critical.json"]["mesh"]["quadrilaterals"]
+    )
+    assert stages["fem"]["outcome"] == "done"
+    assert stages["fem"]["answers"]["fem/critical.json"] == json.loads((tmp_path / "out/fem/critical.json").read_text())
+
+
+def test_without_an_answer_json_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = small(tmp_path, cohesion="0.1 kPa", friction_angle="0 deg")
+    assert run("fem", path, "--out", tmp_path / "out", "--json") == 3
+    fem = told(capsys)["stages"]["fem"]
+    assert fem["outcome"] == "no answer"
+    assert "weight" in fem["reason"]
+
+
+def test_a_mesh_stays_until_noshiro_mesh_is_called_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = small(tmp_path), tmp_path / "out"
+    planned = ("run", path, "--out", out, "--only", "mesh", "--dry-run")
+    assert run("mesh", path, "--out", out, "--size", 2, "-q") == 0
+    assert run(*planned) == 0
+    said = words(capsys)
+    assert "Meshed as before in this folder: size = 2.0 (noshiro mesh without options forgets that)." in said
+    assert "be reused" in said
+    assert Input.load(out / "section.toml").mesh.size == 2.0
+    assert run(*planned, "--set", "mesh.size=4") == 0  # what a command says of the mesh counts
+    assert "Meshed as before" not in (said := words(capsys))
+    assert "changed: [mesh]" in said
+    assert run("mesh", path, "--out", out, "-q") == 0
+    assert Input.load(out / "section.toml").mesh.size == 3.0
+    assert run(*planned) == 0
+    assert "Meshed as before" not in words(capsys)
+
+
+def test_a_mesh_that_no_longer_fits_is_told_with_where_it_comes_from(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    assert run("mesh", path, "--out", out, "--size", 2, "-q") == 0
+    (out / ".noshiro/mesh_options.json").write_text('{"size": -1.0}')
+    assert run("fem", path, "--out", out) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "options of the mesh kept in" in said
+    assert "mesh, size = -1.0" in said
+
+
+def test_a_thousand_strata_make_a_picture_that_can_be_looked_at(tmp_path: Path) -> None:
+    strata = [layer(f"{k + 1} sand", bottom={"elevation": 5.0 - 0.02 * (k + 1)}) for k in range(999)]
+    data = {**slope(), "surface": [[0.0, 5.0], [100.0, 5.0]], "base": {"elevation": -16.0}}
+    path = tmp_path / "many.toml"
+    path.write_text(tomli_w.dumps({**data, "strata": [*strata, layer("rock")]}))
+    assert run("check", path, "--out", tmp_path / "out", "--json") == 0
+    height, width, _ = imread(tmp_path / "out/figures/section.png").shape
+    assert height < 1.2 * width
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Two runs of the continuum with different sides."""
+    folder = tmp_path_factory.mktemp("two")
+    path = small(folder)
+    outs = []
+    for sides in ("roller", "fixed"):
+        outs.append(folder / sides)
+        only = [word for name in ("mesh", "fem", "report") for word in ("--only", name)]
+        assert run("run", path, "--out", outs[-1], *only, "-q", "--set", f"fem.sides={sides}") == 0
+    return outs
+
+
+def test_runs_side_by_side(two: list[Path], capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert run("compare", *two, "--page", tmp_path / "both.html") == 0
+    said = words(capsys)
+    assert "fem.sides roller fixed" in said
+    kc = [json.loads((out / "summary.json").read_text())["fem"]["kc"] for out in two]
+    assert f"{kc[0]:.3f} (plateau) {kc[1]:.3f} (plateau)" in said
+    html = (tmp_path / "both.html").read_text()
+    assert html.count("<img") == 2 * len(list((two[0] / "figures").glob("*.png")))
+    assert run("compare", *two, "--json") == 0
+    assert [run["fem"]["kc"] for run in told(capsys).values()] == kc
+
+
+def test_what_cannot_be_compared_is_told_at_once(
+    two: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("compare", two[0], tmp_path / "a", tmp_path / "b") == 2
+    said = capsys.readouterr().err
+    assert "2 problems" not in said
+    for name in ("a", "b"):
+        assert str(tmp_path / name) in said.replace("\n", "")

@@ -1,0 +1,44 @@
+"""How a command ends: what is told where it fails, and its exit code."""
+
+import sys
+import traceback
+from collections.abc import Callable
+
+from meshes.errors import InputError, NoAnswerError
+
+DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
+
+
+def ended(call: Callable[[], object]) -> None:
+    """Call what may fail; leave the program with an exit code where it does."""
+    try:
+        call()
+    except InputError as error:
+        _complain(str(error))
+        sys.exit(BAD_INPUT)
+    except NoAnswerError as error:
+        _complain(f"{error.MISSING}: {error}")
+        sys.exit(NO_ANSWER)
+    except (KeyboardInterrupt, SystemExit) as stop:
+        if isinstance(stop, SystemExit) and stop.code != STOPPED:
+            raise
+        _complain("Stopped.", style="yellow")  # typer turns Ctrl-C into an exit without a word
+        sys.exit(STOPPED)
+    except MemoryError:
+        _complain("Out of memory: take larger cells or discs, or a machine with more.")
+        sys.exit(BAD_INPUT)
+    except Exception as error:
+        _complain(traceback.format_exc(), style="")
+        _complain(
+            f"This is a fault of noshiro, not of your input: {type(error).__name__}: {error}",
+            "Please report it with log.txt and your section; what was computed is kept.",
+        )
+        sys.exit(FAULT)
+
+
+def _complain(*lines: str, style: str = "red") -> None:
+    from rich.markup import escape
+
+    from workflow.terminal import err
+
+    err.print(*(escape(line) for line in lines), style=style, soft_wrap=True)

@@ -1,0 +1,80 @@
+"""Fonts for names in any script: one that has their characters is found on this machine, or asked for by its name."""
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+from matplotlib import font_manager
+from matplotlib.ft2font import FT2Font
+
+PLAIN = "DejaVu Sans"  # comes with matplotlib: Latin, Greek, Cyrillic, Arabic
+# Looked at first, so that a text is set in the same font on every machine that has it.
+PREFERRED = ("NotoSansCJK", "ipaexg", "ipag", "TakaoPGothic", "NotoSans")
+UNKNOWN = "?"  # stands for a character that no font of this machine has
+ASKED_FOR = "Noto's fonts have them: on Debian and Ubuntu apt install fonts-noto-cjk, or fonts-noto"
+
+
+def files_for(text: str) -> tuple[str, ...]:
+    """The font files that together have the characters of a text, the plain one first, as far as there are any."""
+    found = [font_manager.findfont(PLAIN)]
+    left = _lacking(found, frozenset(text))
+    for file in _others() if left else ():
+        if left and (more := left - _lacking([file], left)):
+            found.append(file)
+            left -= more
+    return tuple(found)
+
+
+def families_for(text: str) -> list[str]:
+    """The names by which matplotlib knows these fonts."""
+    names = []
+    for file in files_for(text):
+        if file not in {entry.fname for entry in font_manager.fontManager.ttflist}:
+            font_manager.fontManager.addfont(file)  # it came after matplotlib had looked what there is
+        names.append(next(entry.name for entry in font_manager.fontManager.ttflist if entry.fname == file))
+    return names
+
+
+def missing(text: str) -> str:
+    """The characters of a text that no font of this machine has."""
+    left = _lacking(files_for(text), frozenset(text))
+    return "".join(sorted(left, key=text.index))
+
+
+def without(text: str, characters: str) -> str:
+    """A text with a question mark for each of some characters."""
+    return text.translate({ord(character): UNKNOWN for character in characters})
+
+
+def notice(texts: Iterable[str]) -> str:
+    """That pictures cannot show some characters, and which font would; empty where they show all."""
+    lost = missing("".join(texts))
+    if not lost:
+        return ""
+    return f"no font on this machine has {lost}, so pictures show {UNKNOWN} in their place; {ASKED_FOR}"
+
+
+def _lacking(files: Iterable[str], characters: frozenset[str]) -> frozenset[str]:
+    printed = {character for character in characters if not character.isspace()}
+    return frozenset(character for character in printed if not any(ord(character) in _characters(f) for f in files))
+
+
+@cache
+def _characters(file: str) -> frozenset[int]:
+    try:
+        return frozenset(FT2Font(file).get_charmap())
+    except (OSError, RuntimeError):  # a file that is no font, or of a kind that FreeType does not read
+        return frozenset()
+
+
+@cache
+def _others() -> tuple[str, ...]:
+    """All fonts of this machine, those preferred first and bold ones last."""
+    files = set(font_manager.findSystemFonts())
+
+    def order(file: str) -> tuple[int, bool, str]:
+        name = Path(file).stem
+        rank = next((place for place, begin in enumerate(PREFERRED) if name.startswith(begin)), 99)
+        return rank, "Regular" not in name, file
+
+    return tuple(sorted(files, key=order))

@@ -1,0 +1,63 @@
+"""Answers as data: what a command prints with ``--json`` in place of sentences."""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from meshes.section.section import Stratum
+from workflow.run.plan import Decision
+from workflow.run.record import Record
+from workflow.run.stage import Job
+from workflow.settings import Input
+
+
+def told(data: Any) -> str:
+    """Data as the text of a JSON document."""
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def of_section(given: Input, picture: Path) -> dict[str, Any]:
+    """A section that was checked: its strata in SI units, and what has to be known of it."""
+    strata = [
+        {"name": stratum.name, "area_m2": float(area), **_parameters(stratum)}
+        for stratum, area in zip(given.strata, given.layering.areas(), strict=True)
+    ]
+    return {
+        "section": {"name": given.name, "title": given.title, "sha256": given.sha256()},
+        "reconstruction": given.reconstruction_note if given.reconstruction else None,
+        "strata": strata,
+        "notices": given.notices,
+        "picture": str(picture),
+    }
+
+
+def _parameters(stratum: Stratum) -> dict[str, Any]:
+    """All that is given of a stratum but where it lies; quantities as plain SI numbers."""
+    values = {key: value for key, value in stratum if key not in ("name", "bottom")}
+    return {key: float(value) if isinstance(value, float) else value for key, value in values.items()}
+
+
+def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
+    """What would be done about every stage, and why."""
+    return [{"stage": one.stage.name, "would": one.action, "because": one.why} for one in decisions]
+
+
+def of_stages(job: Job, names: Iterable[str]) -> dict[str, Any]:
+    """How stages ended, and the answers that they left: every JSON file by its name, and how good the mesh is."""
+    record = Record(job.store)
+    found: dict[str, Any] = {}
+    for stage in job.stages:
+        entry = record[stage.name]
+        if stage.name not in names or entry is None:
+            continue
+        ended = {"outcome": entry.outcome, "seconds": entry.seconds, "reason": entry.reason, "remedy": entry.remedy}
+        files = {name: job.store.read_json(name) for name in entry.files if name.endswith(".json")}
+        found[stage.name] = {key: value for key, value in ended.items() if value != ""} | {"answers": files}
+        if stage.name == "mesh" and entry.outcome == "done":
+            from workflow.results.stored_mesh import stored_mesh
+
+            mesh = stored_mesh(job.given, job.store)
+            found[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
+    return {"folder": str(job.store.folder), "mesh_options": dict(job.mesh_options or {}), "stages": found}

@@ -1,0 +1,131 @@
+"""Several runs side by side: where their inputs differ, what they found, and their pictures."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from meshes.errors import InputError
+from workflow.report.captions import Picture, collect
+from workflow.report.numbers import metres, number
+from workflow.report.tables import plain
+from workflow.results.cases import CaseNumbers
+from workflow.results.summary import Summary
+from workflow.run.store import Store
+from workflow.settings import Input
+
+WIDTH = 900  # px of a picture: several stand beside each other
+
+
+@dataclass(frozen=True)
+class Found:
+    """A run as it is compared: its folder, its input and its summary."""
+
+    folder: Path
+    given: Input
+    summary: Summary
+
+
+def read(folders: Sequence[Path]) -> list[Found]:
+    """The runs in some folders; raises InputError with every folder that holds none."""
+    found, problems = [], []
+    for folder in folders:
+        try:
+            found.append(Found(folder, Input.load(folder / "section.toml"), Summary.read(Store(folder))))
+        except InputError as error:
+            problems += [f"{error.source}: {problem}" for problem in error.problems]
+    if problems:
+        raise InputError("compare", [*problems, "expected folders of runs with a report"])
+    return found
+
+
+def differences(runs: Sequence[Found]) -> Iterator[tuple[str, list[str]]]:
+    """The keys in which the inputs differ, with what each has."""
+    flat = [dict(_leaves(run.given.model_dump(mode="json"), "")) for run in runs]
+    for key in dict.fromkeys(key for one in flat for key in one):
+        values = [plain(one[key]) if key in one else "–" for one in flat]
+        if len(set(values)) > 1:
+            yield key, values
+
+
+def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """The values of nested tables by their dotted names; strata by theirs."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _leaves(value, f"{name}.{key}" if name else key)
+    elif isinstance(data, list) and data and all(isinstance(one, dict) for one in data):
+        for place, one in enumerate(data, start=1):
+            yield from _leaves(one, f"{name} {one.get('name', place)}")
+    else:
+        yield name, data
+
+
+def rows(runs: Sequence[Found]) -> Iterator[tuple[str, list[str]]]:
+    """What was found: the name of a quantity, and what each run has."""
+    told: dict[str, Callable[[Summary], str]] = {
+        "section": lambda one: f"{one.section.name}, {one.section.sha256[:12]}",
+        "sides": lambda one: one.fem.sides if one.fem else "–",
+        "critical Kh, finite elements": _continuum,
+        "strict bounds, ψ = φ": lambda one: _range(one.bounds.lower, one.bounds.upper) if one.bounds else "–",
+        "critical Kh, discs without a factor": lambda one: number(one.dem.kc_uncalibrated) if one.dem else "–",
+        "critical Kh, discs": lambda one: number(one.dem.kc) if one.dem else "–",
+        "factor on the discs": lambda one: number(one.dem.calibrated.value) if one.dem and one.dem.calibrated else "–",
+    }
+    for name, tell in told.items():
+        yield name, [tell(run.summary) for run in runs]
+    for case in sorted({case for run in runs for case in run.summary.cases or {}}):
+        here = [(run.summary.cases or {}).get(case) for run in runs]
+        yield f"case {case}: largest slide", [_slide(one) for one in here]
+        yield f"case {case}: settlement uphill", [metres(one.settlement_uphill_m) if one else "–" for one in here]
+    yield "computing time", [f"{sum(run.summary.seconds.values()):.0f} s" for run in runs]
+
+
+def _continuum(summary: Summary) -> str:
+    fem = summary.fem
+    if fem is None:
+        return "–"
+    return (
+        f"{number(fem.kc)} ({fem.verdict})" if fem.kc is not None else f"above {number(fem.kc_lower)} ({fem.verdict})"
+    )
+
+
+def _range(low: float | None, high: float | None) -> str:
+    return f"{number(low)} to {number(high)}"
+
+
+def _slide(case: CaseNumbers | None) -> str:
+    if case is None:
+        return "–"
+    return metres(case.slide_max_m) + ("" if case.settled else ", not at rest")
+
+
+def page(runs: Sequence[Found]) -> str:
+    """The comparison as one HTML page with the pictures of all runs; nothing in it is fetched from anywhere."""
+    environment = Environment(
+        loader=PackageLoader("workflow.report", "."),
+        autoescape=select_autoescape(default_for_string=True, default=True),
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    pictures = [_pictures(run.folder) for run in runs]
+    names = dict.fromkeys(name for one in pictures for name in one)
+    return environment.get_template("side_by_side.html.jinja").render(
+        runs=[str(run.folder) for run in runs],
+        differences=list(differences(runs)),
+        rows=list(rows(runs)),
+        pictures=[(name, [one.get(name) for one in pictures]) for name in names],
+    )
+
+
+def write_page(runs: Sequence[Found], path: Path) -> None:
+    """Write the page; raises InputError if it cannot be written."""
+    try:
+        path.write_text(page(runs), encoding="utf-8")
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from None
+
+
+def _pictures(folder: Path) -> dict[str, Picture]:
+    names = sorted(str(path.relative_to(folder)) for path in (folder / "figures").glob("*.png"))
+    return {picture.name: picture for picture in collect(names, folder, WIDTH)}

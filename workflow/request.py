@@ -1,0 +1,97 @@
+"""What a command asks for: a section with settings and options of the command line over it, its folder, its job."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from meshes.errors import InputError
+from workflow import stages
+from workflow.run.mesh_options import kept
+from workflow.run.stage import Job
+from workflow.run.store import Store
+from workflow.settings import Input, dotted, merged
+
+Tables = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Request:
+    """An input and the folder for its results.
+
+    Attributes
+    ----------
+    given : the section with all settings
+    store : the folder
+    mesh_options : settings of the mesh by the command line, of this command or of an earlier one
+    carried : whether those are of an earlier one
+    """
+
+    given: Input
+    store: Store
+    mesh_options: dict[str, Any]
+    carried: bool
+
+    @classmethod
+    def of(
+        cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
+    ) -> "Request":
+        """The file, over it the settings of the command line, over those its options.
+
+        Where a command says nothing of the mesh, it goes on with what the folder was meshed with, unless it begins
+        ``afresh``. Raises InputError with every problem found.
+        """
+        asked = {
+            table: {key: value for key, value in its.items() if value is not None} for table, its in options.items()
+        }
+        tables = merged(dotted(settings or []), asked)
+        read = Input.load(section, tables)
+        store = Store(folder or Path("runs") / read.name)
+        mesh = dict(tables.get("mesh", {}))
+        carried = {} if mesh or afresh else kept(store)
+        if carried:
+            read = _with(section, tables, carried, store)
+        if read.sliding_block.accelerogram:
+            from workflow.estimates.accelerogram import of_input
+
+            of_input(read)  # a record that cannot be read is told now, not after minutes
+        return cls(read, store, mesh or carried, bool(carried))
+
+    def job(self, **more: Any) -> Job:
+        """The job of all stages."""
+        return Job(self.given, self.store, stages.STAGES, mesh_options=self.mesh_options, **more)
+
+    def with_safety_factors(self) -> "Request":
+        """The same, with factors of safety without shaking and at every Kh whose fields are kept."""
+        asked = tuple(sorted({0.0, *self.given.fem.kh, *self.given.fem.safety_factor_at}))
+        wanted = self.given.fem.model_copy(update={"safety_factor_at": asked})
+        return replace(self, given=self.given.model_copy(update={"fem": wanted}))
+
+    @property
+    def notice(self) -> str:
+        """That options of an earlier command hold, and how to be rid of them; empty where there are none."""
+        if not self.carried:
+            return ""
+        told = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
+        return f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."
+
+
+def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Input:
+    """The input with the mesh of the folder; raises InputError that says where that comes from."""
+    try:
+        return Input.load(section, merged(tables, {"mesh": mesh}))
+    except InputError as error:
+        told = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
+        raise InputError(told, error.problems) from None
+
+
+def mesh_options(
+    refine: int | None, size: str | None, free: bool, columns: int | None = None, rows: int | None = None
+) -> dict[str, Any]:
+    """The options of `mesh` as settings; a plain number for the size is metres."""
+    try:
+        wanted: str | float | None = size if size is None else float(size)
+    except ValueError:
+        wanted = size
+    method = "free" if free else None
+    return {"refine": refine, "size": wanted, "method": method, "columns": columns, "rows": rows}

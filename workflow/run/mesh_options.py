@@ -1,0 +1,27 @@
+"""The options with which a folder was meshed: commands after `noshiro mesh --refine 2` go on with the same mesh.
+
+They are settings of [mesh] that the command line gave; the folder's section.toml holds the mesh that came of them.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from workflow.run.store import Store
+
+NAME = ".noshiro/mesh_options.json"
+
+
+def kept(store: Store) -> dict[str, Any]:
+    """What the folder was meshed with; empty where no command gave anything."""
+    found = store.read_json(NAME) if store.has(NAME) else {}
+    return found if isinstance(found, dict) else {}
+
+
+def keep(store: Store, options: Mapping[str, Any] | None) -> None:
+    """Keep the options of a command for later ones; empty ones forget what was kept, None leaves it as it is."""
+    if options is None:
+        return
+    if options:
+        store.write_json(NAME, dict(options))
+    else:
+        store.remove([NAME])
