@@ -1,6 +1,6 @@
 """How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
@@ -128,22 +128,29 @@ class DemSettings(Model):
         return found
 
 
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
 class Case(Model):
     """What liquefaction does to the layers that name this case in `liquefies_in`."""
 
+    name: str = Field(default="", description="what the case is called, such as low strength")
     stiffness: float = Field(default=1.0, gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
     damping: float = Field(default=0.1, ge=0.0, le=1.0, description="factor on the dashpots")
     friction: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the friction")
     cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the cohesion of soil discs' contacts")
-    residual: float = Field(
+    residual: Share | dict[str, Share] = Field(
         default=0.0,
-        ge=0.0,
-        le=1.0,
-        description="residual strength of soil discs over the vertical effective stress in the middle of the layer",
+        description="residual strength of soil discs over the vertical effective stress in the middle of the layer; "
+        "one for all, or one for each by the name of the stratum",
     )
     volumetric_strain: float = Field(
         default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
     )
+
+    def residual_of(self, stratum: str) -> float:
+        """The residual strength of a stratum by its name, over the vertical effective stress."""
+        return self.residual.get(stratum, 0.0) if isinstance(self.residual, dict) else self.residual
 
 
 class SlideSettings(Model):

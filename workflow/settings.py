@@ -4,13 +4,14 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
 
 import tomli_w
 from pydantic import Field, StrictBool, model_validator
 
-from dem.settings import DemSettings, SlideSettings
+from dem.settings import Case, DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.section.liquefies import Cases
@@ -18,6 +19,7 @@ from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.triggering.assessment import Assessment, assess
+from workflow.triggering.consequences import left
 from workflow.triggering.settings import TriggeringSettings
 
 # Options of the command line that take the place of other settings in the file.
@@ -120,12 +122,31 @@ class Input(Section):
         Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
         """
         given = super().parse(data, source)
-        if not any(stratum.liquefies_in.triggered for stratum in given.strata):
+        if not given.triggering.cases and not any(stratum.liquefies_in.triggered for stratum in given.strata):
             return given
         try:
             return given._triggered(given.assessment())
         except InputError as error:
             raise InputError(source, error.problems) from None
+
+    @cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """The cases of the slide: those of [slide], then those that follow from the blow counts, by their names.
+
+        Raises InputError where no relation of residual strength holds.
+        """
+        if not self.triggering.cases:
+            return self.slide.cases
+        remains = left(self.assessment(), self.triggering)
+        found = []
+        for name in self.triggering.cases:
+            try:
+                ratios = {self.strata[one.stratum].name: one.ratio(name) for one in remains}
+            except ValueError as error:
+                raise InputError(self.name, [f'triggering, cases, "{name}": {error}']) from None
+            drained = max((one.volumetric_strain for one in remains), default=0.0)
+            found.append(Case(name=name, residual=ratios, volumetric_strain=min(0.2, drained)))
+        return (*self.slide.cases, *found)
 
     def assessment(self) -> Assessment:
         """F_L at every blow count; raises InputError where borings or the earthquake do not allow it."""
@@ -137,7 +158,7 @@ class Input(Section):
         if untested:
             told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
             raise InputError(self.name, [f'strata "{name}", {told}' for name in untested])
-        numbers = range(1, len(self.slide.cases) + 1)
+        numbers = range(1, len(self.cases) + 1)
         strata = [
             own.model_copy(update={"liquefies_in": Cases(numbers if its.liquefies else (), triggered=True)})
             if own.liquefies_in.triggered

@@ -199,8 +199,7 @@ class Slider:
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist())
         self.layers = list(start.springs.layers)
         self.lead = LEAD[start.law]
-        ratio = case.residual if case is not None else 0.0
-        self.residual = residual_cohesion(start, ground, strata, ratio)
+        self.residual = residual_cohesion(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.model = self._resumed() or self._begun()
 

@@ -36,13 +36,14 @@ def liquefied(
     return out
 
 
-def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], ratio: float) -> dict[int, float]:
-    """Cohesion of a contact (N) with which strata keep a strength of `ratio` times their vertical effective stress.
+def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case | None) -> dict[int, float]:
+    """Cohesion of a contact (N) with which strata keep the residual strength of a case.
 
     That is the stress in the middle of the stratum where it is thickest, of the discs above it; C is about the strength
     times the diameter, which random patches show (C over diameter and stress between 0.1 and 1: `strength_map`).
     """
-    if ratio == 0.0:
+    ratios = {} if case is None else {k: case.residual_of(model.springs.layers[k].name) for k in strata}
+    if not any(ratios.values()):
         return {}
     free = ~model.fixed
     x, z = ground.to_section(model.x[free], model.z[free])
@@ -56,5 +57,5 @@ def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], r
             here = column == c
             middle = float(np.median(z[here & (layer == k)]))
             most = max(most, float(weight[here & (z > middle)].sum()))
-        found[k] = ratio * most * 2.0 * ground.radius
+        found[k] = ratios[k] * most * 2.0 * ground.radius
     return found

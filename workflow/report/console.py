@@ -155,6 +155,10 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
             lowest = f", smallest F_L {stratum.lowest_factor:.2f}" if stratum.lowest_factor is not None else ""
             word = "liquefies" if stratum.liquefies else "does not liquefy"
             yield f'"{stratum.name}" {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}.'
+    for one in answer.left:
+        ratios = ", ".join(f"{ratio:.3f} ({title})" for title, ratio in one.residual.items()) or "outside all relations"
+        drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
+        yield f'"{one.stratum}" keeps a strength over σ\'v of {ratios}; {drains}.'
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 

@@ -55,10 +55,17 @@ def case_heads() -> list[tuple[str, str]]:
 
 def case_rows(given: Input) -> Iterator[list[str]]:
     """Every case in which a stratum liquefies: its number, the strata, and its factors."""
-    for number, case in enumerate(given.slide.cases, start=1):
+    for number, case in enumerate(given.cases, start=1):
         names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
-            yield [str(number), ", ".join(names), *(f"{value:g}" for _, value in case)]
+            yield [str(number), ", ".join(names), *(_factor(value) for _, value in case)]
+
+
+def _factor(value: Any) -> str:
+    """What a case leaves, in three digits; of each stratum by name where they differ."""
+    if isinstance(value, dict):
+        return "; ".join(f"{name} {share:.3g}" for name, share in value.items())
+    return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 
 
 def written_rows(given: Section) -> Iterator[list[str]]:

@@ -8,7 +8,10 @@ from workflow.earthquake.attenuation import GAL, Motion
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 from workflow.settings import Input
 from workflow.triggering.assessment import Assessment, Judged, OfStratum
+from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.potential import SOURCE, risk
+from workflow.triggering.residual import RELATIONS
+from workflow.triggering.strains import ISHIHARA_YOSHIMINE, PRESSURE_VALIDITY, SEED, STRAIN_VALIDITY
 
 
 class MotionPart(Part):
@@ -90,9 +93,10 @@ class StratumPart(Part):
     share: float | None = Field(description="share of it in which F_L is below 1")
     lowest_factor: float | None
     liquefies: bool
+    pore_pressure: float = Field(description="mean excess pore pressure over the vertical effective stress")
 
     @classmethod
-    def of(cls, stratum: OfStratum) -> Self:
+    def of(cls, stratum: OfStratum, pore_pressure: float) -> Self:
         """A stratum as an answer holds it."""
         return cls(
             name=stratum.name,
@@ -100,6 +104,7 @@ class StratumPart(Part):
             share=stratum.share,
             lowest_factor=stratum.lowest,
             liquefies=stratum.liquefies,
+            pore_pressure=pore_pressure,
         )
 
 
@@ -109,6 +114,22 @@ class BoringPart(Part):
     name: str
     potential: float = Field(description="P_L, from 0 to 100")
     risk: str
+
+
+class LeftPart(Part):
+    """What is left of a stratum where its blow counts have F_L below 1."""
+
+    stratum: str
+    residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
+    volumetric_strain: float = Field(description="what drains away after the earthquake")
+
+
+class RelationPart(Part):
+    """A relation that was used: what it is called, where it was published, and what it holds for."""
+
+    title: str
+    source: str
+    validity: str
 
 
 class TriggeringAnswer(Answer):
@@ -127,10 +148,13 @@ class TriggeringAnswer(Answer):
     strata: tuple[StratumPart, ...]
     borings: tuple[BoringPart, ...]
     tests: tuple[TestPart, ...]
+    left: tuple[LeftPart, ...]
+    relations: tuple[RelationPart, ...] = Field(description="of residual strength, volumetric strain, pore pressure")
 
     @classmethod
     def of(cls, given: Input, found: Assessment) -> Self:
         """An assessment as an answer holds it."""
+        pressures = pore_pressures(found, len(given.strata))
         return cls(
             section=SectionLabel.of(given),
             motion=MotionPart.of(found.motion),
@@ -139,9 +163,22 @@ class TriggeringAnswer(Answer):
             source=found.relation.source,
             validity=found.relation.validity,
             share=given.triggering.share,
-            strata=tuple(StratumPart.of(stratum) for stratum in found.strata),
+            strata=tuple(map(StratumPart.of, found.strata, pressures)),
             borings=tuple(
                 BoringPart(name=name, potential=value, risk=risk(value)) for name, value in found.potentials.items()
             ),
             tests=tuple(TestPart.of(test, given.strata[test.where.stratum].name) for test in found.tests),
+            left=tuple(
+                LeftPart(
+                    stratum=given.strata[one.stratum].name,
+                    residual=one.ratios,
+                    volumetric_strain=one.volumetric_strain,
+                )
+                for one in left(found, given.triggering)
+            ),
+            relations=(
+                *(RelationPart.model_validate(relation) for relation in RELATIONS),
+                RelationPart(title="Ishihara & Yoshimine (1992)", source=ISHIHARA_YOSHIMINE, validity=STRAIN_VALIDITY),
+                RelationPart(title="pore pressure, Seed et al. (1976)", source=SEED, validity=PRESSURE_VALIDITY),
+            ),
         )

@@ -50,14 +50,14 @@ OnEnd = Callable[[Task, Slider], None]
 
 def liquefying(given: Input) -> dict[int, list[int]]:
     """For every case the indices of the strata that liquefy in it; cases without any are left out."""
-    numbers = range(1, len(given.slide.cases) + 1)
+    numbers = range(1, len(given.cases) + 1)
     found = {n: [k for k, stratum in enumerate(given.strata) if n in stratum.liquefies_in] for n in numbers}
     return {n: strata for n, strata in found.items() if strata}
 
 
 def task(given: Input, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
     """A case of the input by its number, or `ALONE`, from some discs at rest."""
-    case = None if number == ALONE else given.slide.cases[number - 1]
+    case = None if number == ALONE else given.cases[number - 1]
     return Task(springs, number, start, ground, liquefying(given).get(number, []), case)
 
 

@@ -27,6 +27,7 @@ class Judged:
     ----------
     boring, x, sample : where and what was measured
     top, bottom : the depths (m) for which it stands, half-way to its neighbours in the same stratum
+    length : how much of the section (m) is nearest to its boring
     where : the stresses there, and the stratum
     found : what the method finds; None where it does not judge
     reason : why it does not
@@ -37,9 +38,15 @@ class Judged:
     sample: Sample
     top: float
     bottom: float
+    length: float
     where: Overburden
     found: Resistance | None
     reason: str
+
+    @property
+    def area(self) -> float:
+        """The area (m²) for which it stands."""
+        return (self.bottom - self.top) * self.length
 
     @property
     def factor(self) -> float | None:
@@ -94,16 +101,18 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         raise InputError(section.name, problems)
     shaking = Shaking(motion.median / GRAVITY, earthquake.magnitude or math.nan)
     tests: list[Judged] = []
+    lengths = _stretches(section, sorted({float(boring.x) for boring in settings.borings}))
     for boring in settings.borings:
         for sample, (top, bottom, where) in zip(boring.spt, _pieces(section, boring), strict=True):
-            point = _blow_count(sample, where)
+            point = blow_count(sample, where)
             reason = relation.why_not(point) if where.below_water else "above the water table"
             try:
                 found = None if reason else relation.find(point, shaking, settings)
             except ValueError as error:
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
-            tests.append(Judged(boring.name, float(boring.x), sample, top, bottom, where, found, reason))
+            x = float(boring.x)
+            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], where, found, reason))
     if problems:
         raise InputError(section.name, problems)
     strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
@@ -141,7 +150,7 @@ def _outside(section: Section, boring: Boring) -> list[str]:
     return [f"triggering, boring {boring.name}: {text}" for text in told if text]
 
 
-def _blow_count(sample: Sample, where: Overburden) -> BlowCount:
+def blow_count(sample: Sample, where: Overburden) -> BlowCount:
     """A test as the methods see it; without a fines content it counts as clean sand, which is on the safe side."""
     return BlowCount(
         sample.depth,
@@ -175,19 +184,11 @@ def _pieces(section: Section, boring: Boring) -> list[tuple[float, float, Overbu
 
 
 def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
-    """Tests weigh by the depths for which they stand, times the stretch of the section nearest to their boring."""
     here = [test for test in tests if test.where.stratum == number]
-    stretch = _stretches(section, sorted({test.x for test in tests}))
-    areas = np.array([(test.bottom - test.top) * stretch[test.x] for test in here])
-    share = float(areas[[test.liquefies for test in here]].sum() / areas.sum()) if here else None
+    share = sum(test.area for test in here if test.liquefies) / sum(test.area for test in here) if here else None
     factors = [test.factor for test in here if test.factor is not None]
-    return OfStratum(
-        section.strata[number].name,
-        len(here),
-        share,
-        min(factors, default=None),
-        share is not None and share >= wanted,
-    )
+    enough = share is not None and share >= wanted
+    return OfStratum(section.strata[number].name, len(here), share, min(factors, default=None), enough)
 
 
 def _stretches(section: Section, x: list[float]) -> dict[float, float]:

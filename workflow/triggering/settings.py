@@ -11,6 +11,8 @@ from workflow.triggering.highway_code import MotionType
 
 Method = Literal["idriss_boulanger_2008", "highway_1990", "highway_2012", "highway_2017"]
 
+CaseName = Literal["median", "low strength", "high strength"]
+
 
 class TriggeringSettings(Model):
     """Which relation judges, what is known of the hammer, and the borings."""
@@ -34,5 +36,10 @@ class TriggeringSettings(Model):
     )
     share: float = Field(
         default=0.5, gt=0.0, le=1.0, description="share of a stratum in which F_L is below 1 so that it liquefies"
+    )
+    cases: tuple[CaseName, ...] = Field(
+        default=(),
+        description='cases of the slide that follow from the blow counts, after those of [slide]: "median", '
+        '"low strength", "high strength", by the residual strengths of three relations',
     )
     borings: tuple[Boring, ...] = Field(default=(), description="one table [[triggering.borings]] for each boring")

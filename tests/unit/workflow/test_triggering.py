@@ -119,3 +119,25 @@ def test_bad_input_ends_with_exit_code_2(tmp_path: Path, capsys: pytest.CaptureF
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 2
     assert "distance = 500 km: outside the range of Fukushima & Tanaka (1990)" in capsys.readouterr().err
+
+
+def test_cases_by_name_follow_those_of_the_slide() -> None:
+    """The three relations at two tests: the median lies between the low and the high strength, and sand drains."""
+    data = bored()
+    data["triggering"] |= {"share": 0.3, "cases": ["median", "low strength", "high strength"]}
+    given = Input.parse(data)
+    assert tuple(given.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
+    median, low, high = given.cases[3:]
+    assert [case.name for case in given.cases] == ["", "", "", "median", "low strength", "high strength"]
+    assert 0.02 < low.residual_of("loose") < median.residual_of("loose") < high.residual_of("loose") < 0.2
+    assert median.residual_of("dense") == 0.0
+    assert 0.01 < median.volumetric_strain < 0.06
+    assert Input.parse(given.model_dump(mode="json", by_alias=True, exclude_none=True)).cases == given.cases
+
+
+def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:
+    data = bored()
+    data["earthquake"]["peak_acceleration"] = "20 m/s^2"
+    data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 16), test(8.0, 60)]}]
+    data["triggering"]["cases"] = ["median"]
+    assert "none of the relations of residual strength holds" in "\n".join(problems(data, Input))

@@ -1,0 +1,81 @@
+"""What follows where strata liquefy: the strength that they keep, the water that they lose, and cases made of both."""
+
+import statistics
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from workflow.triggering.assessment import Assessment, Judged, blow_count
+from workflow.triggering.idriss_boulanger import normalised
+from workflow.triggering.residual import RELATIONS, Penetration
+from workflow.triggering.settings import CaseName, TriggeringSettings
+from workflow.triggering.strains import pore_pressure_ratio, volumetric_strain
+
+CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
+    "median": statistics.median,
+    "low strength": min,
+    "high strength": max,
+}
+
+
+@dataclass(frozen=True)
+class Left:
+    """What is left of a stratum that liquefies; means over what its tests with F_L below 1 stand for.
+
+    Attributes
+    ----------
+    stratum : index of the stratum
+    ratios : residual strength over σ'v by relation; a relation that holds for none of the tests is left out
+    volumetric_strain : what drains away, without a unit
+    """
+
+    stratum: int
+    ratios: dict[str, float]
+    volumetric_strain: float
+
+    def ratio(self, case: CaseName) -> float:
+        """The residual strength over σ'v of a case by name; ValueError where no relation holds."""
+        if not self.ratios:
+            raise ValueError("none of the relations of residual strength holds for blow counts as high as these")
+        return CHOICE[case](list(self.ratios.values()))
+
+
+def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
+    """What is left of every stratum in which some test liquefies."""
+    strata = sorted({test.where.stratum for test in assessment.tests if test.liquefies})
+    return tuple(_of_stratum(k, assessment, settings) for k in strata)
+
+
+def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
+    """Mean excess pore pressure ratio of every stratum, over what its tests stand for: 1 where F_L is at most 1."""
+    found = []
+    for k in range(strata):
+        here = [test for test in assessment.tests if test.where.stratum == k]
+        pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in here]
+        found.append(_mean(here, pressures))
+    return found
+
+
+def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSettings) -> Left:
+    tests = [test for test in assessment.tests if test.liquefies and test.where.stratum == number]
+    points = [blow_count(test.sample, test.where) for test in tests]
+    counts = [normalised(point, settings.energy_ratio, settings.rods_above) for point in points]
+    ratios = {}
+    for relation in RELATIONS:
+        found = [
+            relation.ratio(Penetration(n1, point.fines, point.effective))
+            for point, (n1, _) in zip(points, counts, strict=True)
+        ]
+        holds = [(test, ratio) for test, ratio in zip(tests, found, strict=True) if ratio is not None]
+        if holds:
+            ratios[relation.title] = _mean([test for test, _ in holds], [ratio for _, ratio in holds])
+    strains = [
+        volumetric_strain(test.factor, clean) if test.factor is not None else 0.0
+        for test, (_, clean) in zip(tests, counts, strict=True)
+    ]
+    return Left(number, ratios, _mean(tests, strains))
+
+
+def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:
+    """The mean over what tests stand for; 0 without any."""
+    total = sum(test.area for test in tests)
+    return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0
