@@ -13,6 +13,7 @@ from fem.continuation import ProportionalLoad
 from fem.fields import State, state_of, touched_sides
 from fem.gravity import gravity_equilibrium, path_settings
 from fem.loads import Direction, sign_of
+from fem.nodal_loads import shaken_load
 from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
 from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
@@ -135,8 +136,8 @@ def _towards(
     faces = [face for face in sand if face.kh <= 0.0]
     while True:
         problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
-        at_rest = problem.state()
-        path = seismic_path(problem, constant, sign, settings)
+        at_rest, load = problem.state(), seismic_load(problem, mesh, section, sign)
+        path = seismic_path(problem, constant, load, sign, settings)
         rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
         limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
         relaxed = path.relax()
@@ -148,7 +149,7 @@ def _towards(
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
     problem.restore(at_rest)
     wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
-    kept = states_at(seismic_path(problem, constant, sign, settings), mesh, [kh for kh in wanted if kh <= kc])
+    kept = states_at(seismic_path(problem, constant, load, sign, settings), mesh, [kh for kh in wanted if kh <= kc])
     reached = {state.kh for state in kept}
     beyond = [
         replace(last, label=f"past equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
@@ -198,12 +199,13 @@ def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> lis
     return kept
 
 
-def seismic_path(problem: PlaneStrain, constant: np.ndarray, sign: int, settings: FemSettings) -> EquilibriumPath:
-    """The path of rising Kh, ready to start; displacement is positive in the direction of the horizontal load.
+def seismic_path(
+    problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, sign: int, settings: FemSettings
+) -> EquilibriumPath:
+    """The path of rising Kh, ready to start; displacement is positive in the direction of the ``load`` of Kh = 1.
 
     Raises InputError if no stratum has a seismic density.
     """
-    load = seismic_load(problem, sign)
     mass = problem.exchange.dot(load, _horizontal(problem, sign))
     if mass == 0.0:
         raise InputError("section", ["density_seismic is 0 in all strata: there is nothing to accelerate"])
@@ -216,9 +218,10 @@ def seismic_path(problem: PlaneStrain, constant: np.ndarray, sign: int, settings
     return EquilibriumPath(problem, ProportionalLoad(constant, load), control, REFERENCE_KH * elastic, scale, follow)
 
 
-def seismic_load(problem: PlaneStrain, sign: int) -> np.ndarray:
-    """Nodal forces (N/m) of Kh = 1 towards the right (``sign`` 1) or the left (-1)."""
-    return problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
+def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
+    """Nodal forces (N/m) of Kh = 1 towards the right (``sign`` 1) or the left (-1), on soil and on what it carries."""
+    soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
+    return soil + shaken_load(problem, mesh, section, sign)
 
 
 def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:

@@ -29,10 +29,15 @@ class Discretisation:
         B (1/m), which gives the strain [xx, yy, zz, xy] with engineering shear.
     hourglass : ndarray (nc or 0, nd, nd)
         Stiffness against hourglass strain, for a shear modulus of 1 (-).
+    divergence : ndarray (nc, nq, nd)
+        Volumetric strain (1/m) as the shape functions give it, on which pore pressure works; ``matrix`` may have it
+        smoothed.
     weights : ndarray (nc, nq)
         Areas (m²) of the quadrature points.
     shapes : ndarray (nq, nodes)
         Shape functions at the quadrature points (-).
+    corner_shapes : ndarray (nq, 4)
+        Those of the corners alone, bilinear (-).
     dofs : ndarray (nc, nd)
         Numbers of a cell's displacement components among those this rank works with.
     global_dofs : ndarray (needed,)
@@ -55,8 +60,10 @@ class Discretisation:
     element: Element
     matrix: np.ndarray
     hourglass: np.ndarray
+    divergence: np.ndarray
     weights: np.ndarray
     shapes: np.ndarray
+    corner_shapes: np.ndarray
     dofs: np.ndarray
     global_dofs: np.ndarray
     cell: np.ndarray
@@ -92,6 +99,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     points = mesh.points[part.corners]
     gauss, weight = _gauss(3 if element == "quadratic" else 2)
     matrix, weights = _strain_matrix(degree, gauss, weight, points)
+    divergence = matrix[:, :, 0] + matrix[:, :, 1]
     hourglass = np.zeros((0, matrix.shape[-1], matrix.shape[-1]))
     if element == "reduced":
         hourglass = _hourglass_stiffness(matrix, points)
@@ -106,8 +114,10 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
         element=element,
         matrix=matrix,
         hourglass=hourglass,
+        divergence=divergence,
         weights=weights,
         shapes=api.tabulate(degree, gauss)[0],
+        corner_shapes=api.tabulate(1, gauss)[0],
         dofs=dofs.reshape(blocked.shape).astype(np.int32),
         global_dofs=global_dofs.astype(PETSc.IntType),
         cell=part.cell,

@@ -10,6 +10,7 @@ from fem import dolfinx_api as api
 from fem.continuation import NewtonSettings, ProportionalLoad
 from fem.errors import UnstableError
 from fem.loads import soils
+from fem.nodal_loads import excess_load, still_load
 from fem.path import EquilibriumPath, PathSettings
 from fem.plane_strain import PlaneStrain
 from fem.settings import Element, FemSettings
@@ -53,13 +54,15 @@ def gravity_equilibrium(
     comm: Any,
     faces: Sequence[Skin] = (),
     strength_factor: float = 1.0,
+    shaken: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
     """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
     ones. Displacement and strain are counted from here. The ground just below cohesionless ``faces`` is strengthened,
-    see ``fem/skin.py``; ``strength_factor`` divides cohesion and tan φ. Raises InputError, UnstableError.
+    see ``fem/skin.py``; ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if
+    the ground is ``shaken``. Raises InputError, UnstableError.
     """
     api.require()
     strata = soils(section, settings)
@@ -73,6 +76,7 @@ def gravity_equilibrium(
     else:
         problem.hold(UNDER_GRAVITY)
     weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
+    weight = weight + still_load(problem, mesh, section)
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
@@ -84,6 +88,9 @@ def gravity_equilibrium(
         lift = problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
         apply_load(problem, constant, lift, settings)
         constant = constant + lift
+    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+        apply_load(problem, constant, excess, settings)
+        constant = constant + excess
     problem.displacement[:] = 0.0
     problem.plastic_strain[:] = 0.0
     problem.strain[:] = 0.0

@@ -11,12 +11,14 @@ from fem.critical import ASSOCIATED_RULE, seismic_load
 from fem.errors import UnstableError
 from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, path_settings
 from fem.loads import push
+from fem.nodal_loads import still_load
 from fem.path import EquilibriumPath, PathStep
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
 from fem.skin import Skin, skins
 from fem.strength import strength_of
 from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 # Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
@@ -78,8 +80,8 @@ def safety_factor(
     faces = _faces(section, settings, kh)
     for start in STARTS:
         try:
-            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start)
-            load = kh * seismic_load(problem, push(section, settings))
+            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
+            load = kh * seismic_load(problem, mesh, section, push(section, settings))
             if kh == 0.0 and settings.sides != "tied":
                 problem.hold(UNDER_GRAVITY)
             if kh != 0.0:
@@ -94,6 +96,7 @@ def safety_factor(
     pushing = load
     if kh == 0.0:
         pushing = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
+        pushing = pushing + still_load(problem, mesh, section) / GRAVITY
     control = pushing / norm(pushing)
     problem.use_elastic_tangent()
     problem.factorise()

@@ -92,7 +92,9 @@ def _geometry(
     Every polygon's edge is cut at every corner of another polygon that lies on it.
     """
     polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
-    corners = np.unique(np.concatenate([polygon for _, polygon in polygons]), axis=0)
+    ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
+    on_ground = np.column_stack([ends, layers.interfaces(ends)[:, 0]])  # a load ends where an edge does
+    corners = np.unique(np.concatenate([on_ground, *(polygon for _, polygon in polygons)]), axis=0)
     geo = gmsh.model.geo
     points = [geo.addPoint(x, z, 0.0) for x, z in corners]
     number = {tuple(corner): i for i, corner in enumerate(corners.tolist())}

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven_upper_bound
-from fem.limit.limit_problem import RigidPlasticBody, Side, Traction, limit_problem, units_of
+from fem.limit.limit_problem import Places, Pressure, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
@@ -21,6 +21,7 @@ from fem.strength import is_dilating_fully
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
+from meshes.section.water_pressure import WaterPressure
 from meshes.triangles import TriMesh, triangulate
 
 # Cells in the height of the section to start from, and in the thickness of a layer.
@@ -119,28 +120,57 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
     )
 
 
-def body_of(section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False) -> RigidPlasticBody:
-    """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh."""
+def body_of(
+    section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False, shaken: bool = True
+) -> RigidPlasticBody:
+    """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh.
+
+    The pore pressure that shaking adds is there if the ground is ``shaken``.
+    """
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
     nothing = np.zeros(len(ordinary))
-    sides = {"surface": Side(), "base": Side("xy"), "left": Side("xy"), "right": Side("xy")}
+    water = section.water_pressure
+    sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
     if fem.sides == "roller":
         for name, stress in side_stresses(section, mesh).items():
-            sides[name] = Side("y", dead=_pressing(stress, -1.0 if name == "left" else 1.0))
+            # The total stress stays when shaking adds to the pore pressure.
+            pressing = _pressing(stress, -1.0 if name == "left" else 1.0)
+            sides[name] = Side("y", dead=pressing, pressure=lambda at: water.at_rest(at.points, at.near, at.stratum))
     return RigidPlasticBody(
         cohesion=cohesion,
         friction=friction,
         dead_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
         live_force=np.column_stack([push(section, fem) * seismic, nothing]),
         sides=sides,
+        pore_pressure=_pore_pressure(water, shaken) if water.present else None,
+    )
+
+
+def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
+    def pressure(at: Places) -> np.ndarray:
+        places = at.points, at.near, at.stratum
+        return water.at_rest(*places) + water.shaken(*places) if shaken else water.at_rest(*places)
+
+    return pressure
+
+
+def _ground(section: Section, sign: int) -> Side:
+    """The ground with what stands on it."""
+    water, loads = section.water_pressure, section.surface_loads
+    if not (water.present or loads.present):
+        return Side()
+    return Side(
+        dead=lambda at: loads.dead(at.points, at.near, at.normal),
+        live=lambda at: loads.shaken(sign, at.points, at.near, at.normal),
+        pressure=lambda at: water.on_ground(at.points, at.near),
     )
 
 
 def _pressing(stress: SideStress, outwards: float) -> Traction:
-    def traction(points: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        return np.column_stack([outwards * stress.at(points[:, 1], stratum), np.zeros(len(points))])
+    def traction(at: Places) -> np.ndarray:
+        return np.column_stack([outwards * stress.at(at.points[:, 1], at.stratum), np.zeros(len(at.points))])
 
     return traction
 

@@ -13,8 +13,35 @@ import numpy as np
 from meshes.bisection import split_at_middle
 from meshes.triangles import TriMesh
 
-# Traction (k, 2) in Pa at points (k, 2) in m of a boundary, next to strata (k,); linear along every edge of the mesh.
-Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Where something is asked for: k points, each of them seen from one cell.
+
+    Attributes
+    ----------
+    points : ndarray (k, 2)
+        The points in m.
+    near : ndarray (k, 2)
+        A point of the cell, or of the edge, that each is a corner of, in m.
+    stratum : ndarray (k,)
+        The strata of the cells.
+    normal : ndarray (k, 2)
+        Outward unit normals of the edges; empty for cells.
+    """
+
+    points: np.ndarray
+    near: np.ndarray
+    stratum: np.ndarray
+    normal: np.ndarray
+
+
+# Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa; linear along every edge of the mesh.
+Traction = Callable[[Places], np.ndarray]
+Pressure = Callable[[Places], np.ndarray]
+
+# Pore pressure less that of the water outside, over the largest pore pressure, below which the two are the same.
+SAME_PRESSURE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -29,11 +56,14 @@ class Side:
         Traction in the other components that does not depend on the multiplier; None for zero.
     live : Traction or None
         Traction in the other components that the multiplier acts on; None for zero.
+    pressure : Pressure or None
+        Pressure of the water outside, which acts beside the dead traction; None for zero.
     """
 
     held: str = ""
     dead: Traction | None = None
     live: Traction | None = None
+    pressure: Pressure | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +82,9 @@ class RigidPlasticBody:
         Body force in N/m³ that the multiplier acts on.
     sides : mapping of str to Side
         The boundary condition on every boundary of the mesh, by its name.
+    pore_pressure : Pressure or None
+        Pore pressure u; None for zero. Strength is that of the effective stress σ' = σ + u, tension positive, which
+        is what a problem's stress is then.
     """
 
     cohesion: np.ndarray
@@ -59,6 +92,7 @@ class RigidPlasticBody:
     dead_force: np.ndarray
     live_force: np.ndarray
     sides: Mapping[str, Side]
+    pore_pressure: Pressure | None = None
 
 
 @dataclass(frozen=True)
@@ -109,6 +143,25 @@ class Outline:
 
 
 @dataclass(frozen=True, eq=False)
+class Jumps:
+    """The k inner edges across which the pore pressure jumps, and the traction on the skeleton with it, dimensionless.
+
+    Attributes
+    ----------
+    edges : ndarray (k,)
+        Numbers of the edges in the mesh.
+    ends : ndarray (k, 2)
+        Numbers of their end points.
+    dead : ndarray (k, 2 ends, 2)
+        What the traction of the first cell (``TriMesh.edge_cells``) exceeds that of the second one by, at both ends.
+    """
+
+    edges: np.ndarray
+    ends: np.ndarray
+    dead: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class LimitProblem:
     """A rigid-plastic body on a mesh of m triangles, dimensionless.
 
@@ -123,11 +176,13 @@ class LimitProblem:
     friction : ndarray (m,)
         Friction angle of every cell in rad.
     dead_force : ndarray (m, 2)
-        Body force that does not depend on the multiplier, over unit of stress / unit of length.
+        Body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of length.
     live_force : ndarray (m, 2)
         Body force that the multiplier acts on, in the same unit.
     outline : Outline
         The edges of the boundary.
+    jumps : Jumps
+        The edges between different pore pressures.
     """
 
     mesh: TriMesh
@@ -137,6 +192,7 @@ class LimitProblem:
     dead_force: np.ndarray
     live_force: np.ndarray
     outline: Outline
+    jumps: Jumps
 
     @property
     def points(self) -> np.ndarray:
@@ -153,7 +209,7 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
     """The units: the height of the mesh, and the largest dead stress (γH or traction), or without any the cohesion."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     length = float(high[1] - low[1])
-    weight = float(np.hypot(*body.dead_force.T).max()) * length
+    weight = float(np.hypot(*_on_skeleton(mesh, body).T).max()) * length
     pressed = float(np.abs(_outline(mesh, body).dead).max())
     stress = max(weight, pressed) or float(body.cohesion.max())
     return Units(length, stress, (float(low[0]), float(low[1])))
@@ -171,15 +227,25 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         mesh, outline = divided, _outline(divided, body)
     scaled = mesh.moved(np.array(units.origin), units.length)
     per_volume = units.length / units.stress
+    jumps = _jumps(mesh, corner_pressure(mesh, body.pore_pressure))
     return LimitProblem(
         mesh=scaled,
         units=units,
         cohesion=body.cohesion[mesh.stratum] / units.stress,
         friction=body.friction[mesh.stratum],
-        dead_force=body.dead_force[mesh.stratum] * per_volume,
+        dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,
         outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
+        jumps=replace(jumps, dead=jumps.dead / units.stress),
     )
+
+
+def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
+    """Body force (m, 2) in N/m³ on the skeleton: the dead force less the slope of the pore pressure."""
+    force = body.dead_force[mesh.stratum]
+    if body.pore_pressure is None:
+        return force
+    return force - np.einsum("mk,mki->mi", corner_pressure(mesh, body.pore_pressure), mesh.gradients)
 
 
 def corner_cells(mesh: TriMesh) -> np.ndarray:
@@ -187,14 +253,56 @@ def corner_cells(mesh: TriMesh) -> np.ndarray:
     return (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1) >= 2
 
 
+def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
+    """A pressure (m, 3) in Pa at the corners of every cell, as it is within the cell."""
+    if pressure is None:
+        return np.zeros(mesh.cells.shape)
+    corners = mesh.points[mesh.cells]
+    near = np.repeat(corners.mean(axis=1), 3, axis=0)
+    places = Places(corners.reshape(-1, 2), near, np.repeat(mesh.stratum, 3), np.empty((0, 2)))
+    return pressure(places).reshape(-1, 3)
+
+
+def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
+    along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
+    outwards = mesh.points[ends[:, 0]] - mesh.points[mesh.cells[cells]].mean(axis=1)
+    return normal * np.sign(np.sum(normal * outwards, axis=1))[:, None]
+
+
+def _jumps(mesh: TriMesh, pressure: np.ndarray) -> Jumps:
+    """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
+    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
+    ends = mesh.edges[inner]
+    one, other = (_at_ends_of(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
+    jump = one - other
+    there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
+    normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
+    return Jumps(inner[there], ends[there], jump[there][:, :, None] * normal[:, None, :])
+
+
+def _at_ends_of(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Values (m, 3) at corners of cells, those of cells (k,) at the ends (k, 2) of their edges."""
+    corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
+    return values[cells[:, None], corner]
+
+
 def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
     parts = []
+    pressure = corner_pressure(mesh, body.pore_pressure)
     for name, side in body.sides.items():
         ends = mesh.boundaries[name]
         edges = mesh.edge_numbers(ends)
         cells = mesh.edge_cells[edges, 0]
         held = np.tile([axis in side.held for axis in "xy"], (len(ends), 1))
-        dead, live = (_at_ends(traction, mesh, ends, cells) for traction in (side.dead, side.live))
+        places = edge_ends(mesh, ends, cells)
+        dead, live = (_traction(given, places) for given in (side.dead, side.live))
+        if body.pore_pressure is not None:
+            inside = _at_ends_of(mesh, pressure, cells, ends)
+            outside = np.zeros(inside.shape) if side.pressure is None else side.pressure(places).reshape(-1, 2)
+            left = np.where(np.abs(inside - outside) > SAME_PRESSURE * pressure.max(initial=0.0), inside - outside, 0.0)
+            dead = dead + left[:, :, None] * places.normal.reshape(-1, 2, 2)
         parts.append((edges, ends, cells, held, dead, live))
     outline = Outline(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     outer = np.flatnonzero(mesh.edge_cells[:, 1] < 0)
@@ -203,10 +311,17 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
     return outline
 
 
-def _at_ends(traction: Traction | None, mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def edge_ends(mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> Places:
+    """Both ends of edges (k, 2) of the outline, one edge after the other."""
+    points = mesh.points[ends]
+    return Places(
+        points.reshape(-1, 2),
+        np.repeat(points.mean(axis=1), 2, axis=0),
+        np.repeat(mesh.stratum[cells], 2),
+        np.repeat(outward_normals(mesh, cells, ends), 2, axis=0),
+    )
+
+
+def _traction(given: Traction | None, places: Places) -> np.ndarray:
     """A traction at both ends of edges, (k, 2, 2)."""
-    values = np.zeros((len(ends), 2, 2))
-    if traction is not None:
-        for end in (0, 1):
-            values[:, end] = traction(mesh.points[ends[:, end]], mesh.stratum[cells])
-    return values
+    return np.zeros((len(places.points) // 2, 2, 2)) if given is None else given(places).reshape(-1, 2, 2)

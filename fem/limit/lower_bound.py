@@ -154,15 +154,18 @@ def _balance(problem: LimitProblem) -> Equations:
 
 
 def _continuity(problem: LimitProblem) -> Equations:
-    """The same traction on both sides of the inner edges, at both ends, times half their length."""
+    """Tractions on both sides of inner edges, the same but for the ``Jumps``, at both ends, times half their length."""
     mesh = problem.mesh
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[inner]
     one, other = mesh.edge_cells[inner].T
     normal = _normals(problem, one, ends)
     zero = np.zeros(4 * len(inner))
+    jump = np.zeros((len(inner), 2, 2))
+    jump[np.searchsorted(inner, problem.jumps.edges)] = problem.jumps.dead
+    dead = (np.hypot(*normal.T)[:, None, None] * jump).ravel()
     matrix = _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal)
-    return matrix, zero, zero, np.repeat(ends.ravel(), 2)
+    return matrix, dead, zero, np.repeat(ends.ravel(), 2)
 
 
 def _boundary(problem: LimitProblem) -> Equations:

@@ -19,6 +19,8 @@ DEPENDENT = 1e-12
 # Largest eigenvalue of the yield function on the stresses that a point leaves free, over that of the whole cone, at
 # which none of them is inside the cone.
 OUTSIDE = 1e-9
+# In place of an edge's number on the outline: tractions across it jump by a known amount, which is not zero.
+JUMPS = -2
 # Volumetric strain rate that the flow rule lets exceed sin φ times the shear rate, for velocity gradients of 1, below
 # which a point counts as unable to strain.
 UNSTRAINED = 0.02
@@ -51,6 +53,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     at_loose[mesh.cells[loose]] = True
     place = np.full(len(mesh.edges), -1)
     place[outline.edges] = np.arange(len(outline.edges))
+    place[problem.jumps.edges] = JUMPS
     free = np.zeros(mesh.cells.shape, dtype=bool)
     for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
         equations = _traction_equations(problem, point, cells, place, given)
@@ -70,12 +73,12 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
 def _traction_equations(
     problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, given: np.ndarray
 ) -> np.ndarray:
-    """Tractions at a point, from the stresses of its cells: jumps across inner edges, and given zeros."""
+    """Tractions at a point, from the stresses of its cells: those continuous across inner edges, and given zeros."""
     mesh, outline = problem.mesh, problem.outline
     rows = []
     for edge in np.unique(mesh.cell_edges[cells]):
         ends = mesh.edges[edge]
-        if point not in ends:
+        if point not in ends or place[edge] == JUMPS:
             continue
         along = mesh.points[ends[1]] - mesh.points[ends[0]]
         x, y = np.array([along[1], -along[0]]) / np.hypot(*along)

@@ -112,7 +112,7 @@ class _Search:
     def __init__(
         self, section: Section, mesh: TriMesh, fem: FemSettings, settings: BoundsSettings, sign: int, start: Start
     ) -> None:
-        body = body_of(section, mesh, fem, start.davis)
+        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings = mesh, settings

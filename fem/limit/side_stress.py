@@ -6,7 +6,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fem.limit.upper_bound import strain_rates
+from fem.limit.limit_problem import corner_pressure, edge_ends
+from fem.limit.upper_bound import add_edge_loads, strain_rates
 from meshes.bisection import bisect
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -14,6 +15,7 @@ from meshes.triangles import TriMesh
 
 # Cells of the elastic analysis, at least.
 ENOUGH_CELLS = 3000
+UPWARDS = np.array([[0.0, 1.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,13 +62,13 @@ def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
 def _side_stress(section: Section, mesh: TriMesh, stress: np.ndarray, side: str) -> SideStress:
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
+    effective = _vertical_stress(section, side, elevation)
     here = np.flatnonzero(elevation[:-1] > elevation[1:])
     wanted = _resultants(mesh, stress, side, len(section.strata))
-    above, found = 0.0, []
+    found = []
     for k in here:
         soil = section.strata[k]
-        below = above + soil.density_ordinary * GRAVITY * (elevation[k] - elevation[k + 1])
-        vertical = np.array([above, below])
+        vertical = effective[k]
         ratio = soil.poissons_ratio / (1.0 - soil.poissons_ratio)
         plain = ratio * vertical
         force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
@@ -77,8 +79,32 @@ def _side_stress(section: Section, mesh: TriMesh, stress: np.ndarray, side: str)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
         found.append(-np.clip(factor * plain, lowest, highest))
-        above = below
     return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(found))
+
+
+def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
+    """Vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure positive.
+
+    ``elevation`` (interfaces,) is that of the layers there. What presses on the ground counts as if it went on level.
+    """
+    water, layers = section.water_pressure, section.layering
+    strata = len(section.strata)
+    x, near = layers.x[0], layers.x[:2].mean()
+    if side == "right":
+        x, near = layers.x[-1], layers.x[-2:].mean()
+    found = np.zeros((strata, 2))
+    thickness = elevation[:-1] - elevation[1:]
+    weight = GRAVITY * np.array([s.density_ordinary for s in section.strata]) * thickness
+    found[:, 1] = np.cumsum(weight)
+    found[:, 0] = found[:, 1] - weight
+    if water.present or section.surcharges:
+        places = np.column_stack([np.full(2 * strata, x), np.repeat(elevation, 2)[1:-1]])
+        beside = np.column_stack([np.full(2 * strata, near), np.zeros(2 * strata)])
+        ground = np.array([[x, elevation[0]]])
+        on_ground = water.on_ground(ground, beside[:1]) - section.surface_loads.dead(ground, beside[:1], UPWARDS)[:, 1]
+        pores = water.at_rest(places, beside, np.repeat(np.arange(strata), 2))
+        found = np.maximum(found + on_ground - pores.reshape(strata, 2), 0.0)
+    return found
 
 
 def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np.ndarray:
@@ -93,7 +119,7 @@ def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np
 
 
 def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
-    """Horizontal stress (Pa) at the corners (m, 3) under weight, quadratic triangles, sides held horizontally."""
+    """Horizontal effective stress (Pa) at the corners (m, 3) at rest, quadratic triangles, sides held horizontally."""
     nodes = mesh.six_nodes
     count = int(nodes.max()) + 1
     young = np.array([s.youngs_modulus for s in section.strata])
@@ -114,6 +140,8 @@ def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
     load = np.zeros((count, 2))
     density = np.array([s.density_ordinary for s in section.strata])
     np.add.at(load[:, 1], nodes[:, 3:], (-GRAVITY * density[mesh.stratum] * mesh.areas / 3.0)[:, None])
+    if section.water_pressure.present or section.surcharges:
+        load += _water_and_surcharges(section, mesh, strain)
     moves = np.ones((count, 2), dtype=bool)
     for name, axes in (("base", [0, 1]), ("left", [0]), ("right", [0])):
         ends = mesh.boundaries[name]
@@ -125,3 +153,20 @@ def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
     displacement[free] = factor.solve(load.ravel()[free])
     strains = (strain @ displacement).reshape(-1, 3, 3)
     return np.einsum("mj,mkj->mk", law[mesh.stratum][:, 0], strains)
+
+
+def _water_and_surcharges(section: Section, mesh: TriMesh, strain: sparse.csr_matrix) -> np.ndarray:
+    """Nodal forces (n, 2) in N/m of pore pressure, of water on the ground and of surcharges at rest."""
+    water, surface = section.water_pressure, section.surface_loads
+    pressure = corner_pressure(mesh, lambda at: water.at_rest(at.points, at.near, at.stratum))
+    mass = (np.ones((3, 3)) + np.eye(3)) / 12.0
+    volumetric = np.zeros((len(mesh.cells), 3, 3))
+    volumetric[:, :, :2] = (mesh.areas[:, None] * (pressure @ mass))[:, :, None]
+    load = (strain.T @ volumetric.ravel()).reshape(-1, 2)
+    ends = mesh.boundaries["surface"]
+    edges = mesh.edge_numbers(ends)
+    at = edge_ends(mesh, ends, mesh.edge_cells[edges, 0])
+    pressed = surface.dead(at.points, at.near, at.normal)
+    pressed = pressed - water.on_ground(at.points, at.near)[:, None] * at.normal
+    add_edge_loads(load, mesh, np.column_stack([ends, len(mesh.points) + edges]), pressed.reshape(-1, 2, 2))
+    return load

@@ -127,16 +127,23 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
         moves[along[outline.held[:, axis]], axis] = False
     dead, live = np.zeros((count, 2)), np.zeros((count, 2))
     third = mesh.areas[:, None, None] / 3.0  # quadratic shapes: the middles carry all of it
-    length = np.hypot(*(mesh.points[outline.ends[:, 1]] - mesh.points[outline.ends[:, 0]]).T)[:, None]
     for work, force, traction in (
         (dead, problem.dead_force, outline.dead),
         (live, problem.live_force, outline.live),
     ):
         np.add.at(work, nodes[:, 3:], third * force[:, None, :])
-        first, last = traction[:, 0], traction[:, 1]
-        for node, share in zip(along.T, (first / 6.0, last / 6.0, (first + last) / 3.0), strict=True):
-            np.add.at(work, node, length * share)  # Simpson's rule, exact for linear times quadratic
+        add_edge_loads(work, mesh, along, traction)
+    jumps = problem.jumps
+    add_edge_loads(dead, mesh, np.column_stack([jumps.ends, len(mesh.points) + jumps.edges]), jumps.dead)
     return nodes, moves.ravel(), dead.ravel(), live.ravel()
+
+
+def add_edge_loads(loads: np.ndarray, mesh: TriMesh, nodes: np.ndarray, traction: np.ndarray) -> None:
+    """Add tractions (k, 2 ends, 2), linear along edges, to nodal loads (n, 2); nodes (k, 3) are ends and middles."""
+    length = np.hypot(*(mesh.points[nodes[:, 1]] - mesh.points[nodes[:, 0]]).T)[:, None]
+    first, last = traction[:, 0], traction[:, 1]
+    for node, share in zip(nodes.T, (first / 6.0, last / 6.0, (first + last) / 3.0), strict=True):
+        np.add.at(loads, node, length * share)  # Simpson's rule, exact for linear times quadratic
 
 
 def strain_rates(mesh: TriMesh, nodes: np.ndarray) -> sparse.csr_matrix:

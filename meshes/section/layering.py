@@ -57,10 +57,14 @@ class Layering:
         at_left, at_right = self.thickness()
         return (at_left > 0) | (at_right > 0)
 
-    def interfaces(self, x: np.ndarray) -> np.ndarray:
-        """Elevation (m) of every interface at x, (len(x), interfaces); at a step, that to the right of it."""
+    def interfaces(self, x: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+        """Elevation (m) of every interface at x, (len(x), interfaces); at a step, that to the right of it.
+
+        With ``near`` (len(x),) it is that of the interval in which these x are, which may be on either side.
+        """
         x = np.asarray(x, dtype=float)
-        i = np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, len(self.x) - 2)
+        place = x if near is None else np.asarray(near, dtype=float)
+        i = np.clip(np.searchsorted(self.x, place, side="right") - 1, 0, len(self.x) - 2)
         share = ((x - self.x[i]) / self.width[i])[:, None]
         return (1.0 - share) * self.left[i] + share * self.right[i]
 
@@ -135,8 +139,8 @@ class Layers(NamedTuple):
     notices: list[str]
 
 
-def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) -> Layers:
-    """The layers under ``surface`` (n, 2) down to ``base``.
+def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], also: Sequence[float] = ()) -> Layers:
+    """The layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at some other x (m).
 
     A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
     there) and where its bottom rises above the ground surface, which cuts it off. Points that are closer than a
@@ -151,6 +155,7 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None]) ->
     surface, *raw, raw_base = _snapped_x([surface, *raw, raw_base], snap)
     x = np.unique(np.concatenate([points[:, 0] for points in (surface, *raw, raw_base)]))
     x = x[(x >= x_left) & (x <= x_right)]
+    x = np.union1d(x, [at for at in also if x_left < at < x_right and np.abs(x - at).min() > snap])
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
     x = np.union1d(x, _crossings(x, ground, lines, snap))
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)

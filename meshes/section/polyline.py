@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, PlainSerializer, PlainValidator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, PlainValidator, model_validator
 
 from meshes.section.quantity import COORDINATE, Quantity
 
@@ -103,6 +103,14 @@ class Line(BaseModel):
         return np.array([[left, value], [right, value]], dtype=float)
 
 
+def _elevation_or_line(value: Any) -> Any:
+    return value if isinstance(value, dict | Line) else {"elevation": value}
+
+
+# A line that may be written as its elevation alone: points, or one number.
+ElevationOrLine = Annotated[Line, BeforeValidator(_elevation_or_line)]
+
+
 def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values of a polyline (n, 2) just left and just right of each x, which differ at its vertical steps.
 
@@ -121,4 +129,4 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left, right
 
 
-__all__ = ["Line", "Points", "Polyline", "Quantity", "limits", "read_points"]
+__all__ = ["ElevationOrLine", "Line", "Points", "Polyline", "Quantity", "limits", "read_points"]

@@ -52,7 +52,10 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Kind:
-    """A physical quantity: its name with the article, its SI unit, how one writes it, and its limits in SI units."""
+    """A physical quantity: its name with the article, its SI unit, how one writes it, and its limits in SI units.
+
+    ``times_gravity`` is for densities and unit weights: one is taken in place of the other.
+    """
 
     name: str
     unit: str
@@ -61,6 +64,7 @@ class Kind:
     maximum: float = math.inf
     minimum_allowed: bool = True
     limits: str = ""
+    times_gravity: bool = False
 
     @property
     def expected(self) -> str:
@@ -103,6 +107,9 @@ class Kind:
             raise ValueError(f"not understood as a number with a unit; {self.expected}") from error
         if quantity.unitless and self.unit:
             raise ValueError(f"has no unit; {self.expected}, or a plain number in {self.unit}")
+        for factor, unit in ((GRAVITY, f"{self.unit} / (m / s^2)"), (1.0 / GRAVITY, f"{self.unit} * m / s^2")):
+            if self.times_gravity and quantity.is_compatible_with(registry.Unit(unit)):
+                return float(quantity.to(unit).magnitude) * factor
         same_dimension = quantity.is_compatible_with(registry.Unit(self.unit))
         angle_for_ratio = not self.unit and not quantity.unitless
         if not same_dimension or angle_for_ratio:
@@ -132,7 +139,24 @@ COORDINATE = Kind(
 )
 STIFFNESS = Kind("a stiffness", "Pa", '"15.3 MPa"', minimum=0.0, minimum_allowed=False, limits=" above 0")
 STRENGTH = Kind("a stress", "Pa", '"10 tf/m^2"', minimum=0.0, limits=" of 0 or more")
-DENSITY = Kind("a density", "kg/m^3", '"1.8 t/m^3"', minimum=0.0, limits=" of 0 or more")
+DENSITY = Kind(
+    "a density or unit weight",
+    "kg/m^3",
+    '"1.8 t/m^3" or "18 kN/m^3"',
+    minimum=0.0,
+    limits=" of 0 or more",
+    times_gravity=True,
+)
+UNIT_WEIGHT = Kind(
+    "a unit weight",
+    "N/m^3",
+    '"9.81 kN/m^3"',
+    minimum=0.0,
+    minimum_allowed=False,
+    limits=" above 0",
+    times_gravity=True,
+)
+RATIO = Kind("a ratio", "", "0.3", minimum=0.0, limits=" of 0 or more")
 ANGLE = Kind("an angle", "rad", '"35 deg"', minimum=0.0, maximum=math.pi / 2, limits=" from 0 to below 90 deg")
 POISSON = Kind("a Poisson's ratio", "", "0.33", minimum=0.0, maximum=0.5, limits=" from 0 to below 0.5")
 
@@ -141,5 +165,7 @@ Coordinate = _field(COORDINATE)
 Stiffness = _field(STIFFNESS)
 Strength = _field(STRENGTH)
 Density = _field(DENSITY)
+UnitWeight = _field(UNIT_WEIGHT)
+Ratio = _field(RATIO)
 Angle = _field(ANGLE)
 PoissonsRatio = _field(POISSON)

@@ -9,15 +9,22 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import tomli_w
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, StrictBool, TypeAdapter, ValidationError, model_validator
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
+from meshes.section.cutting import cut
 from meshes.section.layering import Layering, Layers, above_ground, layering
-from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
+from meshes.section.model import Model
 from meshes.section.polyline import Line, Polyline
-from meshes.section.quantity import Angle, Density, Length, PoissonsRatio, Stiffness, Strength
+from meshes.section.quantity import Length
 from meshes.section.sentences import sentences
+from meshes.section.stratum import Stratum
+from meshes.section.surcharge import Surcharge
+from meshes.section.surface_loads import SurfaceLoads
+from meshes.section.water import Water
+from meshes.section.water_pressure import WaterPressure
+from meshes.section.water_problems import surcharge_problems, water_problems
 
 BOUNDARIES = ("surface", "base", "left", "right")
 
@@ -30,59 +37,6 @@ SETTINGS_TABLES = (
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
 NARROWEST, LONGEST = 1e-3, 1000.0
-
-# A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
-NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
-
-
-class Model(BaseModel):
-    """What every part of an input has in common: no unknown keys, no change after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-class Stratum(Model):
-    """A layer of one soil, with its parameters in SI units."""
-
-    name: str = Field(
-        description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
-    )
-    description: str = ""
-    bottom: Line | None = Field(
-        default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
-    )
-    youngs_modulus: Stiffness = Field(description='a stiffness such as "1560 tf/m^2"')
-    poissons_ratio: PoissonsRatio = Field(description="a Poisson's ratio from 0 to below 0.5")
-    density_ordinary: Density = Field(
-        description='the density that gravity acts on, buoyant below water, such as "1.0 t/m^3"'
-    )
-    density_seismic: Density = Field(
-        description='the density that the horizontal acceleration acts on, such as "2.0 t/m^3"'
-    )
-    cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
-    friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
-    dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
-    liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
-
-    @property
-    def liquefiable(self) -> bool:
-        """Whether it liquefies in any case."""
-        return bool(self.liquefies_in)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        problems = []
-        if self.dilation_angle > self.friction_angle:
-            problems.append("dilation_angle above friction_angle: expected at most the friction angle")
-        if self.density_seismic < self.density_ordinary:
-            problems.append(
-                "density_seismic below density_ordinary: expected the saturated density to be the larger one"
-            )
-        if len(set(self.liquefies_in)) < len(self.liquefies_in):
-            problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
-        if problems:
-            raise ValueError("\n".join(problems))
-        return self
 
 
 class Section(Model):
@@ -101,7 +55,13 @@ class Section(Model):
     reconstruction_note: str = ""
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
-    water_table: Line | None = None
+    water_table: Line | None = Field(
+        default=None, description="a line that is only drawn, where the densities of the strata have the water in them"
+    )
+    water: Water | None = Field(default=None, description="a table [water]: where water stands")
+    surcharges: tuple[Surcharge, ...] = Field(
+        default=(), description="loads on the ground, a table [[surcharges]] each"
+    )
     beyond: Length | None = Field(
         default=None, description='how far ground, layers and water go on past both ends, a length such as "100 m"'
     )
@@ -116,10 +76,20 @@ class Section(Model):
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
-        problems += _geometry_problems(self.surface, self.base, self.water_table, bottoms)
+        problems += _geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
+        if not problems:
+            problems += water_problems(self.water, self.water_table, self.strata)
+            problems += surcharge_problems(self.surcharges, *self.given_extent)
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def _lines_across(self) -> dict[str, Line | None]:
+        """The lines of water that go from side to side, by their keys."""
+        water = self.water or Water()
+        return {
+            "water_table": self.water_table, "water, table": water.table, "water, after_drawdown": water.after_drawdown
+        }  # fmt: skip
 
     @cached_property
     def layering(self) -> Layering:
@@ -129,9 +99,10 @@ class Section(Model):
     @cached_property
     def _layers(self) -> Layers:
         bottoms = [stratum.bottom for stratum in self.strata]
-        if (past := self._continuation) is None:
-            return layering(self.ground, self.base, bottoms)
-        return layering(self.ground, past.line(self.base), [bottom and past.line(bottom) for bottom in bottoms])
+        base, ends = self.base, [x for load in self.surcharges for x in (load.start, load.end)]
+        if (past := self._continuation) is not None:
+            base, bottoms = past.line(base), [bottom and past.line(bottom) for bottom in bottoms]
+        return layering(self.ground, base, bottoms, ends)
 
     @cached_property
     def _continuation(self) -> Continuation | None:
@@ -174,17 +145,61 @@ class Section(Model):
         """Index of the stratum at each point (m), -1 outside the section."""
         return self.layering.stratum_at(x, z)
 
+    def elevations_of(self, line: Line) -> np.ndarray:
+        """A line as elevations (n, 2) in metres, which go on level to both sides where it ends before."""
+        line = line if self._continuation is None else self._continuation.line(line)
+        points = line.points(*self.extent)
+        if line.depth is not None:
+            layers = layering(self.ground, line, [None]).layering
+            chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
+            points = np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
+        left, right = self.extent
+        if points[0, 0] > left:
+            points = np.vstack([[left, points[0, 1]], points])
+        if points[-1, 0] < right:
+            points = np.vstack([points, [right, points[-1, 1]]])
+        return points
+
     def water_points(self) -> np.ndarray | None:
-        """The water table as elevations (n, 2) in metres, or None."""
-        if self.water_table is None:
-            return None
-        table = self.water_table if self._continuation is None else self._continuation.line(self.water_table)
-        points = table.points(*self.extent)
-        if table.depth is None:
-            return points
-        layers = layering(self.ground, table, [None]).layering
-        chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
-        return np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
+        """The water table (before a drawdown) as elevations (n, 2) in metres, or None."""
+        table = self.water_table if self.water is None else self.water.table
+        return None if table is None else self.elevations_of(table)
+
+    @cached_property
+    def water_pressure(self) -> WaterPressure:
+        """The pressure of the water in the pores and on the ground."""
+        water = self.water or Water()
+        before = None if water.table is None else self.elevations_of(water.table)
+        after = before if water.after_drawdown is None else self.elevations_of(water.after_drawdown)
+        levels = [
+            before if s.piezometric_level is None else self.elevations_of(s.piezometric_level) for s in self.strata
+        ]
+        normal = water.head == "normal"
+        return WaterPressure(
+            self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard
+        )
+
+    @property
+    def surface_loads(self) -> SurfaceLoads:
+        """What presses on the ground beside still water."""
+        return SurfaceLoads(self.surcharges, self.water_pressure)
+
+    def cut_at_water(self) -> Self:
+        """The section with the strata cut where water crosses them, and the saturated density below it."""
+        if self.water is None and all(s.piezometric_level is None for s in self.strata):
+            return self
+        water = self.water_pressure
+        levels = [
+            None if s.density_saturated is None and s.pore_pressure_ratio is not None
+            else water.after if level is water.before and s.drains else level
+            for s, level in zip(self.strata, water.levels, strict=True)
+        ]  # fmt: skip
+        strata = cut(self.strata, self.layering, levels, self.given_extent)
+        if strata == self.strata:
+            return self
+        data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
+        data["strata"] = [s.model_dump(mode="python", exclude_none=True, by_alias=True) for s in strata]
+        return type(self).model_validate(data)
 
     @classmethod
     def read(cls, path: Path | str) -> Self:
@@ -196,7 +211,7 @@ class Section(Model):
         """The section from what a TOML file holds; raises InputError with every problem found."""
         known = {key: value for key, value in data.items() if key in cls.model_fields or key not in SETTINGS_TABLES}
         try:
-            return cls.model_validate(known)
+            return cls.model_validate(known).cut_at_water()
         except ValidationError as error:
             problems = [text for entry in error.errors() for text in sentences(entry, known, cls)]
             problems = list(dict.fromkeys(problems))
@@ -240,7 +255,9 @@ def _naming_problems(names: Sequence[str]) -> Iterator[str]:
             yield f'strata: the name "{name}" is taken by a boundary of the mesh'
 
 
-def _geometry_problems(surface: Any, base: Line, water_table: Line | None, bottoms: Sequence[Line | None]) -> list[str]:
+def _geometry_problems(
+    surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
+) -> list[str]:
     ground = np.array(surface, dtype=float)
     left, right = float(ground[0, 0]), float(ground[-1, 0])
     width = right - left
@@ -248,7 +265,7 @@ def _geometry_problems(surface: Any, base: Line, water_table: Line | None, botto
         return [f"surface: the section is {width:g} m wide; expected at least {NARROWEST:g} m"]
     problems = []
     lines = [(f"strata {k}, bottom", line) for k, line in enumerate(bottoms, start=1)]
-    for key, line in [("base", base), ("water_table", water_table), *lines]:
+    for key, line in [("base", base), *across.items(), *lines]:
         if line is None:
             continue
         points = line.points(left, right)
@@ -273,9 +290,9 @@ def _geometry_problems(surface: Any, base: Line, water_table: Line | None, botto
             f"the section is {width:g} m wide and {height:g} m high; expected one to be no more than {LONGEST:g} "
             "times the other"
         )
-    if water_table is not None:
-        # Usually another datum; and standing water has no weight in this model.
-        faults += above_ground(ground, water_table, "the water table")
+    if (drawn := across.get("water_table")) is not None:
+        # Usually another datum; and water that is only drawn has no weight.
+        faults += above_ground(ground, drawn, "the water table")
     return [f"geometry: {text}" for text in faults]
 
 
@@ -289,8 +306,8 @@ def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
     try:
         surface = TypeAdapter(Polyline).validate_python(data["surface"])
         base = Line.model_validate(data["base"])
-        water_table = Line.model_validate(data["water_table"]) if "water_table" in data else None
+        across = {"water_table": Line.model_validate(data["water_table"]) if "water_table" in data else None}
         bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
     except (KeyError, ValidationError):
         return problems
-    return problems + _geometry_problems(surface, base, water_table, bottoms)
+    return problems + _geometry_problems(surface, base, across, bottoms)

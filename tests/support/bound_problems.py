@@ -66,7 +66,7 @@ def rectangles(x, y) -> TriMesh:
 
 def pressure(value):
     """A pressure (Pa) on a horizontal surface."""
-    return lambda points, stratum: np.tile([0.0, -value], (len(points), 1))
+    return lambda at: np.tile([0.0, -value], (len(at.points), 1))
 
 
 def footing(phi, surcharge=False, gap=0.02, max_cells=20_000) -> Bracket:

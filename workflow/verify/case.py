@@ -16,9 +16,8 @@ FOLDER = Path("tests/verification/published")
 
 Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "upper bound", "survey"]
 
-# What a section cannot state yet, with the table of the file that waits for it.
-Need = Literal["water", "surcharge", "strength with depth", "tension crack"]
-TABLES_THAT_WAIT = {"water": "water", "surcharges": "surcharge"}
+# What a section cannot state yet.
+Need = Literal["strength with depth", "tension crack"]
 
 
 class Value(Model):
@@ -74,9 +73,6 @@ def read_case(path: Path) -> Case:
     except ValidationError as error:
         problems = [f"{', '.join(map(str, entry['loc']))}: {entry['msg']}" for entry in error.errors()]
         raise InputError(str(path), problems) from error
-    for table, need in TABLES_THAT_WAIT.items():
-        if need in published.needs and table not in Section.model_fields:
-            data.pop(table, None)
     case = Case(Section.parse(data, str(path)), fem, published)
     if case.name != path.stem:
         raise InputError(str(path), [f'name = "{case.name}": expected that of the file, "{path.stem}"'])

@@ -57,7 +57,7 @@ def test_converts_to_si(kind: Kind, written: str | float, expected: float) -> No
     [
         (STIFFNESS, "1560 t/m^2", "has the wrong dimension (metric_ton / meter ** 2)"),
         (STIFFNESS, "30 kg", "has the wrong dimension (kilogram)"),
-        (DENSITY, "1.8 tf/m^3", "has the wrong dimension"),
+        (DENSITY, "1.8 tf/m^2", "has the wrong dimension"),
         (ANGLE, "25 degC", "has the wrong dimension"),
         (POISSON, "0.3 deg", "has the wrong dimension (degree)"),
         (LENGTH, "1 deg", "has the wrong dimension (degree)"),

@@ -1,0 +1,103 @@
+"""Nodal forces of what a section carries beside the weight of its soil: water in its pores and on it, surcharges.
+
+The pore pressure u of a cell is bilinear between its corners and does work on the volumetric strain, so that the
+skeleton gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground
+still water presses with its own pressure. Where that is u, the two leave what Archimedes says.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fem import dolfinx_api as api
+from fem.discretisation import DEGREES
+from fem.plane_strain import PlaneStrain
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+# Pressure (n,) in Pa at points (n, 2) in m, with points near them and their strata.
+Pressure = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+# Traction (n, 2) in Pa at points (n, 2) of the ground, with points near them and outward normals.
+Traction = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+# Points of Gauss' rule along an edge: exact for a traction that is linear there on quadratic shapes, and to spare.
+POINTS_ON_EDGE = 3
+
+
+def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of pore pressure, water on the ground and surcharges, at rest; 0.0 without any."""
+    load: np.ndarray | float = 0.0
+    water, surface = section.water_pressure, section.surface_loads
+    if water.present:
+        load = load + pore_force(problem, mesh, water.at_rest) + _pressed(problem, mesh, section)
+    if surface.surcharges:
+        load = load + ground_force(problem, mesh, surface.dead)
+    return load
+
+
+def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
+    """Nodal forces (dofs,) in N/m of the pore pressure that shaking adds, None without any."""
+    if not any(s.excess_pore_pressure_ratio for s in section.strata):
+        return None
+    return pore_force(problem, mesh, section.water_pressure.shaken)
+
+
+def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of Kh = 1 on what is not soil; 0.0 where there is nothing that shakes."""
+    surface = section.surface_loads
+    if not surface.present:
+        return 0.0
+    return ground_force(problem, mesh, lambda *place: surface.shaken(sign, *place))
+
+
+def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a pore pressure: the integral of u times the volumetric strain of the nodes."""
+    grid = problem.grid
+    corners = mesh.points[grid.corners]
+    near = np.repeat(corners.mean(axis=1), 4, axis=0)
+    at_corners = pressure(corners.reshape(-1, 2), near, np.repeat(grid.stratum, 4)).reshape(-1, 4)
+    inside = at_corners @ grid.corner_shapes.T
+    local = np.zeros(len(grid.global_dofs))
+    np.add.at(local, grid.dofs, np.einsum("cq,cq,cqd->cd", grid.weights, inside, grid.divergence))
+    return problem.exchange.sum_to_owned(local)
+
+
+def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of the water on the ground, its pressure linear along each edge as u is."""
+
+    def traction(ends: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return -section.water_pressure.on_ground(ends, near)[:, None] * normal
+
+    return ground_force(problem, mesh, traction, linear=True)
+
+
+def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, linear: bool = False) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a traction on the ground; if ``linear`` it is taken so between ends of edges."""
+    grid, degree = problem.grid, DEGREES[problem.grid.element]
+    s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)
+    s, weight = 0.5 * (s + 1.0), 0.5 * weight
+    shapes = np.column_stack([1.0 - s, s])
+    if degree == 2:
+        shapes = np.column_stack([(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)])
+    key = np.array([len(mesh.points), 1])
+    wanted = np.sort(mesh.boundaries["surface"], axis=1).astype(np.int64) @ key
+    local = np.zeros(len(grid.global_dofs))
+    for number, (a, b) in enumerate(api.REFERENCE_EDGES):
+        ends = grid.corners[:, [a, b]].astype(np.int64)
+        cells = np.flatnonzero(np.isin(np.sort(ends, axis=1) @ key, wanted))
+        first, last = (mesh.points[ends[cells, end]] for end in (0, 1))
+        middle, along = 0.5 * (first + last), last - first
+        length = np.hypot(*along.T)
+        normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
+        inwards = mesh.points[grid.corners[cells]].mean(axis=1) - middle
+        normal *= -np.sign(np.sum(normal * inwards, axis=1))[:, None]
+        if linear:
+            at_first, at_last = (traction(end, middle, normal) for end in (first, last))
+            at = [(1.0 - share) * at_first + share * at_last for share in s]
+        else:
+            at = [traction(first + share * along, middle, normal) for share in s]
+        force = np.einsum("q,qn,qki,k->kni", weight, shapes, np.array(at), length)
+        nodes = [a, b] if degree == 1 else [a, b, 4 + number]
+        for axis in (0, 1):
+            np.add.at(local, grid.dofs[cells][:, [2 * node + axis for node in nodes]], force[:, :, axis])
+    return problem.exchange.sum_to_owned(local)

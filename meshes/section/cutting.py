@@ -1,0 +1,104 @@
+"""Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.layering import Layering
+from meshes.section.liquefies import Cases
+from meshes.section.polyline import Line, limits
+from meshes.section.stratum import Stratum
+
+# What is added to the name of a stratum for the part of it that lies below water.
+BELOW_WATER = ", below water"
+
+
+@dataclass(frozen=True, eq=False)
+class Halves:
+    """A stratum and the level of its water between breakpoints.
+
+    Attributes
+    ----------
+    x : (intervals + 1,) the breakpoints (m)
+    level : (intervals, 2) elevation (m) of the water at both ends of each interval, kept within the stratum
+    thickness : (2, intervals, 2) thickness (m) of what is above and what is below it
+    """
+
+    x: np.ndarray
+    level: np.ndarray
+    thickness: np.ndarray
+
+    def has(self, part: int) -> bool:
+        """Whether there is anything above (0) or below (1) the water."""
+        return bool((self.thickness[part] > 0.0).any())
+
+    def line(self, left: float, right: float) -> Line:
+        """The level as the bottom of the upper part, from ``left`` to ``right`` (m)."""
+        points = np.column_stack([np.repeat(self.x, 2)[1:-1], self.level.ravel()])
+        points = points[(points[:, 0] >= left) & (points[:, 0] <= right)]
+        new = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
+        return Line(elevation=[[float(x), float(z)] for x, z in points[new]])
+
+
+def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
+    """Stratum k of the layers, divided by a water level (n, 2) from side to side."""
+    x = layers.x
+    inner = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
+    x = np.union1d(x, [at for at in inner if np.abs(x - at).min() > layers.tolerance])
+    x = np.union1d(x, _crossings(layers, k, water, x))
+    top, bottom, level = _at_ends(layers, k, water, x)
+    level = np.clip(level, bottom, top)
+    level = np.where(top - level <= layers.tolerance, top, level)
+    level = np.where(level - bottom <= layers.tolerance, bottom, level)
+    return Halves(x, level, np.stack([top - level, level - bottom]))
+
+
+def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
+    """Top and bottom of stratum k and the water level, each (intervals, 2), at both ends of the intervals."""
+    middle = 0.5 * (x[1:] + x[:-1])
+    sides = [layers.interfaces(end, near=middle)[:, k : k + 2] for end in (x[:-1], x[1:])]
+    before, after = limits(water, x)
+    top, bottom = (np.column_stack([side[:, j] for side in sides]) for j in (0, 1))
+    return [top, bottom, np.column_stack([after[:-1], before[1:]])]
+
+
+def _crossings(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Where the water level goes through top or bottom of stratum k between two breakpoints."""
+    top, bottom, level = _at_ends(layers, k, water, x)
+    found = []
+    for line in (top, bottom):
+        gap = level - line
+        i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
+        at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
+        found.append(at[(at - x[i] > layers.tolerance) & (x[i + 1] - at > layers.tolerance)])
+    return np.concatenate(found)
+
+
+def cut(
+    strata: Sequence[Stratum],
+    layers: Layering,
+    levels: Sequence[np.ndarray | None],
+    given: tuple[float, float],
+) -> tuple[Stratum, ...]:
+    """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
+
+    New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy.
+    """
+    found: list[Stratum] = []
+    for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
+        if level is None:
+            found.append(stratum)
+            continue
+        parts = halves(layers, k, level)
+        wet, dry = parts.has(1), parts.has(0)
+        if wet and dry:
+            found.append(stratum.model_copy(update={"bottom": parts.line(*given), "liquefies_in": Cases()}))
+        found.append(_saturated(stratum, stratum.name + BELOW_WATER if dry else stratum.name) if wet else stratum)
+    return tuple(found)
+
+
+def _saturated(stratum: Stratum, name: str) -> Stratum:
+    density = stratum.density_saturated
+    changes = {} if density is None else dict.fromkeys(("density_ordinary", "density_seismic"), density)
+    return stratum.model_copy(update={"name": name, **changes})

@@ -1,0 +1,111 @@
+"""A layer of one soil: what it is called, where it ends, its parameters, and the water in its pores."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, StrictBool, model_validator
+
+from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
+from meshes.section.model import Model
+from meshes.section.polyline import ElevationOrLine, Line
+from meshes.section.quantity import Angle, Density, PoissonsRatio, Ratio, Stiffness, Strength
+
+# A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
+NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
+
+# No density: stands until ``density``, or a complaint, takes its place.
+MISSING = -1.0
+
+
+class Stratum(Model):
+    """A layer of one soil, with its parameters in SI units.
+
+    Its weight is given either as ``density``, with ``density_saturated`` below water, or as the two densities of the
+    paper on S-13: ``density_ordinary``, on which gravity acts, buoyant below water, and ``density_seismic``, on which
+    the horizontal acceleration acts. Of a stratum with ``density`` both are that density, all of its mass, and what
+    the water takes off is in the pore pressure.
+    """
+
+    name: str = Field(
+        description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
+    )
+    description: str = ""
+    bottom: Line | None = Field(
+        default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
+    )
+    youngs_modulus: Stiffness = Field(description='a stiffness such as "1560 tf/m^2"')
+    poissons_ratio: PoissonsRatio = Field(description="a Poisson's ratio from 0 to below 0.5")
+    density: Density | None = Field(
+        default=None, description='the density or unit weight above water, such as "1.8 t/m^3"', exclude=True
+    )
+    density_saturated: Density | None = Field(
+        default=None, description='the density or unit weight below water, such as "20 kN/m^3"; by default the other'
+    )
+    density_ordinary: Density = Field(
+        default=MISSING, description='the density that gravity acts on, buoyant below water, such as "1.0 t/m^3"'
+    )
+    density_seismic: Density = Field(
+        default=MISSING, description='the density that the horizontal acceleration acts on, such as "2.0 t/m^3"'
+    )
+    cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
+    friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
+    dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
+    liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
+    piezometric_level: ElevationOrLine | None = Field(
+        default=None, description="the level to which water rises in a pipe that ends in it, where not the water table"
+    )
+    pore_pressure_ratio: Ratio | None = Field(
+        default=None, description="pore pressure over the weight of the soil above, such as 0.25; in place of a level"
+    )
+    excess_pore_pressure_ratio: Annotated[Ratio, Field(le=1.0)] = Field(
+        default=0.0,
+        description="pore pressure that shaking adds, over the vertical effective stress before it, from 0 to 1",
+    )
+    drains: StrictBool = Field(
+        default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"
+    )
+
+    @property
+    def liquefiable(self) -> bool:
+        """Whether it liquefies in any case."""
+        return bool(self.liquefies_in)
+
+    @property
+    def buoyant(self) -> bool:
+        """Whether its density_ordinary has the water's uplift taken off already."""
+        return self.density_ordinary < self.density_seismic
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        problems = self._weigh()
+        if self.dilation_angle > self.friction_angle:
+            problems.append("dilation_angle above friction_angle: expected at most the friction angle")
+        if len(set(self.liquefies_in)) < len(self.liquefies_in):
+            problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
+        if self.pore_pressure_ratio is not None and self.piezometric_level is not None:
+            problems.append("pore_pressure_ratio and piezometric_level: expected one of them")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _weigh(self) -> list[str]:
+        """Make both densities the one that was given, if one was; what is wrong with them, one sentence each."""
+        pair = {name: getattr(self, name) for name in ("density_ordinary", "density_seismic")}
+        missing = [name for name, value in pair.items() if value == MISSING]
+        if self.density is not None:
+            if any(value not in (MISSING, self.density) for value in pair.values()):
+                return ["density beside density_ordinary and density_seismic: expected either it or these two"]
+            self.__dict__.update(dict.fromkeys(pair, self.density))  # the model is frozen from here on
+        elif len(missing) == 2:
+            wish = (
+                'a density or unit weight such as "1.8 t/m^3" (and density_saturated, if water stands in the stratum)'
+            )
+            return [f"density: missing; expected {wish}"]
+        elif missing:
+            return [f'{missing[0]}: missing; expected a density such as "1.8 t/m^3", or density alone']
+        if self.density_seismic < self.density_ordinary:
+            return ["density_seismic below density_ordinary: expected the saturated density to be the larger one"]
+        if self.density_saturated is not None and self.buoyant:
+            return ["density_saturated beside a buoyant density_ordinary: expected density and density_saturated"]
+        if self.density_saturated is not None and self.density_saturated < self.density_seismic:
+            return ["density_saturated below density: expected the saturated density to be the larger one"]
+        return []

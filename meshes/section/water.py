@@ -1,0 +1,46 @@
+"""The table [water] of an input: where water stands, in the ground and on it, and what it weighs."""
+
+from typing import Literal, Self
+
+from pydantic import Field, StrictBool, model_validator
+
+from meshes.section.model import Model
+from meshes.section.polyline import ElevationOrLine
+from meshes.section.quantity import GRAVITY, Quantity, UnitWeight
+
+# Of fresh water (kg/m³).
+FRESH = 1000.0
+
+
+class Water(Model):
+    """Where water stands.
+
+    Below the table the pores are full and the pressure in them is hydrostatic; above it there is none: capillary water
+    is left out. Where the table lies above the ground, water stands on the ground and presses on it.
+    """
+
+    table: ElevationOrLine | None = Field(
+        default=None, description="the water table: points [[x, elevation], ...], one elevation, or { depth = ... }"
+    )
+    after_drawdown: ElevationOrLine | None = Field(
+        default=None,
+        description="the water table after a rapid drawdown, as table is before it; strata that do not drain keep "
+        "their pore pressure, less the water that was taken off the ground above",
+    )
+    unit_weight: UnitWeight = Field(
+        default=Quantity(FRESH * GRAVITY), description='the unit weight of the water, such as "9.81 kN/m^3"'
+    )
+    head: Literal["vertical", "normal"] = Field(
+        default="vertical",
+        description='how the head below a sloping table is measured: "vertical", or "normal" (times cos² of the slope, '
+        "as in seepage parallel to it)",
+    )
+    westergaard: StrictBool = Field(
+        default=False, description="true if water on the ground presses with its own inertia, too (Westergaard 1933)"
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.after_drawdown is not None and self.table is None:
+            raise ValueError("after_drawdown without table: expected the water table before the drawdown as well")
+        return self

@@ -1,0 +1,134 @@
+"""The pressure of water in the pores of a section and on its ground: the one field that every analysis takes.
+
+Total stress σ = σ' - u (tension positive, u a pressure), so that what acts on the skeleton is the total weight and
+-grad u, buoyancy and seepage together, and on the ground u less the pressure of the water that stands on it.
+Points are (n, 2), x and elevation in m; pressures are in Pa. The fields are linear between breakpoints within a stratum
+and may jump from one to the next, so a point comes with its stratum and with another point ``near`` it that says on
+which side of a jump it is meant, such as the middle of its cell.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from meshes.section.layering import Layering
+from meshes.section.quantity import GRAVITY
+from meshes.section.stratum import Stratum
+
+
+@dataclass(frozen=True, eq=False)
+class WaterPressure:
+    """The water of a section.
+
+    Attributes
+    ----------
+    layers : Layering
+        The layers, cut at the water.
+    strata : tuple of Stratum
+        Their soils.
+    unit_weight : float
+        Of water (N/m³).
+    levels : tuple of (n, 2) or None
+        The level (m) to which water rises from each stratum before a drawdown.
+    before, after : (n, 2) or None
+        The water table that stands on the ground before and after a drawdown; the same without one.
+    normal : bool
+        Whether the head is measured across the flow: times cos² of the level's slope.
+    moves : bool
+        Whether water on the ground presses with its own inertia when the ground shakes.
+    """
+
+    layers: Layering
+    strata: tuple[Stratum, ...]
+    unit_weight: float
+    levels: tuple[np.ndarray | None, ...]
+    before: np.ndarray | None
+    after: np.ndarray | None
+    normal: bool
+    moves: bool
+
+    @cached_property
+    def present(self) -> bool:
+        """Whether there is any pore pressure, or any water on the ground."""
+        ratios = [s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata]
+        return any(level is not None for level in self.levels) or self.after is not None or any(ratios)
+
+    def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Pore pressure (n,) without shaking."""
+        pressure = np.zeros(len(points))
+        for k in np.unique(stratum):
+            here = stratum == k
+            pressure[here] = self._of_stratum(int(k), points[here], near[here])
+        return pressure
+
+    def _of_stratum(self, k: int, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        ratio, level = self.strata[k].pore_pressure_ratio, self.levels[k]
+        if ratio is not None:
+            return ratio * self.overburden(points, near) if ratio > 0.0 else np.zeros(len(points))
+        if level is None:
+            return np.zeros(len(points))
+        pressure = self._hydrostatic(level, points, near)
+        if level is self.before and self.after is not self.before and self.after is not None:
+            if self.strata[k].drains:
+                return self._hydrostatic(self.after, points, near)
+            return np.maximum(pressure - self._taken_off(points, near), 0.0)
+        return pressure
+
+    def shaken(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Pore pressure (n,) that shaking adds: the excess ratio times the vertical effective stress before it.
+
+        That is the weight of the column of soil above, and of the water on it, less the pore pressure.
+        """
+        ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
+        if not ratio.any():
+            return np.zeros(len(points))
+        effective = self.overburden(points, near) + self._ponded(self.after, points, near)
+        return ratio * np.maximum(effective - self.at_rest(points, near, stratum), 0.0)
+
+    def overburden(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Weight (n,) of the column of soil above each point, per area (Pa)."""
+        elevation = self.layers.interfaces(points[:, 0], near=near[:, 0])
+        thickness = elevation[:, :-1] - np.maximum(elevation[:, 1:], points[:, 1:])
+        weight = GRAVITY * np.array([s.density_ordinary for s in self.strata])
+        return np.maximum(thickness, 0.0) @ weight
+
+    def on_ground(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Pressure (n,) of the water that stands on the ground, at points of the ground."""
+        if self.after is None:
+            return np.zeros(len(points))
+        return self._hydrostatic(self.after, points, near)
+
+    @cached_property
+    def deepest(self) -> float:
+        """The largest depth (m) of water on the ground."""
+        x = np.union1d(self.layers.x, [] if self.after is None else self.after[:, 0])
+        near = 0.5 * (x[1:] + x[:-1])
+        depths = [
+            self._ponded(self.after, np.column_stack([end, end]), np.column_stack([near, near])) / self.unit_weight
+            for end in (x[:-1], x[1:])
+        ]
+        return float(np.max(depths))
+
+    def _ponded(self, level: np.ndarray | None, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Pressure (n,) of the water that stands on the ground above each point."""
+        if level is None:
+            return np.zeros(len(points))
+        ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
+        return self._hydrostatic(level, np.column_stack([points[:, 0], ground]), near)
+
+    def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """What a drawdown takes off the pore pressure of ground that does not drain: what it takes off the ground.
+
+        Saturated ground that cannot drain bears no change of its mean stress (Skempton's B of 1), and the water above
+        weighs the same on it as in it (Morgenstern 1963).
+        """
+        return self._ponded(self.before, points, near) - self._ponded(self.after, points, near)
+
+    def _hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        head = np.maximum(np.interp(points[:, 0], *level.T) - points[:, 1], 0.0)
+        if self.normal:
+            stretch = np.clip(np.searchsorted(level[:, 0], near[:, 0]) - 1, 0, len(level) - 2)
+            slope = np.diff(level[:, 1]) / np.diff(level[:, 0])
+            head = head / (1.0 + slope[stretch] ** 2)
+        return self.unit_weight * head

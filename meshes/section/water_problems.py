@@ -1,0 +1,51 @@
+"""What is wrong with the water and the loads of a section whose geometry is sound, one sentence each."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from meshes.section.polyline import Line
+from meshes.section.stratum import Stratum
+from meshes.section.surcharge import Surcharge
+from meshes.section.water import Water
+
+
+def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
+    """Of the table [water] and of the strata that have water; ``drawn`` is the table that is only drawn."""
+    table = None if water is None else water.table
+    if water is not None and drawn is not None:
+        yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
+    lines: dict[str, Line | None] = {"water, table": table}
+    lines["water, after_drawdown"] = None if water is None else water.after_drawdown
+    lines |= {f'strata {k} "{s.name}", piezometric_level': s.piezometric_level for k, s in enumerate(strata, start=1)}
+    for key, line in lines.items():
+        if line is not None and (at := _step(line)) is not None:
+            yield (
+                f"{key}: a step at x = {at:g} m, where water would flow without end; expected a line without steps, "
+                "and a piezometric_level where a stratum has a level of its own"
+            )
+    for k, s in enumerate(strata, start=1):
+        ratio = s.pore_pressure_ratio
+        pressed = table is not None if ratio is None else ratio > 0.0
+        if s.buoyant and (pressed or s.piezometric_level is not None):
+            yield (
+                f'strata {k} "{s.name}": density_ordinary below density_seismic has the uplift taken off already, and '
+                "its pore pressure would take it off again; expected density and density_saturated"
+            )
+
+
+def _step(line: Line) -> float | None:
+    """x (m) of the first vertical step of a line."""
+    x = line.points(0.0, 1.0)[:, 0]
+    steps = np.flatnonzero(np.diff(x) == 0.0)
+    return float(x[steps[0]]) if len(steps) else None
+
+
+def surcharge_problems(surcharges: Sequence[Surcharge], left: float, right: float) -> Iterator[str]:
+    """Of loads on ground from ``left`` to ``right`` (m)."""
+    for number, load in enumerate(surcharges, start=1):
+        if load.start < left or load.end > right:
+            yield (
+                f"surcharges {number}: from {load.start:g} to {load.end:g} m lies outside the section, which reaches "
+                f"from {left:g} to {right:g} m"
+            )
