@@ -14,6 +14,7 @@ from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
+from dem.water import drift
 from meshes.errors import InputError
 from meshes.section.section import Section
 
@@ -40,6 +41,8 @@ class Ground:
         Where u = v = 0 lies in the section (m).
     downhill : int
         +1 where the ground falls along x, -1 where it rises.
+    section : Section or None
+        Whose water and loads act on them; None for discs that have none.
     """
 
     packing: Packing
@@ -49,6 +52,7 @@ class Ground:
     tilt: float
     origin: tuple[float, float]
     downhill: int
+    section: Section | None = None
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places of the discs' frame in the section's (m)."""
@@ -63,7 +67,12 @@ class Ground:
     def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
         """The discs at rest, without pore springs, under gravity. Soil discs do not turn."""
         gravity, soil = tilted_gravity(self.tilt), settings.model == "soil"
-        return self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
+        model = self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
+        if self.section is not None:
+            c, s = np.cos(self.tilt), np.sin(self.tilt)
+            ax, az = drift(self.section, *self.to_section(model.x, model.z), model)
+            model.drift_x, model.drift_z = c * ax - s * az, s * ax + c * az
+        return model
 
     def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
         """Kh that comes on in `rise` seconds from `start` (s), is held, and goes again in a second; + is downhill.
@@ -160,7 +169,9 @@ def _box(section: Section, radius: float) -> Ground:
     rim = packing.z[packing.free].max() + radius
     inset = 0.5 * (length - 2.0 * radius * (columns - 1))
     origin = start + inset * along + rim * down
-    ground = Ground(packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), downhill(section))
+    ground = Ground(
+        packing, "box", radius, rows, tilt, (float(origin[0]), float(origin[1])), downhill(section), section
+    )
     free = packing.free
     packing.layer[free] = in_stratum(section, *ground.to_section(packing.x[free], packing.z[free]))
     return ground
@@ -188,7 +199,7 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
     else:
         packing = _densest_that_fits(section, settings, radius)
-    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section))
+    return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
 
 
 def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:

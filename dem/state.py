@@ -37,6 +37,8 @@ class DiscState:
         With the full density (kg/m).
     weight : (n,)
         Effective over full density.
+    drift_x, drift_z : (n,)
+        Acceleration by pore pressure, and by what presses on the ground (m/s2); it goes with the disc.
     inertia_ratio : (n,)
         m r^2/I: 2 for a disc, 0 for one that cannot turn.
     layer : (n,) int32
@@ -98,6 +100,8 @@ class DiscState:
     radius: np.ndarray
     mass: np.ndarray
     weight: np.ndarray
+    drift_x: np.ndarray
+    drift_z: np.ndarray
     inertia_ratio: np.ndarray
     layer: np.ndarray
     fixed: np.ndarray
@@ -144,6 +148,11 @@ class DiscState:
     def memory(self) -> tuple[str, ...]:
         """Names of what a pair remembers."""
         return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())
+
+    @property
+    def pull(self) -> tuple[np.ndarray, np.ndarray]:
+        """Acceleration of every disc by its weight and by water, along x and z (m/s2)."""
+        return self.weight * self.gravity[0] + self.drift_x, self.weight * self.gravity[1] + self.drift_z
 
     @property
     def spin(self) -> np.ndarray:

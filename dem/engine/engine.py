@@ -184,7 +184,7 @@ class Engine:
     def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
         series = model.acceleration
         now = np.array([[np.interp(model.time, series.times, values)] for values in (series.x, series.z)])
-        loads = Loads(np.array(model.gravity), np.array([model.time]), now)
+        loads = Loads(np.array([model.time]), now)
         found = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
         return Ledger.of(found, model.energy_sums, model.energy_edited, model.turnover)
 
@@ -296,7 +296,7 @@ class Run:
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time)
         springs, law = springs_of(model), engine.law_of(model)
-        loads = Loads(np.array(model.gravity), series.times, np.array([series.x, series.z]))
+        loads = Loads(series.times, np.array([series.x, series.z]))
         entries = Entries(engine.ledger, model.energy_sums)
 
         def work(thread: int) -> tuple[int, float, int]:

@@ -81,7 +81,7 @@ def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
 
 
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force (x, z) and moment on each disc from contacts, weight and external acceleration (N, N m per metre)."""
+    """Force (x, z) and moment on each disc from contacts, weight, water and the frame (N, N m per metre)."""
     n = len(model)
 
     def total(on_j: np.ndarray, on_i: np.ndarray, lines: np.ndarray) -> np.ndarray:
@@ -91,8 +91,9 @@ def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.
     series = model.acceleration
     ax = np.interp(model.time, series.times, series.x)
     az = np.interp(model.time, series.times, series.z)
-    fx = total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (model.weight * model.gravity[0] + ax)
-    fz = total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (model.weight * model.gravity[1] + az)
+    pull_x, pull_z = model.pull
+    fx = total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + ax)
+    fz = total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + az)
     return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)
 
 

@@ -92,7 +92,9 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     free = ~model.fixed
     put(8, np.where(free, 1.0 / model.mass, 0.0))
     put(9, np.where(free, model.inertia_ratio / model.mass, 0.0))
-    put(10, model.weight)
+    pull_x, pull_z = model.pull
+    put(10, pull_x)
+    put(14, pull_z)
     put(11, model.x_list)
     put(12, model.z_list)
     empty = np.arange(n % LANES, LANES)

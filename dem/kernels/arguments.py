@@ -64,19 +64,16 @@ class Law(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """What acts on all discs.
+    """What accelerates all discs alike, beside their weight.
 
     Attributes
     ----------
-    gravity : (2,)
-        m/s2.
     times : (n,)
         Instants (s) at which the external acceleration is given.
     acceleration : (2, n)
         x and z components there (m/s2).
     """
 
-    gravity: np.ndarray
     times: np.ndarray
     acceleration: np.ndarray
 
@@ -143,8 +140,6 @@ class Step(NamedTuple):
     ----------
     kick, dt, slip_time : float
         Time between the velocities kept and the new ones; to the new positions; since the last positions (s).
-    weight_x, weight_z : float
-        Gravity (m/s2).
     ax, az : float
         External acceleration at the beginning of the step (m/s2).
     mean_x, mean_z : float
@@ -156,8 +151,6 @@ class Step(NamedTuple):
     kick: float
     dt: float
     slip_time: float
-    weight_x: float
-    weight_z: float
     ax: float
     az: float
     mean_x: float

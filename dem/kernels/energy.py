@@ -16,13 +16,14 @@ from dem.kernels.layout import (
     INVMASS,
     LANES,
     LINK,
+    PULL_X,
+    PULL_Z,
     RIM,
     ROLL_LINK,
     SHARE,
     VR,
     VX,
     VZ,
-    WEIGHT,
     Layout,
     disc_at,
 )
@@ -79,7 +80,6 @@ def line_energy(
 def kinetic(layout: Layout, force: np.ndarray, loads: Loads, dt: float, out: np.ndarray) -> None:
     """Adds the kinetic energy of all discs that can move, and the work on those that are moved."""
     discs = layout.discs
-    weight_x, weight_z = loads.gravity[0], loads.gravity[1]
     ax, az = loads.acceleration[0, 0], loads.acceleration[1, 0]
     for p in range(len(layout.chunk_start) - 1):
         b = np.uint64(p) * DISC
@@ -87,10 +87,10 @@ def kinetic(layout: Layout, force: np.ndarray, loads: Loads, dt: float, out: np.
             q = np.uint64(lane)
             fx, fz, fr = force[p * LANES + lane]
             vx, vz, vr = discs[b + VX + q], discs[b + VZ + q], discs[b + VR + q]
-            invmass, rim, weight = discs[b + INVMASS + q], discs[b + RIM + q], discs[b + WEIGHT + q]
+            invmass, rim = discs[b + INVMASS + q], discs[b + RIM + q]
             if invmass > 0.0:
-                next_x = vx + dt * (fx * invmass + weight * weight_x + ax)
-                next_z = vz + dt * (fz * invmass + weight * weight_z + az)
+                next_x = vx + dt * (fx * invmass + discs[b + PULL_X + q] + ax)
+                next_z = vz + dt * (fz * invmass + discs[b + PULL_Z + q] + az)
                 out[TRANSLATION] += 0.5 * (vx * next_x + vz * next_z) / invmass
             else:
                 out[LATE_BOUNDARY] -= 0.5 * dt * (fx * vx + fz * vz + fr * vr)

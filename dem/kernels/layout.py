@@ -18,8 +18,11 @@ LANES = 64
 
 # Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
 # extrapolated to the end of the step, the others stand half a step behind.
-DISC_FIELDS = 14
-X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, WEIGHT, X0, Z0, ROLL = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
+# PULL is the acceleration by weight and water.
+DISC_FIELDS = 15
+X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, PULL_X, X0, Z0, ROLL, PULL_Z = (
+    np.uint64(k * LANES) for k in range(DISC_FIELDS)
+)
 DISC = np.uint64(DISC_FIELDS * LANES)
 
 # Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element

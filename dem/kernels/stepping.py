@@ -28,6 +28,8 @@ from dem.kernels.layout import (
     LANES,
     LINK,
     LINK_FIELDS,
+    PULL_X,
+    PULL_Z,
     RIM,
     ROLL,
     ROLL_LINK,
@@ -38,7 +40,6 @@ from dem.kernels.layout import (
     VXS,
     VZ,
     VZS,
-    WEIGHT,
     X0,
     Z0,
     Layout,
@@ -103,10 +104,9 @@ def move(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
     for lane in range(LANES):
         q = np.uint64(lane)
         invmass = discs[b + INVMASS + q]
-        weight = discs[b + WEIGHT + q]
         free = 1.0 if invmass > 0.0 else 0.0
-        accel_x = scratch[SUM_X + q] * invmass + free * (weight * step.weight_x + step.ax)
-        accel_z = scratch[SUM_Z + q] * invmass + free * (weight * step.weight_z + step.az)
+        accel_x = scratch[SUM_X + q] * invmass + free * (discs[b + PULL_X + q] + step.ax)
+        accel_z = scratch[SUM_Z + q] * invmass + free * (discs[b + PULL_Z + q] + step.az)
         accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
         vx = discs[b + VX + q] + step.kick * accel_x
         vz = discs[b + VZ + q] + step.kick * accel_z
@@ -141,7 +141,7 @@ def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[fl
         mass = 1.0 / invmass if invmass > 0.0 else 0.0
         vx = discs[b + VX + q]
         vz = discs[b + VZ + q]
-        by_weight = add(by_weight, mass * discs[b + WEIGHT + q] * (step.weight_x * vx + step.weight_z * vz))
+        by_weight = add(by_weight, mass * (discs[b + PULL_X + q] * vx + discs[b + PULL_Z + q] * vz))
         by_external = add(by_external, mass * (step.mean_x * vx + step.mean_z * vz))
         driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * discs[b + VR + q]
         by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
@@ -262,7 +262,7 @@ def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, re
     az = interpolate(time, loads.times, loads.acceleration[1], place)
     mean_x = 0.5 * (ax + interpolate(time + dt, loads.times, loads.acceleration[0], place))
     mean_z = 0.5 * (az + interpolate(time + dt, loads.times, loads.acceleration[1], place))
-    return Step(0.5 * (last_dt + dt), dt, last_dt, loads.gravity[0], loads.gravity[1], ax, az, mean_x, mean_z, reach)
+    return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, mean_x, mean_z, reach)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -33,8 +33,19 @@ def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> 
         for k in np.unique(layer[layer >= 0]):
             here = np.flatnonzero(layer == k)
             if len(here) > found[k, 0]:
-                found[k] = len(here), stress[here[len(here) // 2]]
+                middle = here[len(here) // 2]
+                found[k] = len(here), stress[middle] - _pore_pressure(section, x, float(z[middle]), int(k))
     return found[:, 1]
+
+
+def _pore_pressure(section: Section, x: float, z: float, stratum: int) -> float:
+    """Pore pressure at a place (m) of a stratum less the weight of the water on the ground above it (Pa)."""
+    water = section.water_pressure
+    if not water.present:
+        return 0.0
+    place = np.array([[x, z]])
+    ponded = water.ponded(water.after, place, place)
+    return float(water.at_rest(place, place, np.array([stratum]))[0] - ponded[0])
 
 
 def element_tests(

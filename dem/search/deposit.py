@@ -93,7 +93,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     """The ground that a checkpoint of settled soil discs stands for."""
     packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
     radius = settings.radius or radius_for(section, settings.elements)
-    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section))
+    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
 
 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
@@ -134,5 +134,5 @@ def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
         except ValueError as error:
             last = error
             continue
-        return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section))
+        return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
     raise InputError(section.name, [f"dem: {last}"])

@@ -12,13 +12,14 @@ import numpy as np
 
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven_upper_bound
-from fem.limit.limit_problem import Places, Pressure, RigidPlasticBody, Side, Traction, limit_problem, units_of
+from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
 from fem.strength import is_dilating_fully
 from meshes.errors import InputError
+from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 from meshes.section.water_pressure import WaterPressure
@@ -149,11 +150,9 @@ def body_of(
 
 
 def _pore_pressure(water: WaterPressure, shaken: bool) -> Pressure:
-    def pressure(at: Places) -> np.ndarray:
-        places = at.points, at.near, at.stratum
-        return water.at_rest(*places) + water.shaken(*places) if shaken else water.at_rest(*places)
-
-    return pressure
+    if not shaken:
+        return water.at_rest
+    return lambda *places: water.at_rest(*places) + water.shaken(*places)
 
 
 def _ground(section: Section, sign: int) -> Side:

@@ -11,23 +11,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meshes.bisection import split_at_middle
+from meshes.pore_loads import SAME_PRESSURE, Pressure, at_ends, corner_pressure, edge_jumps, outward_normals
 from meshes.triangles import TriMesh
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where something is asked for: k points, each of them seen from one cell.
+    """Ends of edges of the outline: k points, each of them seen from one cell.
 
     Attributes
     ----------
     points : ndarray (k, 2)
         The points in m.
     near : ndarray (k, 2)
-        A point of the cell, or of the edge, that each is a corner of, in m.
+        The middle of the edge that each is an end of, in m.
     stratum : ndarray (k,)
         The strata of the cells.
     normal : ndarray (k, 2)
-        Outward unit normals of the edges; empty for cells.
+        Outward unit normals of the edges.
     """
 
     points: np.ndarray
@@ -36,12 +37,9 @@ class Places:
     normal: np.ndarray
 
 
-# Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa; linear along every edge of the mesh.
+# Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa outside; linear along every edge of the mesh.
 Traction = Callable[[Places], np.ndarray]
-Pressure = Callable[[Places], np.ndarray]
-
-# Pore pressure less that of the water outside, over the largest pore pressure, below which the two are the same.
-SAME_PRESSURE = 1e-12
+Outside = Callable[[Places], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -56,14 +54,14 @@ class Side:
         Traction in the other components that does not depend on the multiplier; None for zero.
     live : Traction or None
         Traction in the other components that the multiplier acts on; None for zero.
-    pressure : Pressure or None
+    pressure : Outside or None
         Pressure of the water outside, which acts beside the dead traction; None for zero.
     """
 
     held: str = ""
     dead: Traction | None = None
     live: Traction | None = None
-    pressure: Pressure | None = None
+    pressure: Outside | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +225,7 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         mesh, outline = divided, _outline(divided, body)
     scaled = mesh.moved(np.array(units.origin), units.length)
     per_volume = units.length / units.stress
-    jumps = _jumps(mesh, corner_pressure(mesh, body.pore_pressure))
+    jumps = edge_jumps(mesh, corner_pressure(mesh, body.pore_pressure))
     return LimitProblem(
         mesh=scaled,
         units=units,
@@ -236,7 +234,7 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,
         outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
-        jumps=replace(jumps, dead=jumps.dead / units.stress),
+        jumps=Jumps(jumps.edges, jumps.ends, jumps.traction / units.stress),
     )
 
 
@@ -253,41 +251,6 @@ def corner_cells(mesh: TriMesh) -> np.ndarray:
     return (mesh.edge_cells[:, 1] < 0)[mesh.cell_edges].sum(axis=1) >= 2
 
 
-def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
-    """A pressure (m, 3) in Pa at the corners of every cell, as it is within the cell."""
-    if pressure is None:
-        return np.zeros(mesh.cells.shape)
-    corners = mesh.points[mesh.cells]
-    near = np.repeat(corners.mean(axis=1), 3, axis=0)
-    places = Places(corners.reshape(-1, 2), near, np.repeat(mesh.stratum, 3), np.empty((0, 2)))
-    return pressure(places).reshape(-1, 3)
-
-
-def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
-    along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
-    normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
-    outwards = mesh.points[ends[:, 0]] - mesh.points[mesh.cells[cells]].mean(axis=1)
-    return normal * np.sign(np.sum(normal * outwards, axis=1))[:, None]
-
-
-def _jumps(mesh: TriMesh, pressure: np.ndarray) -> Jumps:
-    """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
-    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
-    ends = mesh.edges[inner]
-    one, other = (_at_ends_of(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
-    jump = one - other
-    there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
-    normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
-    return Jumps(inner[there], ends[there], jump[there][:, :, None] * normal[:, None, :])
-
-
-def _at_ends_of(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Values (m, 3) at corners of cells, those of cells (k,) at the ends (k, 2) of their edges."""
-    corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
-    return values[cells[:, None], corner]
-
-
 def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
     parts = []
     pressure = corner_pressure(mesh, body.pore_pressure)
@@ -299,7 +262,7 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
         places = edge_ends(mesh, ends, cells)
         dead, live = (_traction(given, places) for given in (side.dead, side.live))
         if body.pore_pressure is not None:
-            inside = _at_ends_of(mesh, pressure, cells, ends)
+            inside = at_ends(mesh, pressure, cells, ends)
             outside = np.zeros(inside.shape) if side.pressure is None else side.pressure(places).reshape(-1, 2)
             left = np.where(np.abs(inside - outside) > SAME_PRESSURE * pressure.max(initial=0.0), inside - outside, 0.0)
             dead = dead + left[:, :, None] * places.normal.reshape(-1, 2, 2)

@@ -6,9 +6,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fem.limit.limit_problem import corner_pressure, edge_ends
+from fem.limit.limit_problem import edge_ends
 from fem.limit.upper_bound import add_edge_loads, strain_rates
 from meshes.bisection import bisect
+from meshes.pore_loads import corner_pressure
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -158,7 +159,7 @@ def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
 def _water_and_surcharges(section: Section, mesh: TriMesh, strain: sparse.csr_matrix) -> np.ndarray:
     """Nodal forces (n, 2) in N/m of pore pressure, of water on the ground and of surcharges at rest."""
     water, surface = section.water_pressure, section.surface_loads
-    pressure = corner_pressure(mesh, lambda at: water.at_rest(at.points, at.near, at.stratum))
+    pressure = corner_pressure(mesh, water.at_rest)
     mass = (np.ones((3, 3)) + np.eye(3)) / 12.0
     volumetric = np.zeros((len(mesh.cells), 3, 3))
     volumetric[:, :, :2] = (mesh.areas[:, None] * (pressure @ mass))[:, :, None]

@@ -83,7 +83,7 @@ class WaterPressure:
         ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
         if not ratio.any():
             return np.zeros(len(points))
-        effective = self.overburden(points, near) + self._ponded(self.after, points, near)
+        effective = self.overburden(points, near) + self.ponded(self.after, points, near)
         return ratio * np.maximum(effective - self.at_rest(points, near, stratum), 0.0)
 
     def overburden(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -105,12 +105,12 @@ class WaterPressure:
         x = np.union1d(self.layers.x, [] if self.after is None else self.after[:, 0])
         near = 0.5 * (x[1:] + x[:-1])
         depths = [
-            self._ponded(self.after, np.column_stack([end, end]), np.column_stack([near, near])) / self.unit_weight
+            self.ponded(self.after, np.column_stack([end, end]), np.column_stack([near, near])) / self.unit_weight
             for end in (x[:-1], x[1:])
         ]
         return float(np.max(depths))
 
-    def _ponded(self, level: np.ndarray | None, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+    def ponded(self, level: np.ndarray | None, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Pressure (n,) of the water that stands on the ground above each point."""
         if level is None:
             return np.zeros(len(points))
@@ -123,7 +123,7 @@ class WaterPressure:
         Saturated ground that cannot drain bears no change of its mean stress (Skempton's B of 1), and the water above
         weighs the same on it as in it (Morgenstern 1963).
         """
-        return self._ponded(self.before, points, near) - self._ponded(self.after, points, near)
+        return self.ponded(self.before, points, near) - self.ponded(self.after, points, near)
 
     def _hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         head = np.maximum(np.interp(points[:, 0], *level.T) - points[:, 1], 0.0)

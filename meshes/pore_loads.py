@@ -1,0 +1,65 @@
+"""Pore pressure on triangles: at their corners, and the edges across which it jumps."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from meshes.triangles import TriMesh
+
+# Pressure (k,) in Pa at points (k, 2) in m, with points near them and their strata.
+Pressure = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+# Jumps of this share of the largest pore pressure are rounding.
+SAME_PRESSURE = 1e-12
+
+
+class EdgeJumps(NamedTuple):
+    """The k inner edges across which the pore pressure jumps.
+
+    Attributes
+    ----------
+    edges : ndarray (k,)
+        Numbers of the edges in the mesh.
+    ends : ndarray (k, 2)
+        Numbers of their end points.
+    traction : ndarray (k, 2 ends, 2)
+        What presses on the skeleton (Pa), away from the first of ``TriMesh.edge_cells`` where that has more pressure.
+    """
+
+    edges: np.ndarray
+    ends: np.ndarray
+    traction: np.ndarray
+
+
+def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
+    """A pressure (m, 3) in Pa at the corners of every cell, as it is within the cell; zero without one."""
+    if pressure is None:
+        return np.zeros(mesh.cells.shape)
+    corners = mesh.points[mesh.cells]
+    near = np.repeat(corners.mean(axis=1), 3, axis=0)
+    return pressure(corners.reshape(-1, 2), near, np.repeat(mesh.stratum, 3)).reshape(-1, 3)
+
+
+def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
+    along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
+    outwards = mesh.points[ends[:, 0]] - mesh.points[mesh.cells[cells]].mean(axis=1)
+    return normal * np.sign(np.sum(normal * outwards, axis=1))[:, None]
+
+
+def at_ends(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Of values (m, 3) at corners of cells those (k, 2) of cells (k,) at the ends (k, 2) of their edges."""
+    corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
+    return values[cells[:, None], corner]
+
+
+def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
+    """The inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
+    inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
+    ends = mesh.edges[inner]
+    one, other = (at_ends(mesh, pressure, mesh.edge_cells[inner, side], ends) for side in (0, 1))
+    jump = one - other
+    there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
+    normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
+    return EdgeJumps(inner[there], ends[there], jump[there][:, :, None] * normal[:, None, :])
