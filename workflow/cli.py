@@ -10,6 +10,21 @@ from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.exits import ended
+from workflow.options import (
+    Columns,
+    Folder,
+    Force,
+    Free,
+    Json,
+    Out,
+    Quiet,
+    Refine,
+    Rows,
+    SectionFile,
+    Set,
+    Size,
+    Verbose,
+)
 from workflow.verify.command import verify
 
 if TYPE_CHECKING:
@@ -22,26 +37,7 @@ app = typer.Typer(
     help="At which seismic coefficient a layered slope fails, and how far it slides once layers in it liquefy.",
 )
 
-SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
-Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
-Out = Annotated[
-    Path | None,
-    typer.Option("--out", help="Folder for the results. [default: runs/<section name>]", show_default=False),
-]
-Refine = Annotated[int | None, typer.Option(help="Divide every cell size by this whole number.")]
-Size = Annotated[str | None, typer.Option(help='Target cell size, such as "1.5 m".')]
-Free = Annotated[bool, typer.Option("--free", help="Free quadrilaterals instead of columns and rows.")]
-Columns = Annotated[int | None, typer.Option(help="Columns of a mapped mesh.")]
-Rows = Annotated[int | None, typer.Option(help="Rows of a mapped mesh.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", help="Any setting by its name, such as fem.sides=fixed; repeatable.", show_default=False),
-]
-Force = Annotated[bool, typer.Option("--force", help="Run again even where nothing has changed.")]
 STAGES = ", ".join(stages.NAMES)
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]
 
 
 def _version(wanted: bool) -> None:
@@ -293,23 +289,6 @@ def compare(
 
 
 @app.command()
-def liquefaction(
-    section: SectionFile,
-    folder: Out = None,
-    settings: Set = None,
-    force: Force = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    json: Json = False,
-) -> None:
-    """F_L at the blow counts of the borings, which strata liquefy, and P_L; nothing else."""
-    from workflow.request import Request
-    from workflow.terminal import Voice
-
-    _up_to("triggering", Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
-
-
-@app.command()
 def bounds(
     section: SectionFile,
     folder: Out = None,
@@ -332,21 +311,31 @@ def bounds(
     _up_to("bounds", request, force, Voice.of(quiet, verbose, json))
 
 
-@app.command()
-def calibrate(
-    section: SectionFile,
-    folder: Out = None,
-    settings: Set = None,
-    force: Force = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    json: Json = False,
-) -> None:
-    """Calibrate the discs so that they fail at the Kh that the finite elements found."""
-    from workflow.request import Request
-    from workflow.terminal import Voice
+def _of_stage(name: str, stage: str, words: str) -> None:
+    """A command that runs a stage, and before it what it needs."""
 
-    _up_to("calibrate", Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
+    def command(
+        section: SectionFile,
+        folder: Out = None,
+        settings: Set = None,
+        force: Force = False,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+        json: Json = False,
+    ) -> None:
+        from workflow.request import Request
+        from workflow.terminal import Voice
+
+        _up_to(stage, Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
+
+    app.command(name, help=words)(command)
+
+
+_of_stage("liquefaction", "triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
+_of_stage(
+    "liquefied", "liquefied", "Whether the ground still stands once layers have liquefied, and at what Kh it fails."
+)
+_of_stage("calibrate", "calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")
 
 
 @app.command()

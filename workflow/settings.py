@@ -15,6 +15,7 @@ from dem.settings import Case, DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.section.liquefies import Cases
+from meshes.section.overburden import reaches_water
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.settings import EarthquakeSettings
@@ -154,7 +155,11 @@ class Input(Section):
 
     def _triggered(self, found: Assessment) -> Self:
         pairs = list(zip(self.strata, found.strata, strict=True))
-        untested = [own.name for own, its in pairs if own.liquefies_in.triggered and its.share is None]
+        untested = [
+            own.name
+            for k, (own, its) in enumerate(pairs)
+            if own.liquefies_in.triggered and its.share is None and reaches_water(self, k)
+        ]
         if untested:
             told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
             raise InputError(self.name, [f'strata "{name}", {told}' for name in untested])

@@ -8,11 +8,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from meshes.section.overburden import water_level
 from meshes.section.section import Section
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, soil_colour
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
-from workflow.triggering.overburden import water_level
 
 ABREAST = 4  # borings in a row of the picture
 MOST_BLOWS, MOST_FACTOR = 50.0, 2.0

@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator
 
+from workflow.report import after
 from workflow.report.numbers import metres
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FemAnswer
+from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
@@ -135,11 +137,11 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
     ]
     if told:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
-    for name, number, case in answer.each():
+    for name, which, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
-            f"Case {number} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
+            f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
             f"settles {metres(case.settlement_uphill_m)} uphill{settled}."
         )
 
@@ -167,6 +169,8 @@ def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     if name == "triggering":
         yield from triggering_sentences(TriggeringAnswer.read(store))
+    elif name == "liquefied":
+        yield from after.sentences(LiquefiedAnswer.read(store))
     elif name == "mesh":
         yield from mesh_sentences(given, store)
     elif name == "fem":

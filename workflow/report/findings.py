@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
+from workflow.report.after import in_short
 from workflow.report.numbers import about, between, coefficient, listed, span
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FemAnswer
@@ -23,7 +24,10 @@ SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apa
 
 def findings(results: Results) -> list[str]:
     """Paragraphs: what was asked, where the section fails, how far it slides, and what of this is doubtful."""
-    paragraphs = (_asked(results), _failure(results), _slides(results), _disagreement(results), _doubtful(results))
+    paragraphs = (
+        _asked(results), _failure(results), in_short(results.liquefied), _slides(results), _disagreement(results),
+        _doubtful(results),
+    )  # fmt: skip
     return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]
 
 

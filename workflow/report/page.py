@@ -25,7 +25,7 @@ from workflow.run.progress import duration
 from workflow.settings import ReportSettings
 
 # Parts of the page with a template of their own.
-PARTS = {"triggering": "triggering.html.jinja"}
+PARTS = {"triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja"}
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 

@@ -9,6 +9,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
+from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, made_from
@@ -39,6 +40,7 @@ class Results:
     calibration: CalibrationAnswer | None = None
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
+    liquefied: LiquefiedAnswer | None = None
     stages: tuple[Stage, ...] = ()
 
     @classmethod
@@ -72,6 +74,7 @@ class Results:
             calibration=left("calibrate", CalibrationAnswer),
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
+            liquefied=left("liquefied", LiquefiedAnswer),
             stages=told,
         )
 

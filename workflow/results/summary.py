@@ -9,6 +9,8 @@ from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, RandomPackings
 from workflow.results.continuum import MeshCount, Verdict
+from workflow.results.liquefied import LiquefiedCase
+from workflow.results.triggering import StratumPart
 
 
 class FemSummary(Part):
@@ -129,6 +131,8 @@ class Summary(Answer):
     paper_model: PaperModel | None = Field(default=None, description="the paper's own discs, where they were asked for")
     cases_random: RandomPackings | None = None
     comparison: tuple[EstimateSummary, ...]
+    triggering: tuple[StratumPart, ...] | None = Field(default=None, description="which strata liquefy, by blow counts")
+    liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
     paper: tuple[PaperSummary, ...] | None = None
     no_answer: dict[str, NoAnswer]
     seconds: dict[str, float] = Field(description="computing time of every stage")

@@ -8,13 +8,13 @@ import numpy as np
 
 from meshes.borings.boring import Boring, Sample
 from meshes.errors import InputError
+from meshes.section.overburden import Overburden, outside, overburden, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.earthquake.attenuation import Motion, Range
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
 from workflow.triggering.methods import RELATIONS, Relation
-from workflow.triggering.overburden import Overburden, outside, overburden, water_level
 from workflow.triggering.potential import potential
 from workflow.triggering.settings import TriggeringSettings
 
@@ -129,8 +129,8 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     names = [boring.name for boring in settings.borings]
     problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
                  if names.count(n) > 1]  # fmt: skip
-    if section.water_table is None:
-        problems.append("water_table: missing; soil liquefies below water alone")
+    if section.water_points() is None:
+        problems.append("water, table: missing; soil liquefies below water alone")
     try:
         if earthquake.motion() is None:
             problems.append("earthquake: expected peak_acceleration, or magnitude and distance")

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import tomli_w
 
+from meshes.section.overburden import overburden
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.sections import problems
 from workflow.settings import Input
-from workflow.triggering.overburden import overburden
 
 
 def told(change: Any) -> str:
@@ -30,6 +30,25 @@ def test_stresses_before_the_earthquake() -> None:
     assert found.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
     assert found.stratum == 0
     assert not overburden(section, 50.0, 0.5).below_water
+
+
+def test_density_and_saturated_density_and_water_on_the_ground() -> None:
+    """1 m of 1.7, 4 m of 2.0 t/m³, water at 1 m; then water 3 m above the ground, which adds to both stresses."""
+    data = bored()
+    for stratum in data["strata"]:
+        stratum.pop("density_ordinary")
+        stratum.pop("density_seismic")
+        stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3"}
+    data.pop("water_table")
+    found = overburden(Input.parse({**data, "water": {"table": -1.0}}), 50.0, 5.0)
+    assert found.total == pytest.approx(GRAVITY * 9700.0)
+    assert found.effective == pytest.approx(GRAVITY * 5700.0)
+    cut = Input.parse({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
+    assert len(cut.strata) == 3
+    assert cut.strata[0].liquefies_in == ()
+    drowned = overburden(Input.parse({**data, "water": {"table": 3.0}}), 50.0, 5.0)
+    assert drowned.total == pytest.approx(GRAVITY * 13000.0)
+    assert drowned.effective == pytest.approx(GRAVITY * 5000.0)
 
 
 def test_what_tests_stand_for() -> None:
@@ -59,7 +78,7 @@ def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None
 def test_what_is_not_known_is_named() -> None:
     assert "earthquake: expected peak_acceleration" in told(lambda data: data["earthquake"].pop("peak_acceleration"))
     assert "earthquake, magnitude: missing" in told(lambda data: data["earthquake"].pop("magnitude"))
-    assert "water_table: missing" in told(lambda data: data.pop("water_table"))
+    assert "water, table: missing" in told(lambda data: data.pop("water_table"))
     assert "triggering, borings: missing" in told(lambda data: data.pop("triggering"))
     assert "outside the range of Idriss" in told(lambda data: data["earthquake"].update(magnitude=9.0))
 

@@ -1,0 +1,96 @@
+"""Vertical stresses in a section before the earthquake, at a point (x, depth)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from meshes.section.water import FRESH
+
+
+@dataclass(frozen=True)
+class Overburden:
+    """Stresses at a point.
+
+    Attributes
+    ----------
+    stratum : index of the stratum
+    total, effective : vertical stresses (Pa)
+    below_water : whether the point lies below the water table
+    """
+
+    stratum: int
+    total: float
+    effective: float
+    below_water: bool
+
+
+def overburden(section: Section, x: float, depth: float) -> Overburden:
+    """Weight of the strata above a point, with all their water, and of water on the ground; below the water table its
+    hydrostatic pressure.
+
+    ``x`` in the section and ``depth`` (m) within it: see `outside`. Where a stratum has two densities it is the seismic
+    one that holds all of its mass.
+    """
+    levels = section.layering.interfaces(np.array([x]))[0]
+    here = float(levels[0]) - depth
+    water = water_level(section, x)
+    unit_weight = FRESH * GRAVITY if section.water is None else float(section.water.unit_weight)
+    wet = np.clip(levels, here, None) if water is None else np.clip(levels, here, max(here, water))
+    below = np.zeros(len(levels) - 1) if water is None else wet[:-1] - wet[1:]
+    inside = np.clip(levels[:-1], here, None) - np.clip(levels[1:], here, None)
+    bulk = np.array([stratum.density_seismic for stratum in section.strata])
+    saturated = np.array([stratum.density_saturated or stratum.density_seismic for stratum in section.strata])
+    total = GRAVITY * float((inside - below) @ bulk + below @ saturated)
+    pressure = 0.0
+    if water is not None:
+        total += unit_weight * max(0.0, water - float(levels[0]))
+        pressure = unit_weight * max(0.0, water - here)
+    stratum = int(section.stratum_at(np.array([x]), np.array([here]))[0])
+    return Overburden(stratum, total, total - pressure, pressure > 0.0)
+
+
+def water_level(section: Section, x: float) -> float | None:
+    """Elevation of the water table at x (m); None without any."""
+    points = section.water_points()
+    return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
+
+
+def outside(section: Section, x: float, depth: float) -> str:
+    """Why a point is not in the section; empty where it is."""
+    left, right = section.given_extent
+    if not left <= x <= right:
+        return f"x = {x:g} m is off the section, which reaches from {left:g} to {right:g} m"
+    levels = section.layering.interfaces(np.array([x]))[0]
+    deepest = float(levels[0] - levels[-1])
+    return f"depth = {depth:g} m is below the base, {deepest:.2f} m down at x = {x:g} m" if depth >= deepest else ""
+
+
+def reaches_water(section: Section, stratum: int) -> bool:
+    """Whether any of a stratum lies below the water table."""
+    x = _columns(section)
+    levels = section.layering.interfaces(x)
+    points = section.water_points()
+    if points is None:
+        return False
+    there = levels[:, stratum] > levels[:, stratum + 1]
+    return bool(np.any(there & (levels[:, stratum + 1] < np.interp(x, *points.T) - 1e-9)))
+
+
+def _columns(section: Section, number: int = 200) -> np.ndarray:
+    left, right = section.given_extent
+    return left + (right - left) * (np.arange(number) + 0.5) / number
+
+
+def mean_effective_stress(section: Section, stratum: int) -> float:
+    """Mean vertical effective stress (Pa) in a stratum, over its area; 0 where it has none."""
+    total = area = 0.0
+    for x in _columns(section):
+        levels = section.layering.interfaces(np.array([x]))[0]
+        thickness = float(levels[stratum] - levels[stratum + 1])
+        if thickness > 0.0:
+            middle = float(levels[0]) - 0.5 * float(levels[stratum] + levels[stratum + 1])
+            total += thickness * overburden(section, float(x), middle).effective
+            area += thickness
+    return total / area if area > 0.0 else 0.0

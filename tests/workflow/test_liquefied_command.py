@@ -1,0 +1,57 @@
+"""`noshiro liquefied`: whether the ground still stands, before any slide."""
+
+import json
+from pathlib import Path
+
+import pytest
+import tomli_w
+
+from tests.support import command_line
+from tests.support.borings import SAND
+from tests.support.sections import layer
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A gentle slope, 60 m long, with 4 m of sand in it: three cases leave it nothing, a little, and much strength."""
+    place = tmp_path_factory.mktemp("liquefied")
+    data = {
+        "name": "gentle",
+        "surface": [[0.0, 3.0], [60.0, 0.0]],
+        "base": {"elevation": -8.0},
+        "water_table": {"depth": 2.0},
+        "strata": [
+            layer("crust", bottom={"depth": 2.0}, **{**SAND, "density_ordinary": "1.9 t/m^3"}),
+            layer("sand", bottom={"depth": 6.0}, liquefies_in=[1, 2, 3, 4], **SAND),
+            layer("stiff", **{**SAND, "cohesion": "50 kPa"}),
+        ],
+        "mesh": {"size": "2 m"},
+        "fem": {"direction": "downhill"},
+        "slide": {
+            "cases": [{"stiffness": 0.1}, {"residual": 0.02}, {"residual": 0.2, "name": "much"}, {"stiffness": 0.5}]
+        },
+    }
+    path = place / "gentle.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("liquefied", path, "--out", place / "run", "--quiet") == 0
+    return place / "run"
+
+
+def test_strength_decides_whether_it_stands(folder: Path) -> None:
+    """On an infinite slope of 5 % a strength of 0.02 σ' flows, for the shear stress is 0.05 of the total weight, and
+    one of 0.2 σ' stands."""
+    nothing, little, much = json.loads((folder / "fem/liquefied.json").read_text())["cases"]
+    assert (nothing["cases"], nothing["stands"], nothing["factor"]) == ([1, 4], "flows", None)
+    assert "no factor of safety can be given" in " ".join(nothing["notes"])
+    assert little["stands"] == "flows"
+    assert little["factor_upper"] < 1.0
+    assert (much["names"], much["stands"]) == (["much"], "stands")
+    assert much["factor_lower"] > 1.0
+    assert 0.9 * much["kc_lower"] < much["kc"] < 1.1 * much["kc_upper"]
+
+
+def test_the_report_tells_it(folder: Path) -> None:
+    assert command_line.run("report", folder, "--quiet") == 0
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "After liquefaction, does it still stand?" in text
+    assert "1, 4" in text

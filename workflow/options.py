@@ -1,0 +1,26 @@
+"""The options that commands have in common."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
+Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="Folder for the results. [default: runs/<section name>]", show_default=False),
+]
+Refine = Annotated[int | None, typer.Option(help="Divide every cell size by this whole number.")]
+Size = Annotated[str | None, typer.Option(help='Target cell size, such as "1.5 m".')]
+Free = Annotated[bool, typer.Option("--free", help="Free quadrilaterals instead of columns and rows.")]
+Columns = Annotated[int | None, typer.Option(help="Columns of a mapped mesh.")]
+Rows = Annotated[int | None, typer.Option(help="Rows of a mapped mesh.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Any setting by its name, such as fem.sides=fixed; repeatable.", show_default=False),
+]
+Force = Annotated[bool, typer.Option("--force", help="Run again even where nothing has changed.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]

@@ -1,0 +1,145 @@
+"""The stage `liquefied`: whether the continuum still stands once layers have liquefied, told before any slide."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from meshes.errors import InputError, NoAnswerError
+from meshes.section.overburden import mean_effective_stress
+from meshes.section.section import Section
+from workflow.results.answer import SectionLabel
+from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
+from workflow.run.stage import Job, Stage
+from workflow.settings import Input
+
+if TYPE_CHECKING:
+    from fem.liquefied_ground import Remains
+    from meshes.quad_mesh import QuadMesh
+
+# Triangles and gap of the bounds: enough to tell standing from flowing, in seconds.
+CELLS, GAP, SECONDS = 2500, 0.08, 30.0
+Found = TypeVar("Found")
+
+
+def work(job: Job) -> None:
+    """Factor of safety and critical Kh of every case that leaves another strength; leaves fem/liquefied.json."""
+    from workflow.results.stored_mesh import stored_mesh
+
+    mesh = stored_mesh(job.given, job.store)
+    found = []
+    for remains, numbers in _different(job.given).items():
+        job.progress(f"case {', '.join(map(str, numbers))}", None)
+        found.append(_case(job.given, mesh, dict(remains), numbers))
+    LiquefiedAnswer(section=SectionLabel.of(job.given), sides=job.given.fem.sides, cases=tuple(found)).write(job.store)
+
+
+def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
+    """The numbers of the cases, by what is left of the strata that liquefy in them."""
+    from fem.liquefied_ground import Remains
+
+    found: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
+    for number, case in enumerate(given.cases, start=1):
+        kept = tuple(
+            (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name)))
+            for k, stratum in enumerate(given.strata)
+            if number in stratum.liquefies_in
+        )
+        if kept:
+            found.setdefault(kept, []).append(number)
+    return found
+
+
+def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
+    """What the ground bears in cases that leave the strata the same."""
+    from fem.liquefied_ground import liquefied_section
+
+    section = liquefied_section(given, remains)
+    borne = _borne(section, given, mesh, nothing=not any(one.friction or one.residual for one in remains.values()))
+    cases = [given.cases[number - 1] for number in numbers]
+    return LiquefiedCase(
+        cases=tuple(numbers),
+        names=tuple(dict.fromkeys(case.name for case in cases if case.name)),
+        strata=tuple(
+            LiquefiedStratum(
+                name=section.strata[k].name,
+                cohesion_kPa=section.strata[k].cohesion / 1e3,
+                friction_deg=math.degrees(section.strata[k].friction_angle),
+                over_effective=section.strata[k].cohesion / mean_effective_stress(given, k),
+            )
+            for k in remains
+        ),
+        **borne,
+    )
+
+
+def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> dict[str, Any]:
+    """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
+    from mpi4py import MPI
+
+    from fem.critical import critical_coefficient
+    from fem.limit.bounds import kh_bounds
+    from fem.limit.safety_bounds import safety_bounds
+    from fem.strength_reduction import safety_factor
+
+    direction = "uphill" if given.fem.direction == "uphill" else "downhill"
+    fem = given.fem.model_copy(update={"direction": direction, "kh": (), "rigid_box": False})
+    asked = given.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
+    notes: list[str] = []
+    critical = _tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
+    kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
+    safety = strict = bracket = None
+    if nothing:
+        notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
+    else:
+        safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
+        strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0))
+    factor = safety.factor if safety is not None and safety.verdict != "undecided" else None
+    lower = strict.lower if strict is not None and strict.lower > 0.0 else None
+    upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
+    if lower is not None and lower > 1.0:
+        bracket = _tried("strict bounds of Kh", notes, lambda: kh_bounds(section, fem, asked))
+    stands, reason = _stands(kc, lower, upper)
+    return {
+        "stands": stands,
+        "reason": reason,
+        "kc": kc,
+        "kc_lower": bracket.lower if bracket is not None and bracket.stress else None,
+        "kc_upper": bracket.upper if bracket is not None and bracket.mechanism else None,
+        "factor": factor,
+        "factor_lower": lower,
+        "factor_upper": upper,
+        "notes": tuple(dict.fromkeys(notes)),
+    }
+
+
+def _tried(what: str, notes: list[str], find: Callable[[], Found]) -> Found | None:
+    """What is found; None, and a note of the reason, where there is no answer."""
+    try:
+        return find()
+    except (NoAnswerError, InputError) as error:
+        notes.append(f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}")
+        return None
+
+
+def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
+    """Whether the ground stands without shaking: strict bounds decide where they can, then the elements."""
+    if upper is not None and upper < 1.0:
+        return "flows", f"a mechanism proves a factor of safety below {upper:.2f}"
+    if lower is not None and lower > 1.0:
+        return "stands", f"a stress proves a factor of safety above {lower:.2f}"
+    if kc is None:
+        return "flows", "the elements find no equilibrium under its weight"
+    return "stands", f"the elements find equilibria up to Kh = {kc:.3f}"
+
+
+STAGE = Stage(
+    name="liquefied",
+    what="whether it stands once layers have liquefied",
+    module=__name__,
+    work=work,
+    needs=("mesh",),
+    tables=("fem", "bounds", "slide", "earthquake", "triggering"),
+    results=(LiquefiedAnswer.FILE,),
+    read=LiquefiedAnswer.read,
+    wanted=lambda given: any(stratum.liquefies_in for stratum in given.strata),
+)
