@@ -28,7 +28,7 @@ test: lint browser ## what every change must pass
 test-all: lint browser ## and the long studies
 	$(BIN)/python -m pytest -m ''
 
-browser:    ## Chromium, with which the tests look at the report
+browser:    ## Chromium and a Japanese font, with which the tests look at the report
 	@.ci/setup browser
 
 clean:      ## forget the environment and the results

@@ -258,13 +258,21 @@ def view(
 
 
 @app.command()
-def report(folder: Folder, quiet: Quiet = False, verbose: Verbose = False, json: Json = False) -> None:
+def report(
+    folder: Folder,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Print it into report.pdf, too; by Chromium or WeasyPrint.")
+    ] = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    json: Json = False,
+) -> None:
     """Write summary and report of a run again, from what is there."""
     from workflow.run.plan import Choice
     from workflow.terminal import Voice, execute
 
     job = stages.stored_job(folder)
-    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json))
+    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json), pdf)
 
 
 @app.command()

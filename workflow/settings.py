@@ -34,9 +34,11 @@ class FigureSettings(Model):
     """Settings of the pictures and of the report, a table [figures]."""
 
     report_width: int = Field(
-        default=1600, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
+        default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
     )
-    report_animations: StrictBool = Field(default=True, description="true if the report shall hold the animations")
+    report_animations: StrictBool = Field(
+        default=True, description="true if the report shall play the slides, and the path of Kh"
+    )
 
 
 class ReportSettings(Model):

@@ -72,6 +72,11 @@ def show_strata(section: Section) -> None:
     for row in tables.strata_rows(section):
         table.add_row(*(escape(cell) for cell in row))
     out.print(table)
+    if any(not text.isascii() for text in tables.texts(section)):
+        from workflow.figures import fonts
+
+        if notice := fonts.notice(tables.texts(section)):
+            say(f"Mind: {notice}.")
 
 
 def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
@@ -84,8 +89,11 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
     return show_table(("stage", "would", "because"), rows)
 
 
-def execute(job: Job, choice: Choice, voice: Voice) -> None:
-    """Run the stages that have to, and tell what they found. Raises what `pipeline.execute` does."""
+def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
+    """Run the stages that have to, tell what they found, and print the report if asked.
+
+    Raises what `pipeline.execute` and `write_pdf` do.
+    """
     from workflow.run import pipeline
     from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
 
@@ -96,13 +104,17 @@ def execute(job: Job, choice: Choice, voice: Voice) -> None:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(job, choice, display, what)
     except NoAnswerError:
-        _tell(job, choice, voice)
+        _tell(job, choice, voice, pdf)
         raise
-    _tell(job, choice, voice)
+    _tell(job, choice, voice, pdf)
 
 
-def _tell(job: Job, choice: Choice, voice: Voice) -> None:
-    """What the stages found, in sentences or as data, and where it all is."""
+def _tell(job: Job, choice: Choice, voice: Voice, pdf: bool) -> None:
+    """What the stages found, in sentences or as data, and where it all is; on paper, too, if asked."""
+    if pdf:
+        from workflow.report.pdf import write_pdf
+
+        write_pdf(job.store)
     if voice == Voice.JSON:
         say_data(data.of_stages(job, choice.chosen))
     elif voice.speaks:
@@ -122,6 +134,8 @@ def _tell_in_sentences(job: Job, choice: Choice) -> None:
         for line in sentences("report", job.given, job.store):
             out.print(escape(line))
         out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
+        if job.store.has("report.pdf"):
+            out.print(f"Printed: {job.store.folder / 'report.pdf'}", soft_wrap=True)
     out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)
 
 

@@ -28,7 +28,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.lost_strength import liquefied, residual_cohesion
-from dem.slides.rest import at_rest, what_drives
+from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 
@@ -149,6 +149,7 @@ class Slide:
             "escaped": self.escaped,
             "cracked_pore_springs": self.rows[-1].cracked,
             "seconds_simulated": self.seconds_simulated,
+            "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
             "step_share": self.step_share,
             "overlap": self.overlap,
             "area_lost_share": self.area_lost_share,

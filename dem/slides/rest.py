@@ -29,6 +29,12 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
     return True
 
 
+def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
+    """How much something moved within the last windows (m); times (n,) of the looks (s), moved (n,) at each (m)."""
+    first = int(np.searchsorted(np.asarray(times, float), times[-1] - WINDOWS * WINDOW - 1e-9))
+    return float(np.ptp(np.asarray(moved, float)[first:]))
+
+
 def what_drives(times: Sequence[float], weight: Sequence[float], shaking: Sequence[float]) -> str:
     """Where the energy of the last window came from, in words.
 

@@ -175,8 +175,8 @@ def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, 
         store.write_text(f"dem/case{number}.pvd", "<VTKFile/>")
         store.write_text(f"dem/case{number}/0.vtp", "<VTKFile/>")
         draw(store, f"figures/case{number}.png", f"case {number}")
-        with store.writing(f"figures/case{number}.gif") as path:
-            Image.new("RGB", (40, 20), "white").save(path, format="GIF")
+        with store.writing(f"figures/case{number}.webp") as path:
+            Image.new("RGB", (40, 20), "white").save(path, format="WEBP")
     write_histories(store, [])
     seed = Seed(seed=1, kc_before=0.4, parameter="stiffness", value=0.5, kc=0.3, verdict="calibrated", reason="")
     spread = Spread(mean=0.5, spread=0.1, values=(0.4, 0.6))

@@ -114,7 +114,7 @@ def test_the_pictures(whole: Path) -> None:
     names = ["dem_model", "dem_before_kh_0.10", "dem_after_kh_0.10", "case1", "case2", "history"]
     for name in names:
         assert imread(whole / "figures" / f"{name}.png").shape[1] == 1600
-    with Image.open(whole / "figures/case2.gif") as film:
+    with Image.open(whole / "figures/case2.webp") as film:
         assert film.n_frames >= 3
 
 

@@ -25,6 +25,11 @@ def files_for(text: str) -> tuple[str, ...]:
     return tuple(found)
 
 
+def file_for(text: str) -> str:
+    """The file of one font that has most of a text, for drawing that knows but one at a time."""
+    return min(files_for(text), key=lambda file: len(_lacking([file], frozenset(text))))
+
+
 def families_for(text: str) -> list[str]:
     """The names by which matplotlib knows these fonts."""
     names = []

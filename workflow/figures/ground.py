@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.patheffects import withStroke
 
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     import pyvista as pv
 
 HATCH = "...."
+LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 FOOT_CHARACTERS = 190
 
 
@@ -64,6 +67,7 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
             for polygon in section.layering.polygons(k):
                 closed, style = Outline(np.vstack([polygon, polygon[:1]])), {"edgecolor": INK, "linewidth": line_width}
                 axes.add_patch(PathPatch(closed, facecolor=soil_colour(k), hatch=hatch, **style))
+        _number_strata(axes, section)
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
                 axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
@@ -116,6 +120,21 @@ def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) 
     sheet = Sheet(title, heights, foot(section), -(-len(handles) // columns))
     sheet.legend(handles, columns)
     return sheet
+
+
+def _number_strata(axes: Axes, section: Section) -> None:
+    """The place of every stratum in it, where it is thickest: layers are told apart without colours, too."""
+    layers = section.layering
+    at_left, at_right = layers.thickness()
+    for k in range(len(section.strata)):
+        thickness = 0.5 * (at_left[:, k] + at_right[:, k])
+        best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * layers.width.sum())))
+        if thickness[best] < LEAST_NUMBERED * np.ptp(section.outline()[:, 1]):
+            continue
+        x = 0.5 * (layers.x[best] + layers.x[best + 1])
+        z = 0.25 * (layers.left[best, k : k + 2].sum() + layers.right[best, k : k + 2].sum())
+        halo = [withStroke(linewidth=2.0, foreground="white")]
+        axes.text(x, z, str(k + 1), fontsize=6.5, color=INK, ha="center", va="center", path_effects=halo)
 
 
 def _heights(much: int) -> str:

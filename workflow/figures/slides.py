@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from PIL import Image, ImageDraw, ImageFont
 
 from meshes.section.section import Section
+from workflow.figures import fonts
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer
@@ -23,7 +24,9 @@ SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
 FRAME_WIDTH = 1000  # px
 FRAME_MS = 120
 HOLD_MS = 2000  # the last frame
+QUALITY = 55  # of WebP
 COLOURS = {1: CONTINUUM, 2: DISCS, 3: CRITICAL}
+MARKS = {0: "", 1: "o", 2: "s", 3: "^"}  # what tells cases apart on paper without colours
 
 
 @dataclass(frozen=True)
@@ -101,11 +104,11 @@ def end(given: Section, path: Path, case: CaseAnswer, springs: str, number: int,
 
 
 def animate(given: Section, paths: list[Path], springs: str, number: int, out: Path) -> None:
-    """A GIF of all states of a case, displacement in colour."""
+    """An animated WebP of all states of a case, displacement in colour: a third of a GIF."""
     last = Frame.read(paths[-1])
     norm, window = last.scale(), window_of(Frame.read(paths[0]))
     window = Window(window.left, window.right, window.bottom, window.top)
-    font = ImageFont.load_default(size=17)
+    font = ImageFont.truetype(fonts.file_for(name_of(given, springs, number)), size=17)
     images = []
     for path in paths:
         frame = Frame.read(path)
@@ -114,10 +117,17 @@ def animate(given: Section, paths: list[Path], springs: str, number: int, out: P
         image.paste(Image.fromarray(picture), (0, 34))
         text = f"{name_of(given, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
         ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
-        images.append(image.quantize(64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE))
+        images.append(image)
     durations = [FRAME_MS] * (len(images) - 1) + [HOLD_MS]
     images[0].save(
-        out, format="GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=True
+        out,
+        format="WEBP",
+        save_all=True,
+        append_images=images[1:],
+        duration=durations,
+        loop=0,
+        quality=QUALITY,
+        method=2,
     )
 
 
@@ -137,6 +147,9 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
             "color": COLOURS.get(slide.case, INK),
             "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),
             "linewidth": 1.2,
+            "marker": MARKS.get(slide.case, "x"),
+            "markersize": 4,
+            "markevery": max(1, len(slide.rows) // 8),
         }
         time = [row.time_s for row in slide.rows]
         largest.plot(time, [row.slide_max_m for row in slide.rows], **style)

@@ -1,82 +1,101 @@
-"""The pictures of a folder as a report holds them: with captions, and as text within the page."""
+"""The pictures of a folder as a report holds them: with captions, and as data within the page."""
 
 import base64
 import io
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
+from typing import NamedTuple
 
 from PIL import Image
 
-# Animations beyond this (bytes, all together) stay outside the report.
-LARGEST_ANIMATIONS = 12_000_000
+COLOURS = 64  # of a drawing without smooth shades
+QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm's length
 
-# In the order in which the report shows them: a pattern of the name, the part of the report, and what it shows.
+
+class Caption(NamedTuple):
+    """A pattern of names, the part of the report in which they stand, and what they show.
+
+    Pictures that are not ``main`` stand at the end of the page, and are left out in print.
+    """
+
+    pattern: str
+    part: str
+    words: str
+    main: bool = False
+
+
+# In the order in which the report shows them.
 CAPTIONS = (
-    (r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table."),
-    (
+    Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
+    Caption(
         r"triggering",
         "triggering",
         "Blow counts and F_L with depth beside each boring; the strata, and the water table.",
+        True,
     ),
-    (r"mesh", "ground", "The mesh of the continuum."),
-    (
+    Caption(r"mesh", "ground", "The mesh of the continuum."),
+    Caption(
+        r"curves",
+        "both",
+        "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh.",
+        True,
+    ),
+    Caption(r"slip_surfaces", "both", "Slip surfaces of the continuum and of the discs.", True),
+    Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
+    Caption(
         r"fem_kh_(\d+\.\d+)",
         "fem",
         "Continuum at Kh = {0}: displacement since gravity, and where the strength is used up.",
     ),
-    (r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism."),
-    (r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
-    (r"fem_.*", "fem", "Continuum."),
-    (r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
-    (r"curves", "both", "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh."),
-    (r"slip_surfaces", "both", "Slip surfaces of the continuum and of the discs."),
-    (r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."),
-    (r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
-    (r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement and pore springs."),
-    (r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
-    (r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
-    (r"dem_.*", "dem", "The discs."),
-    (r"case(\d+)", "slide", "Case {0}, calibrated discs."),
-    (r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),
-    (r"case(\d+).*", "slide", "Case {0}."),
-    (r"history", "slide", "Settlement and slide in time."),
-    (r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways."),
+    Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
+    Caption(r"fem_.*", "fem", "Continuum."),
+    Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
+    Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
+    Caption(r"history", "slide", "Settlement and slide in time.", True),
+    Caption(r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),
+    Caption(r"case(\d+).*", "slide", "Case {0}."),
+    Caption(
+        r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."
+    ),
+    Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
+    Caption(r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement and pore springs."),
+    Caption(r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
+    Caption(r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
+    Caption(r"dem_.*", "dem", "The discs."),
+    Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways.", True),
 )
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture within a page: its name, its part of the report, what it shows, and its data as a URI."""
+    """A picture within a page: its name, where it stands, what it shows, and its data as a URI."""
 
     name: str
     part: str
+    main: bool
     caption: str
     data: str
     width: int
     height: int
 
 
-def collect(names: list[str], folder: Path, width: int, animations: bool = False) -> list[Picture]:
+def collect(names: Sequence[str], folder: Path, width: int) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    found: list[Picture] = []
-    room = LARGEST_ANIMATIONS
-    for pattern, part, words in CAPTIONS:
-        for name in sorted(names, key=_by_number):
-            path = folder / name
-            match = re.fullmatch(pattern, path.stem)
-            if match is None or any(name == picture.name for picture in found) or not path.is_file():
-                continue
-            if path.suffix == ".gif":
-                size = path.stat().st_size
-                if not animations or size > room:
-                    continue
-                room -= size
-                found.append(_animation(path, name, part, words.format(*match.groups()) + " Animation."))
-            else:
-                found.append(_still(path, name, part, words.format(*match.groups()), width))
-    return found
+    return [_picture(folder / name, name, one, words, width) for name, one, words in _captioned(names, folder)]
+
+
+def _captioned(names: Sequence[str], folder: Path) -> Iterator[tuple[str, Caption, str]]:
+    """Every still picture that is there, with the first caption that fits it."""
+    left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
+    for one in CAPTIONS:
+        for name in list(left):
+            match = re.fullmatch(one.pattern, Path(name).stem)
+            if match is not None:
+                left.remove(name)
+                yield name, one, one.words.format(*match.groups())
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:
@@ -85,22 +104,21 @@ def _by_number(name: str) -> list[tuple[int, float, str]]:
     return [(0, float(part), "") if number else (1, 0.0, part) for part, number in zip(parts, cycle((False, True)))]
 
 
-def _still(path: Path, name: str, part: str, caption: str, width: int) -> Picture:
-    """A picture in 256 colours, which is a third of its size and looks the same."""
+def _picture(path: Path, name: str, caption: Caption, words: str, width: int) -> Picture:
     with Image.open(path) as image:
         small = image.convert("RGB")
     if small.width > width:
         small = small.resize((width, round(small.height * width / small.width)), Image.Resampling.LANCZOS)
-    buffer = io.BytesIO()
-    small.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
-    return Picture(name, part, caption, _uri("png", buffer.getvalue()), *small.size)
+    data = f"data:image/webp;base64,{base64.b64encode(compressed(small)).decode()}"
+    return Picture(name, caption.part, caption.main, words, data, *small.size)
 
 
-def _animation(path: Path, name: str, part: str, caption: str) -> Picture:
-    with Image.open(path) as image:
-        size = image.size
-    return Picture(name, part, caption, _uri("gif", path.read_bytes()), *size)
-
-
-def _uri(kind: str, data: bytes) -> str:
-    return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
+def compressed(image: Image.Image) -> bytes:
+    """A picture as WebP, by the smaller of two ways: a few colours without loss, or all shades with a little."""
+    few = image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB")
+    ways = []
+    for picture, options in ((few, {"lossless": True}), (image, {"quality": QUALITY, "method": 4})):
+        buffer = io.BytesIO()
+        picture.save(buffer, "WEBP", **options)
+        ways.append(buffer.getvalue())
+    return min(ways, key=len)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from workflow.report import after
+from workflow.report.findings import STILL, lies_still
 from workflow.report.numbers import metres
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
@@ -139,6 +140,8 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
     for name, which, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
+        if not case.settled and lies_still(case):
+            settled = f"; it moved less than {100 * STILL:.0f} cm in the last 10 s"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "

@@ -6,7 +6,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
 from workflow.report.numbers import about, between, coefficient, listed, span
-from workflow.results.cases import CaseAnswer
+from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
 
@@ -17,6 +17,7 @@ SPRINGS = {
     "table2": "the springs of the paper's Table 2 as printed",
 }
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
+STILL = 0.01  # m in the last 10 s: a slide that moves less is told to lie still, though its discs may not
 STAYS = 0.1  # m: a slide of less is told as none
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
@@ -115,6 +116,7 @@ def _slides(results: Results) -> Iterator[str]:
             why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
+    yield from _cases_are(results, list(cases))
     yield f"How far it slides was computed with {SPRINGS.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
@@ -138,13 +140,19 @@ def _prediction(results: Results) -> Iterator[str]:
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
     """The cases that come to rest, and those that were still moving."""
     settled = {number: case.slide_max_m for number, case in cases.items() if case.settled}
-    moving = {number: case.slide_max_m for number, case in cases.items() if not case.settled}
+    lying = {number: case.slide_max_m for number, case in cases.items() if not case.settled and lies_still(case)}
+    moving = {number: case.slide_max_m for number, case in cases.items() if not case.settled and number not in lying}
     stays = [number for number, slide in settled.items() if slide < STAYS]
     slid = [number for number in settled if number not in stays]
     if stays:
         yield f"In {_of(stays)} the section stays where it is, and moves less than {STAYS:g} m."
     if slid:
         yield f"In {_of(slid)} it slides about {about([settled[number] for number in slid])}, and comes to rest."
+    if lying:
+        yield (
+            f"In {_of(list(lying))} it slides about {about(list(lying.values()))}, and moved less than "
+            f"{100 * STILL:.0f} cm in the last 10 s."
+        )
     if moving:
         seconds = max(cases[number].seconds_simulated for number in moving)
         lengths = about(list(moving.values()))
@@ -152,6 +160,37 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
             f"In {_of(list(moving))} it had slid about {lengths} after {seconds:.0f} s and was still moving: these are "
             "no final values."
         )
+
+
+def lies_still(case: CaseNumbers) -> bool:
+    """Whether a slide that never came to rest moved next to nothing in its last 10 s."""
+    return case.moved_lately_m is not None and case.moved_lately_m < STILL
+
+
+# How a sentence tells what is not a factor on something that the layers had before.
+APART = {
+    "residual": "a residual strength of {} of the vertical effective stress",
+    "volumetric_strain": "{} less of their volume",
+}
+
+
+def _cases_are(results: Results, numbers: list[int]) -> Iterator[str]:
+    """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
+    given = results.given
+    cases = [dict(given.slide.cases[number - 1]) for number in numbers if number <= len(given.slide.cases)]
+    if not cases:
+        return
+    layers = [stratum.name for stratum in given.strata if set(stratum.liquefies_in) & set(numbers)]
+    told, lost = [], []
+    for name in cases[0]:
+        values = [f"{case[name]:g}" for case in cases]
+        if set(values) != {"0"}:
+            shown = listed(values if len(set(values)) > 1 else values[:1])
+            told.append(APART.get(name, "{} of their " + name.replace("_", " ")).format(shown))
+        elif name not in APART:
+            lost.append(name.replace("_", " "))
+    nothing = f", and none of their {listed(lost)}" if lost else ""
+    yield f"In {_of(numbers)} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
 
 def _interval(results: Results) -> str:
@@ -222,7 +261,7 @@ def _doubts(results: Results) -> Iterator[str]:
         yield f"the path of the finite elements ended undecided ({fem.reason})"
     for doubt in results.doubts:
         if doubt.contradiction:
-            yield doubt.what.rstrip(".")
+            yield doubt.what[0].lower() + doubt.what[1:].rstrip(".")
     yield from _doubts_of_calibration(results)
     if discs is not None and discs.slip_surface.mean_distance_m is not None:
         apart, heights = discs.slip_surface.mean_distance_m, given.outline()[:, 1]

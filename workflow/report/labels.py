@@ -1,5 +1,6 @@
-"""The numbers of sections, tables and figures, so that text can refer to what stands further on."""
+"""The numbers of sections, tables, figures and notes, so that text can refer to what stands further on."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 
@@ -51,3 +52,22 @@ class Labels:
     def see(self, name: str) -> str:
         """The number of what has this name, wherever it stands."""
         return self.known.get(name, "")
+
+
+class Notes:
+    """What stands below a table once, though many of its rows refer to it by a letter."""
+
+    def __init__(self) -> None:
+        self.letters: dict[str, str] = {}
+
+    def mark(self, texts: Iterable[str]) -> str:
+        """The letters of some notes."""
+        for text in texts:
+            self.letters.setdefault(text, _letter(len(self.letters)))
+        return ", ".join(self.letters[text] for text in texts)
+
+
+def _letter(place: int) -> str:
+    """a to z, then aa, ab and so on."""
+    again, rest = divmod(place, 26)
+    return (_letter(again - 1) if again else "") + chr(ord("a") + rest)

@@ -35,9 +35,9 @@ def rough(value: float) -> float:
 
 
 def about(lengths: Sequence[float]) -> str:
-    """Lengths (m) in a sentence: 40, 19 and 7 m."""
+    """Lengths (m) in a sentence: 40, 19 and 7 m, or one of them where all come to the same."""
     told = [_plain(rough(max(value, 0.0))) for value in lengths]
-    return f"{listed(told)} m"
+    return f"{listed(told if len(set(told)) > 1 else told[:1])} m"
 
 
 def span(lengths: Sequence[float]) -> str:

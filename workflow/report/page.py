@@ -6,17 +6,20 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
 
 from meshes.errors import InputError
 from workflow.estimates.comparison import estimates
+from workflow.figures import fonts
 from workflow.figures.fem import conditions
 from workflow.report import tables
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
-from workflow.report.findings import SPRINGS
-from workflow.report.labels import Labels
+from workflow.report.findings import SPRINGS, lies_still
+from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
+from workflow.report.player import films
 from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -38,6 +41,7 @@ def page(results: Results, summary: Summary) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
     template, content = environment.get_template("template.html.jinja"), _content(results, summary)
     first, second = Labels(), Labels()
@@ -70,6 +74,10 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "paper": rows(results),
         "is_s13": is_s13(given),
         "pictures": _pictures(results),
+        "films": films(results) if given.figures.report_animations else [],
+        "Notes": Notes,
+        "fonts": fonts.notice(tables.texts(given)),
+        "lies_still": lies_still,
         "stages": results.stages,
         "parts": PARTS,
         "versions": versions(),
@@ -79,6 +87,13 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "lines": list(tables.line_rows(given)),
         "changed": list(tables.changed_settings(given)),
     }
+
+
+def _css_text(text: str) -> Markup:
+    """A text within quotes in a style sheet."""
+    return Markup(
+        "".join(letter if letter.isalnum() or letter in " .,-_" else f"\\{ord(letter):x} " for letter in text)
+    )
 
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
@@ -106,8 +121,7 @@ def _pictures(results: Results) -> dict[str, list[Any]]:
 
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
-    settings = results.given.figures
     by_part: dict[str, list[Any]] = {}
-    for picture in collect(names, results.store.folder, settings.report_width, settings.report_animations):
-        by_part.setdefault(picture.part, []).append(picture)
+    for picture in collect(names, results.store.folder, results.given.figures.report_width):
+        by_part.setdefault(picture.part if picture.main else "further", []).append(picture)
     return by_part

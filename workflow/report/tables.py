@@ -48,6 +48,12 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
         ]
 
 
+def texts(section: Section) -> list[str]:
+    """What a person has named and described in a section."""
+    own = [section.name, section.title, section.reconstruction_note]
+    return own + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
+
+
 def case_heads() -> list[tuple[str, str]]:
     """What a case of liquefaction changes: the name of each factor, and what it is a factor on."""
     return [(name.replace("_", " "), str(field.description)) for name, field in Case.model_fields.items()]

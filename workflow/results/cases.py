@@ -30,6 +30,7 @@ class CaseNumbers(Part):
     escaped: int = Field(description="discs that left the section")
     cracked_pore_springs: int
     seconds_simulated: float = Field(description="since the onset")
+    moved_lately_m: float | None = Field(default=None, description="how much its largest slide moved in its last 10 s")
     step_share: float = Field(description="time step over the stable one")
     overlap: float = Field(description="deepest overlap of two discs, over their mean radius")
     area_lost_share: float = Field(description="share of the ground's area that is gone beyond what drained")

@@ -10,7 +10,7 @@ from workflow.run.interrupts import postponed
 
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 DRAWING = "workflow.figures"  # the room whose modules draw, and change no result
-DATA = (".csv", ".jinja", ".toml")  # what a module reads stands beside it, and the module names it
+DATA = (".csv", ".jinja", ".toml", ".js")  # what a module reads stands beside it, and the module names it
 
 
 @cache

@@ -129,7 +129,7 @@ def slide_pictures(given: Input, store: Store) -> None:
             continue
         with store.writing(f"figures/{name}.png") as path:
             slide_figures.end(given, states[-1], case, springs, number, path)
-        with store.writing(f"figures/{name}.gif") as path:
+        with store.writing(f"figures/{name}.webp") as path:
             slide_figures.animate(given, states, springs, number, path)
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:

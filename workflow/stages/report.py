@@ -8,7 +8,7 @@ from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
 from workflow.settings import FILES
 
-REPORT = "report.html"
+REPORT, PDF = "report.html", "report.pdf"
 
 
 def work(job: Job) -> None:
@@ -23,6 +23,7 @@ def work(job: Job) -> None:
     job.progress("pictures", None)
     draw_all(results)
     job.progress("report", 0.5)
+    job.store.remove([PDF])  # that of an earlier report
     data = summary(results, time.perf_counter() - start)
     text = page(results, data)
     data.write(job.store)

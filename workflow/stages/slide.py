@@ -28,7 +28,7 @@ STAGE = Stage(
     tables=("dem", "slide", "earthquake", "triggering"),
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,
-    pictures=("figures/case*.png", "figures/case*.gif", "figures/history.png"),
+    pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png"),
     leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     partial=lambda job: job.cases is not None,
 )

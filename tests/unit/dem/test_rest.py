@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dem.slides.rest import at_rest, what_drives
+from dem.slides.rest import at_rest, moved_lately, what_drives
 
 TIMES = np.arange(0.0, 12.5, 0.5)
 
@@ -21,6 +21,12 @@ def test_a_single_third_that_creeps_is_enough_to_go_on(column: int) -> None:
     moved[:, column] = 0.0021 * TIMES  # 1.05 cm in 5 s
     assert not at_rest(TIMES, moved, 0.01)
     assert at_rest(TIMES, 0.9 * moved, 0.01)
+
+
+def test_what_moved_lately_is_that_of_the_last_ten_seconds() -> None:
+    assert moved_lately(TIMES, np.where(TIMES < 2.0, TIMES, 2.0)) == 0.0
+    assert moved_lately(TIMES, 0.1 * TIMES) == pytest.approx(1.0)
+    assert moved_lately([0.0, 3.0], [0.0, 0.2]) == pytest.approx(0.2)  # a slide of less than that
 
 
 def test_what_drives_a_slide_is_told_by_its_last_five_seconds() -> None:

@@ -72,7 +72,7 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     assert "it would be 0.31 if the ground dilated fully (ψ = φ)." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
-    assert "What is doubtful: A finer mesh gives 0.20." in told
+    assert "What is doubtful: a finer mesh gives 0.20." in told
     assert "The base is near" not in told
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))

@@ -56,7 +56,7 @@ def test_all_that_is_referred_to_is_there_and_numbered_in_order(s13: Input) -> N
     assert len(tables) == text.count("<table>")
     heads = re.findall(r'<h2 id="(\w+)">(\d+) ', text)
     assert [int(number) for _, number in heads] == list(range(1, len(heads) + 1))
-    contents = re.findall(r'<li><a href="#(\w+)">', text)
+    contents = re.findall(r'<li[^>]*><a href="#(\w+)">', text)
     assert contents == [name for name, _ in heads]
 
 

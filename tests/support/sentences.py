@@ -1,0 +1,99 @@
+"""What the first paragraphs of a report say, held against summary.json: no number in them may be of another origin."""
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+GRAVITY = 9.80665
+NUMBER = r"(-?[\d.]*\d)"
+Summary = dict[str, Any]
+
+
+def disagreements(paragraphs: list[str], summary: Summary) -> list[str]:
+    """Sentences that no check knows though they hold a number, or whose numbers are not those of the summary."""
+    return [
+        one for text in paragraphs for one in _sentences(text) if re.search(r"\d", one) and not _agrees(one, summary)
+    ]
+
+
+def _sentences(text: str) -> Iterator[str]:
+    yield from re.split(r"(?<=[.:]) (?=[A-Z])", text)
+
+
+def _agrees(sentence: str, summary: Summary) -> bool:
+    for pattern, holds in CHECKS:
+        match = re.search(pattern, sentence)
+        if match is not None:
+            return holds(summary, *match.groups())
+    return False
+
+
+def _near(told: str, true: float | None) -> bool:
+    """Whether a number as told is the true one to its last digit, or to the digit a slide of discs is good for."""
+    if true is None:
+        return False
+    decimals = len(told.partition(".")[2])
+    step = 10.0**-decimals if decimals else 10.0 ** (len(told) - len(told.rstrip("0")) if float(told) else 0)
+    return abs(float(told) - true) <= 0.5001 * step
+
+
+def _slides(summary: Summary, cases: str, lengths: str) -> bool:
+    """Lengths in the order of the cases, or one where all come to the same."""
+    numbers, told = re.findall(r"\d+", cases), re.findall(NUMBER, lengths)
+    told = told * len(numbers) if len(told) == 1 else told
+    return len(told) == len(numbers) and all(
+        _near(one, max(summary["cases"][number]["slide_max_m"], 0.0)) for one, number in zip(told, numbers, strict=True)
+    )
+
+
+def _estimate(summary: Summary, kind: str, low: str, high: str | None) -> bool:
+    found = [one["displacement_m"] for one in summary["comparison"] if kind in one["method"] and one["displacement_m"]]
+    return _near(low, min(found)) and _near(high or low, max(found))
+
+
+def _disagree(summary: Summary, low: str, high: str | None, observed: str, observed_high: str | None) -> bool:
+    slides = [max(case["slide_max_m"], 0.0) for case in summary["cases"].values()]
+    discs = _near(low, min(slides)) and _near(high or low, max(slides))
+    return discs and _estimate(summary, "Hamada", observed, observed_high)
+
+
+Check = Callable[..., bool]
+CASES = r"In (cases? [\d, and]+\d)"
+# The first pattern that is found in a sentence decides about it.
+CHECKS: tuple[tuple[str, Check], ...] = (
+    (rf"^Asked was .* how far it slides under Kh = {NUMBER} once", lambda s, kh: float(kh) == 0.1),
+    (r"^There is no answer to the first question: (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
+    (rf"under every Kh up to {NUMBER}, where", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
+    (rf"stands, with a factor of safety of {NUMBER}\.", lambda s, factor: float(factor) > 1.0),
+    (
+        rf"it fails \w+, to the \w+, at Kh of about {NUMBER}, under a horizontal acceleration of {NUMBER} m/s²\.$",
+        lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
+    ),
+    (
+        rf"leaves open \(.*\): {NUMBER}(?: to {NUMBER})?\.$",
+        lambda s, low, high: float(low) - 0.005 <= s["fem"]["kc"] <= float(high or low) + 0.005,
+    ),
+    (rf"^Pushed \w+ it fails at Kh of about {NUMBER}", lambda s, kh: float(kh) >= round(s["fem"]["kc"], 2)),
+    (r"^Pushed \w+ it stands up to Kh", lambda s: True),
+    (r"^More hangs on what was assumed", lambda s: True),
+    (rf"^Before that, at Kh = {NUMBER}, single grains", lambda s, kh: float(kh) <= s["fem"]["kc"]),
+    (
+        rf"^Limit analysis proves that it is {NUMBER} to {NUMBER} for",
+        lambda s, low, high: _near(low, s["bounds"]["lower"]) and _near(high, s["bounds"]["upper"]),
+    ),
+    (rf"^{CASES} liquefaction leaves", lambda s, cases: set(re.findall(r"\d+", cases)) == set(s["cases"])),
+    (
+        rf"fail at Kh of about {NUMBER}, {NUMBER} times that",
+        lambda s, kh, _: _near(kh, s["dem"]["kc_uncalibrated"]),
+    ),
+    (rf"^{CASES} the section stays where it is", lambda s, cases: all(
+        s["cases"][number]["slide_max_m"] < 0.1 for number in re.findall(r"\d+", cases)
+    )),
+    (rf"^{CASES} it (?:slides|had slid) about ([\d., and]+) m", _slides),
+    (r"^No interval is known, since only one packing", lambda s: "cases_random" not in s or not s["cases_random"]),
+    (
+        rf"^The methods disagree .* about {NUMBER}(?: to {NUMBER})? m.* gives about {NUMBER}(?: to {NUMBER})? m",
+        _disagree,
+    ),
+    (r"^What is doubtful", lambda s: True),
+)  # fmt: skip

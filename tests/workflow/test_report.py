@@ -1,0 +1,185 @@
+"""The report of four runs, read in a browser: what it says is what was found, it plays, and it prints."""
+
+import json
+import re
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomli_w
+
+from tests.support import RIVER_BANK, SECTIONS
+from tests.support.browser import Page, executable, page
+from tests.support.command_line import run
+from tests.support.sections import slope
+from tests.support.sentences import disagreements
+
+COARSE = {"fem.element": "bilinear", "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
+FEW_DISCS = {
+    "mesh.size": 3, "dem.elements": 60, "dem.parameter": "none", "dem.kh": [0.1], "dem.resolution": 0.1,
+    "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.duration": 3.0, "slide.frames": 6,
+    "bounds.max_cells": 300,
+}  # fmt: skip
+CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
+STRONG = {"cohesion": "900 kPa", "friction_angle": "40 deg"}
+WEAK = {"cohesion": "0.1 kPa", "friction_angle": "0 deg"}
+# Four runs: how they end, and a few words that each must say.
+RUNS = {
+    "s13": (0, "it fails downhill, to the right, at Kh of about"),
+    "river_bank": (0, "How far it slides was computed with"),
+    "stands": (0, "Without shaking the section stands, and so it does under every Kh up to 0."),
+    "falls": (3, "There is no answer to the first question:"),
+}
+
+pytestmark = pytest.mark.skipif(executable() is None, reason="there is no Chromium and it could not be installed")
+
+
+def options(settings: dict[str, Any]) -> list[str]:
+    return [word for key, value in settings.items() for word in ("--set", f"{key}={json.dumps(value)}")]
+
+
+def soil(folder: Path, **changes: str) -> Path:
+    """The small slope of another soil, with a Japanese title."""
+    data = {**slope(), "title": "能代市の斜面"}
+    data["strata"] = [{**stratum, **changes} for stratum in data["strata"]]
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The folders of the four runs, coarse enough for seconds."""
+    folder = tmp_path_factory.mktemp("runs")
+    (folder / "strong").mkdir()
+    asked = {
+        "s13": (SECTIONS / "s13.toml", *CONTINUUM, "--set", "mesh.columns=24", "--set", "mesh.rows=9"),
+        "river_bank": (RIVER_BANK, *options(FEW_DISCS)),
+        "stands": (soil(folder / "strong", **STRONG), *CONTINUUM, *options({"mesh.size": 4, "fem.kh_limit": 0.3})),
+        "falls": (soil(folder, **WEAK), *CONTINUUM),
+    }
+    for name, arguments in asked.items():
+        assert run("run", *arguments, *options(COARSE), "--out", folder / name, "-q") == RUNS[name][0], name
+    return {name: folder / name for name in asked}
+
+
+@pytest.fixture(scope="module")
+def tab() -> Iterator[Page]:
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, page(Path(profile)) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_what_is_read_is_what_was_found(name: str, runs: dict[str, Path], tab: Page) -> None:
+    """Sentences agree with summary.json; no broken picture, nothing on the console, nothing fetched."""
+    tab.events.clear()
+    tab.open((runs[name] / "report.html").as_uri())
+    summary = json.loads((runs[name] / "summary.json").read_text())
+    read = tab.value("[...document.querySelectorAll('.short p')].map(p => p.textContent)")
+    assert read == summary["in_short"]
+    assert RUNS[name][1] in " ".join(read)
+    assert disagreements(read, summary) == []
+    asked = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]
+    assert [url for url in asked if not url.startswith(("data:", "blob:"))] == [(runs[name] / "report.html").as_uri()]
+    for event in ("Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"):
+        assert tab.named(event) == []
+    assert min(tab.value("[...document.images].map(image => image.naturalWidth)"), default=1) > 0
+    assert (runs[name] / "report.html").stat().st_size < 3_000_000
+
+
+def test_the_check_of_sentences_sees_what_is_wrong(runs: dict[str, Path]) -> None:
+    summary = json.loads((runs["river_bank"] / "summary.json").read_text())
+    said = summary["in_short"]
+    assert len(disagreements([text.replace("at Kh of about 0.", "at Kh of about 0.9") for text in said], summary)) > 0
+    assert disagreements(["It is 7 m high."], summary) == ["It is 7 m high."]
+
+
+def state(tab: Page, kind: str) -> dict[str, str]:
+    found: dict[str, str] = json.loads(tab.value(f"JSON.stringify(document.getElementById('play-{kind}').dataset)"))
+    return found
+
+
+def press(tab: Page, kind: str, label: str) -> dict[str, str]:
+    tab.value(f"document.querySelector('#play-{kind} button[aria-label=\"{label}\"]').click()")
+    return state(tab, kind)
+
+
+def says(tab: Page, kind: str) -> str:
+    text: str = tab.value(f"document.querySelector('#play-{kind} .says').textContent")
+    return text
+
+
+def wait(milliseconds: int) -> str:
+    return f"new Promise(done => setTimeout(() => done(1), {milliseconds}))"
+
+
+def test_slides_are_played_paused_and_stepped(runs: dict[str, Path], tab: Page) -> None:
+    tab.open((runs["river_bank"] / "report.html").as_uri())
+    tab.value(wait(500))
+    cases = json.loads((runs["river_bank"] / "summary.json").read_text())["cases"]
+    last = int(state(tab, "slides")["frames"]) - 1
+    assert last >= 3
+    assert int(state(tab, "slides")["frame"]) == last
+    assert f"largest slide {cases['1']['slide_max_m']:.2f} m" in says(tab, "slides")
+    assert int(press(tab, "slides", "one step back")["frame"]) == last - 1
+    assert int(press(tab, "slides", "one step on")["frame"]) == last
+    assert press(tab, "slides", "play or pause")["playing"] == "yes"  # from the beginning, as it stood at the end
+    assert int(state(tab, "slides")["frame"]) < last
+    assert press(tab, "slides", "play or pause")["playing"] == "no"
+    stopped = state(tab, "slides")["frame"]
+    tab.value(wait(400))
+    assert state(tab, "slides")["frame"] == stopped
+    press(tab, "slides", "play or pause")
+    tab.value(wait(150 * (last + 3)))
+    assert state(tab, "slides") == state(tab, "slides") | {"playing": "no", "frame": str(last)}
+    painted = "[...document.querySelector('#play-slides canvas').getContext('2d').getImageData(0, 0, 900, 200).data]"
+    assert len(tab.value(f"[...new Set({painted})]")) > 10
+    tab.value("(box => { box.selectedIndex = 2; box.dispatchEvent(new Event('change')) })"
+              "(document.querySelector('#play-slides select'))")  # fmt: skip
+    tab.value(wait(300))
+    assert f"largest slide {cases['3']['slide_max_m']:.2f} m" in says(tab, "slides")
+
+
+def test_kh_is_drawn_along_its_curve(runs: dict[str, Path], tab: Page) -> None:
+    tab.open((runs["s13"] / "report.html").as_uri())
+    tab.value(wait(500))
+    answer = json.loads((runs["s13"] / "fem/critical.json").read_text())
+    path = [step for step in answer["curve"] if not step["at_rest"]]
+    assert int(state(tab, "path")["frames"]) == len(path)
+    slider = "document.querySelector('#play-path input')"
+    move = "(box => {{ box.value = {}; box.dispatchEvent(new Event('input')) }})(" + slider + ")"
+    for place in (0, len(path) // 2, len(path) - 1):
+        tab.value(move.format(place))
+        assert says(tab, "path").startswith(f"Kh = {path[place]['factor']:.3f}, mean displacement")
+    assert "fields kept here" in says(tab, "path")
+
+
+def test_without_script_the_players_stay_hidden_and_pictures_serve(runs: dict[str, Path], tab: Page) -> None:
+    tab.ask("Emulation.setScriptExecutionDisabled", value=True)
+    try:
+        tab.open((runs["river_bank"] / "report.html").as_uri())
+        assert tab.value("[...document.querySelectorAll('.player')].map(figure => figure.hidden)") == [True, True]
+        assert tab.value("document.querySelectorAll('figure[id*=case] img').length") >= 3
+    finally:
+        tab.ask("Emulation.setScriptExecutionDisabled", value=False)
+
+
+@pytest.mark.parametrize("name", ["s13", "falls"])
+def test_it_prints_with_numbered_pages(name: str, runs: dict[str, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("report", runs[name], "--pdf") == RUNS[name][0]
+    assert f"Printed: {runs[name] / 'report.pdf'}" in capsys.readouterr().out
+    assert 2 <= len(re.findall(rb"/Type\s*/Page\b", (runs[name] / "report.pdf").read_bytes())) <= 12
+    assert run("report", runs[name], "-q") == RUNS[name][0]
+    assert not (runs[name] / "report.pdf").exists()  # it was of the report before
+
+
+def test_where_nothing_can_print_it_says_what_would(
+    runs: dict[str, Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("workflow.report.pdf.browser", lambda: None)
+    monkeypatch.setattr("workflow.report.pdf.find_spec", lambda name: None)
+    assert run("report", runs["stands"], "--pdf") == 2
+    assert "needs Chromium or WeasyPrint" in capsys.readouterr().err
+    assert (runs["stands"] / "report.html").is_file()

@@ -1,0 +1,153 @@
+"""What the report plays: every slide as its discs in time, and the path of Kh with the fields that were kept on it.
+
+A film is a small table and an array of whole numbers: places are counted in ``quantum`` metres, and what changes from
+one picture to the next is all that is kept. `player.js` draws it; where no script runs, the still pictures serve.
+"""
+
+import base64
+import json
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from workflow.figures.canvas import soil_colour
+from workflow.figures.discs import FAR
+from workflow.figures.fem import SAFETY_BOUNDS, SAFETY_COLOURS, nice_number
+from workflow.figures.slides import Frame, name_of
+from workflow.results.disc_grids import case_name, frames
+from workflow.results.fem_states import COLLECTION, FemResults
+from workflow.results.history import FILE, SlideHistory, read_histories
+from workflow.results.results import Results
+
+STEPS = 20_000  # quanta across a section: a centimetre of 200 m
+MOST = 400_000  # places in one film; of a longer one every second picture is left out, or more
+MOST_CELLS = 20_000  # of a mesh that is drawn in a page
+HISTORY = 300  # points of a curve in time
+SHADES = 9
+
+
+@dataclass(frozen=True)
+class Film:
+    """What the page holds of a film: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
+
+    kind: str
+    title: str
+    text: str
+
+    @classmethod
+    def of(cls, kind: str, title: str, table: dict[str, Any], numbers: Sequence[np.ndarray]) -> "Film":
+        """A film of a table and of whole numbers, one array after the other."""
+        flat = np.concatenate([np.asarray(array, np.int64).ravel() for array in numbers]).astype("<i4")
+        packed = base64.b64encode(zlib.compress(flat.tobytes(), 9)).decode()
+        text = json.dumps({"title": title, **table, "packed": packed}, ensure_ascii=False, allow_nan=False)
+        return cls(kind, title, text.replace("<", "\\u003c"))
+
+
+def films(results: Results) -> list[Film]:
+    """The slides that have more than one picture, the springs that count first, and the path of Kh."""
+    return [*_path(results), *_slides(results)]
+
+
+def _slides(results: Results) -> Iterator[Film]:
+    if results.cases is None or not results.store.has(FILE):
+        return
+    histories = {(one.springs, one.case): one for one in read_histories(results.store)}
+    for springs, number, _ in results.cases.each():
+        files = list(frames(results.store, case_name(springs, number)).values())
+        if len(files) > 1:
+            states = [Frame.read(results.store.folder / file) for file in _thinned(files, results)]
+            title = name_of(results.given, springs, number).removeprefix(
+                f"{results.given.title or results.given.name}: "
+            )
+            yield _slide(results, title, states, histories.get((springs, number)))
+
+
+def _thinned(files: list[str], results: Results) -> list[str]:
+    """Every so many of the files, and the last one, so that a film does not grow without end."""
+    discs = len(Frame.read(results.store.folder / files[0]).x)
+    every = max(1, -(-discs * len(files) // MOST))
+    return [*files[:-1][::every], files[-1]]
+
+
+def _slide(results: Results, title: str, states: list[Frame], history: SlideHistory | None) -> Film:
+    """One slide: radius, stratum and place of every disc, then how far each has moved from picture to picture."""
+    first, last = states[0], states[-1]
+    reach = first.radius.max()
+    left, right = float(first.x.min() - reach), float(first.x.max() + reach)
+    bottom, top = float(first.z.min() - reach), float(first.z.max() + reach)
+    quantum = (right - left) / STEPS
+    places = np.array([np.rint(np.column_stack([one.x - left, one.z - bottom]) / quantum) for one in states])
+    rows = history.rows if history is not None else ()
+    rows = (*rows[:-1][:: max(1, len(rows) // HISTORY)], *rows[-1:])
+    table = {
+        "discs": len(first.x),
+        "quantum": quantum,
+        "left": left,
+        "size": [right - left, top - bottom],
+        "times": [round(one.seconds, 3) for one in states],
+        "surface": _surface(first).tolist(),
+        "far": float(last.scale().vmax or 1.0),
+        "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
+        "soils": [soil_colour(k) for k in range(len(results.given.strata))],
+        "history": [
+            [round(row.time_s, 2), round(row.slide_max_m, 3), round(row.settlement_uphill_m, 3)] for row in rows
+        ],
+    }
+    return Film.of(
+        "slides", title, table, [np.rint(first.radius / quantum), first.stratum, places[0], np.diff(places, axis=0)]
+    )
+
+
+def _surface(frame: Frame) -> np.ndarray:
+    """The topmost disc of every column of discs, from left to right."""
+    free = np.flatnonzero(frame.free)
+    column = ((frame.x[free] - frame.x[free].min()) / (2.0 * frame.radius.mean())).astype(int)
+    order = np.lexsort((frame.z[free], column))
+    return free[order[np.append(np.diff(column[order]) > 0, True)]]
+
+
+def _path(results: Results) -> Iterator[Film]:
+    """The path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
+    if results.kc is None or not results.store.has(COLLECTION):
+        return
+    found = FemResults.load(results.given, results.store)
+    states = [state for state in found.states if not state.past_equilibrium]
+    path = [step for step in found.answer.curve if not step.at_rest]
+    if not states or not path or len(found.mesh.cells) > MOST_CELLS:
+        return
+    points = found.mesh.points
+    (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
+    quantum = float(right - left) / STEPS
+    largest = max(float(np.hypot(*state.displacement.T).max()) for state in states)
+    fine = max(largest, 1e-9) / STEPS
+    table = {
+        "nodes": len(points),
+        "cells": len(found.mesh.cells),
+        "quantum": quantum,
+        "fine": fine,
+        "left": float(left),
+        "size": [float(right - left), float(top - bottom)],
+        "stretch": nice_number(0.06 * float(right - left) / max(largest, 1e-9)),
+        "states": [{"step": _step(path, state.kh, state.label), "label": state.label} for state in states],
+        "kh": [round(step.factor, 5) for step in path],
+        "displacement": [float(f"{step.displacement:.5g}") for step in path],
+        "kc": found.answer.kc,
+        "bounds": [float(bound) for bound in SAFETY_BOUNDS],
+        "shades": list(SAFETY_COLOURS),
+    }
+    fields = [part for one in states for part in (one.displacement / fine, 1000.0 * one.mobilised)]
+    places = np.column_stack([points[:, 0] - left, points[:, 1] - bottom]) / quantum
+    numbers = [np.rint(places), found.mesh.cells, *(np.rint(field) for field in fields)]
+    yield Film.of("path", "the path of Kh", table, numbers)
+
+
+def _step(path: Sequence[Any], kh: float, label: str) -> int:
+    """The step of the path at which a state was kept: where it came to its Kh, or the last one."""
+    if not label.startswith("Kh = "):
+        return len(path) - 1
+    return next((place for place, step in enumerate(path) if step.factor >= kh - 1e-4), len(path) - 1)
