@@ -127,7 +127,7 @@ def animate(given: Section, paths: list[Path], springs: str, number: int, out: P
         duration=durations,
         loop=0,
         quality=QUALITY,
-        method=2,
+        method=0,
     )
 
 
