@@ -6,6 +6,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
 from workflow.report.numbers import about, between, coefficient, listed, span
+from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
@@ -177,20 +178,22 @@ APART = {
 def _cases_are(results: Results, numbers: list[int]) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
     given = results.given
-    cases = [dict(given.slide.cases[number - 1]) for number in numbers if number <= len(given.slide.cases)]
+    cases = [dict(given.cases[number - 1]) for number in numbers if number <= len(given.cases)]
     if not cases:
         return
     layers = [stratum.name for stratum in given.strata if set(stratum.liquefies_in) & set(numbers)]
     told, lost = [], []
-    for name in cases[0]:
-        values = [f"{case[name]:g}" for case in cases]
+    for name in [name for name in cases[0] if name != "name"]:
+        values = [factor(case[name]) for case in cases]
         if set(values) != {"0"}:
             shown = listed(values if len(set(values)) > 1 else values[:1])
             told.append(APART.get(name, "{} of their " + name.replace("_", " ")).format(shown))
         elif name not in APART:
             lost.append(name.replace("_", " "))
+    called = [case["name"] for case in cases if case["name"]]
+    names = f" ({listed(called)})" if len(called) == len(cases) else ""
     nothing = f", and none of their {listed(lost)}" if lost else ""
-    yield f"In {_of(numbers)} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
+    yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
 
 def _interval(results: Results) -> str:

@@ -64,10 +64,10 @@ def case_rows(given: Input) -> Iterator[list[str]]:
     for number, case in enumerate(given.cases, start=1):
         names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
-            yield [str(number), ", ".join(names), *(_factor(value) for _, value in case)]
+            yield [str(number), ", ".join(names), *(factor(value) for _, value in case)]
 
 
-def _factor(value: Any) -> str:
+def factor(value: Any) -> str:
     """What a case leaves, in three digits; of each stratum by name where they differ."""
     if isinstance(value, dict):
         return "; ".join(f"{name} {share:.3g}" for name, share in value.items())
