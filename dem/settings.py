@@ -9,8 +9,6 @@ from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
 TABLE2_STRATA = 10
-# beyond 12 the path of the continuum ends; discs are judged while they move, and come to rest a little further on
-STRETCH = {"soil": 15.0, "paper": 3.0}
 FACTORS = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
@@ -59,11 +57,11 @@ class DemSettings(Model):
         default=4e-4, gt=0.0, le=1e-2, description="stands: mean unbalanced force over mean contact force, at most"
     )
     kinetic: float = Field(default=1e-5, gt=0.0, description="stands: kinetic over stored energy, at most")
-    growth: float | None = Field(
-        default=None,
+    growth: float = Field(
+        default=3.0,
         gt=1.0,
-        description="fails: displacement in elastic ones, at least; if not given 3 for the paper's discs, and for soil "
-        "discs 15, a little beyond where the path of the continuum ends at the latest",
+        description="fails: displacement at least, in elastic ones for the paper's discs, for soil discs in that at "
+        "which the continuum has come to its critical Kh",
     )
     patience: float = Field(default=15.0, gt=0.0, description="undecided after so many periods of the ground")
     parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(
@@ -84,11 +82,6 @@ class DemSettings(Model):
     )
     element_tests: StrictBool = Field(default=True, description="true to test patches of every layer's discs as well")
     workers: int = Field(default=2, ge=1, le=256, description="trials, or threads of one, at a time")
-
-    @property
-    def largest_stretch(self) -> float:
-        """`growth`, or what it is for the model: the displacement in elastic ones beyond which discs may fail."""
-        return self.growth or STRETCH[self.model]
 
     @property
     def factors(self) -> tuple[float, float]:

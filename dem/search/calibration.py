@@ -23,6 +23,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search, critical_kh
 from dem.search.equilibrium import settle
+from dem.search.pushover import push_over
 from dem.settings import DemSettings, Parameter
 from dem.side_by_side import side_by_side
 from dem.springs import LayerSprings
@@ -141,6 +142,9 @@ class Calibrator:
         The discs at rest with these.
     settings
         Of the searches.
+    yielding
+        Displacement at which the continuum has come to its critical Kh (m), up to a multiple of which soil discs are
+        pushed over; the paper's discs do not ask for it.
     known
         Searches of an earlier run, taken as they are.
     on_trial, on_search
@@ -154,11 +158,13 @@ class Calibrator:
         settled: DiscModel,
         settings: DemSettings,
         *,
+        yielding: float = 0.0,
         known: dict[Key, Search] | None = None,
         on_trial: OnTrial | None = None,
         on_search: OnSearch | None = None,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
+        self.yielding = yielding
         self.searches = dict(known or {})
         self.on_trial, self.on_search = on_trial, on_search
         self.stop = Event()
@@ -180,13 +186,8 @@ class Calibrator:
         key = (parameter, factor) if factor != 1.0 else ("", 1.0)
         if key in self.searches:
             return self.searches[key]
-        width = self.settings.resolution
         try:
-            found = critical_kh(
-                self.settled_with(parameter, factor), self.ground, self.settings, threads=threads,
-                resolution=min(width, 0.5 * self.settings.tolerance) if fine else width,
-                on_trial=self.on_trial, stopped=self.stop.is_set,
-            )  # fmt: skip
+            found = self._found(self.settled_with(parameter, factor), threads, fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
         with self.lock:
@@ -194,6 +195,20 @@ class Calibrator:
             if self.on_search is not None:
                 self.on_search(*key, found)
         return found
+
+    def _found(self, settled: DiscModel, threads: int, fine: bool) -> Search:
+        settings = self.settings
+        if settings.model == "soil":
+            return push_over(
+                settled, self.ground, settings, self.yielding, threads=threads, on_trial=self.on_trial,
+                stopped=self.stop.is_set,
+            )  # fmt: skip
+        width = settings.resolution
+        return critical_kh(
+            settled, self.ground, settings, threads=threads,
+            resolution=min(width, 0.5 * settings.tolerance) if fine else width,
+            on_trial=self.on_trial, stopped=self.stop.is_set,
+        )  # fmt: skip
 
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
         """Several searches at a time. On an interrupt all of them stop at their next look."""
@@ -269,7 +284,7 @@ def calibrate(
     def met() -> bool:
         return any(_met(search, target, settings.tolerance) for search in tried.values())
 
-    for outwards in _outwards(middle(tried[1.0]) > target if 1.0 in tried else True, low, high, settings.workers):
+    for outwards in _outwards(tried.get(1.0), target, settings):
         if met() or _bracket(tried, target) is not None:
             break
         tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
@@ -310,10 +325,22 @@ def _out_of_reach(
     return f"these discs are not this soil: {told}" if settings.model == "soil" else told
 
 
-def _outwards(weaker: bool, low: float, high: float, count: int) -> Iterator[list[float]]:
-    """Halves, quarters, ... down to the low end of the range, or doubles up to the high one, so many at a time."""
-    end, factor = (low, 0.5) if weaker else (high, 2.0)
-    steps = [factor**k for k in range(1, 40) if low < factor**k < high]
+def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
+    """Factors to try, from 1 to the end of the range that lies towards the target.
+
+    Halves, quarters, ... or doubles, so many at a time; for soil discs, whose range is short, first the ratio of the
+    critical Kh wanted to that without a factor.
+    """
+    low, high = settings.factors
+    weaker = base is None or middle(base) > target
+    end = low if weaker else high
+    if settings.model == "soil":
+        ratio = target / middle(base) if base is not None and middle(base) > 0.0 else end
+        steps = [ratio] if low < ratio < high else []
+        count = 1
+    else:
+        steps = [f for f in ((0.5 if weaker else 2.0) ** k for k in range(1, 40)) if low < f < high]
+        count = settings.workers
     steps.append(end)
     for start in range(0, len(steps), count):
         yield steps[start : start + count]

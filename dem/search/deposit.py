@@ -24,6 +24,7 @@ from meshes.section.section import Section
 ROUNDS = 2
 SINKS = 0.01  # of the section's height, in settling
 MARGIN = 2.0  # mean radii that the fill is higher still
+RIM = 2.4  # mean radii beyond base and sides that are filled as well, and held: discs on a row of equal ones slide
 CUT = (
     0.35  # mean radii below the surface: discs whose centre is higher go, so that the tops are level with it on average
 )
@@ -119,7 +120,10 @@ def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
     on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
     base = outline[~on_top]
     base = base[np.argsort(base[:, 0], kind="stable")]
-    raised = outline + np.where(on_top, lift, 0.0)[:, None] * np.array([0.0, 1.0])
+    rim = RIM * radius
+    left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
+    raised = outline + np.where(on_top, lift, -rim)[:, None] * np.array([0.0, 1.0])
+    raised[:, 0] += rim * ((outline[:, 0] > right - 1e-6) * 1.0 - (outline[:, 0] < left + 1e-6))
 
     def stratum_at(x: np.ndarray, z: np.ndarray) -> np.ndarray:
         low, high = np.interp(x, *base.T), np.interp(x, *surface.T)
@@ -134,5 +138,13 @@ def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
         except ValueError as error:
             last = error
             continue
-        return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
+        held = _held(packing, base, left, right)
+        return Ground(held, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
     raise InputError(section.name, [f"dem: {last}"])
+
+
+def _held(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
+    """The packing with all discs held whose centres lie beyond the base or the sides: a rough box, as the fixed nodes
+    of the continuum are."""
+    beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))
+    return replace(packing, layer=np.where(beyond, -1, packing.layer).astype(packing.layer.dtype))

@@ -230,7 +230,7 @@ def try_kh(
 
     Kh rises by `RISE` in a period of the ground, and is held with kinetic damping, as in `settle`: dashpots of contacts
     hardly damp the swing of the whole ground, and whether it swings back is not what is asked. Stands: both ratios are
-    below their limits. Fails: the displacement since `before` exceeds `largest_stretch` times the elastic one and grew
+    below their limits. Fails: the displacement since `before` exceeds `growth` times the elastic one and grew
     at every look of the last period, and neither ratio is below its limit. Else undecided: after `patience` periods, or
     when a DemError stopped the discs.
     """
@@ -263,17 +263,10 @@ def try_kh(
         if resting:
             return _trial(kh, "stands", "forces balance and nothing moves", seen, elastic, here.time)
         recent = np.array([rest.displacement for rest in seen[-round(1.0 / LOOK) - 1 :]])
-        if (
-            moving
-            and abs(here.displacement) > settings.largest_stretch * elastic
-            and np.all(np.diff(np.abs(recent)) > 0.0)
-        ):
+        if moving and abs(here.displacement) > settings.growth * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
             reason = f"displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
             return _trial(kh, "fails", reason, seen, elastic, here.time)
-    reason = (
-        f"neither at rest nor past {settings.largest_stretch:g} elastic displacements after {settings.patience:g} "
-        "periods"
-    )
+    reason = f"neither at rest nor past {settings.growth:g} elastic displacements after {settings.patience:g} periods"
     return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
 
 

@@ -123,6 +123,9 @@ class MeshStep(Part):
     kc: float
 
 
+YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
+
+
 class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
@@ -164,6 +167,13 @@ class FemAnswer(Answer):
     def kc_for_discs(self) -> float:
         """The critical Kh that discs in their rigid box are held against."""
         return self.rigid_box.kc if self.rigid_box is not None and self.rigid_box.has_kc else self.kc
+
+    @property
+    def yielding_for_discs(self) -> float:
+        """The mean displacement (m) at which the continuum of `kc_for_discs` has come to it but for a hundredth."""
+        box = self.rigid_box
+        kc, curve = (box.kc, box.curve) if box is not None and box.has_kc else (self.kc, self.curve)
+        return min(step.displacement for step in curve if step.factor >= YIELDED * kc)
 
     @property
     def sides_for_discs(self) -> str:

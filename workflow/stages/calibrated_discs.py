@@ -52,7 +52,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
-    calibrator = _calibrator(given, store, discs, progress)
+    calibrator = _calibrator(given, store, discs, fem.yielding_for_discs, progress)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         discs_answer(given, discs, (base, base), {}, Kept(), fem).write(store)
@@ -89,7 +89,7 @@ def _target(given: Input, fem: FemAnswer) -> float:
     return fem.kc_for_discs if given.dem.model == "soil" else fem.kc
 
 
-def _calibrator(given: Input, store: Store, discs: Discs, progress: Progress) -> Calibrator:
+def _calibrator(given: Input, store: Store, discs: Discs, yielding: float, progress: Progress) -> Calibrator:
     journal = Journal(store, JOURNAL)
     single = given.dem.parameter == "none"
     wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
@@ -103,6 +103,7 @@ def _calibrator(given: Input, store: Store, discs: Discs, progress: Progress) ->
         discs.layers,
         discs.settled,
         given.dem,
+        yielding=yielding,
         known=journal.known(),
         on_trial=on_trial,
         on_search=journal.add,

@@ -94,8 +94,8 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
     opposite = opposite or _other_way(mesh, result.other)
     box = None
     if given.fem.rigid_box and given.fem.sides != "fixed" and result.verdict != "undecided":
-        # the discs are pushed downhill, whatever direction counts
-        fixed = given.fem.model_copy(update={"sides": "fixed", "direction": "downhill", "kh": ()})
+        # the discs are pushed where the ground fails, and so is this
+        fixed = given.fem.model_copy(update={"sides": "fixed", "direction": result.direction, "kh": ()})
         box = critical_coefficient(given, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
     if store is not None:
         with store.writing(FEM_FILE) as path:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 from dem.model import DiscModel
 from dem.search.calibration import Calibration, Calibrator, best, sensitivities
@@ -17,10 +18,27 @@ from workflow.stages.discs_at_rest import discs_at_rest
 from workflow.stages.sliding import slide_all, task
 
 
-def random_packings(given: Input, store: Store, progress: Progress, target: float, wanted: list[int]) -> RandomPackings:
+class Continuum(NamedTuple):
+    """What discs are held against.
+
+    Attributes
+    ----------
+    kc : float
+        The critical Kh.
+    yielding : float
+        The displacement at which it is reached (m).
+    """
+
+    kc: float
+    yielding: float
+
+
+def random_packings(
+    given: Input, store: Store, progress: Progress, continuum: Continuum, wanted: list[int]
+) -> RandomPackings:
     """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
 
-    ``target`` is the critical Kh of the continuum. A seed whose packing cannot be brought to it is named with the
+    A seed whose packing cannot be brought to it is named with the
     reason, and not counted. The first seed chooses the parameter, all others take the same.
     """
     seeds: list[Seed] = []
@@ -29,8 +47,8 @@ def random_packings(given: Input, store: Store, progress: Progress, target: floa
     for place, seed in enumerate(given.slide.seeds):
         tell = partial(_tell, progress, seed, place / len(given.slide.seeds))
         dem = given.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
-        calibrator = _calibrator(given, store, dem, tell)
-        found = _calibrated(calibrator, target, parameter)
+        calibrator = _calibrator(given, store, dem, continuum, tell)
+        found = _calibrated(calibrator, continuum.kc, parameter)
         parameter = found.parameter
         seeds.append(_seed(seed, calibrator, found))
         if found.verdict == "calibrated":
@@ -46,7 +64,9 @@ def _tell(progress: Progress, seed: int, share: float, what: str) -> None:
     progress(f"random packing, seed {seed}: {what}", share)
 
 
-def _calibrator(given: Input, store: Store, dem: DemSettings, tell: Callable[[str], None]) -> Calibrator:
+def _calibrator(
+    given: Input, store: Store, dem: DemSettings, continuum: Continuum, tell: Callable[[str], None]
+) -> Calibrator:
     """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
     discs = discs_at_rest(given, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
 
@@ -55,8 +75,9 @@ def _calibrator(given: Input, store: Store, dem: DemSettings, tell: Callable[[st
 
     journal = Journal(store, f"dem/slide_seed{dem.seed}_trials.jsonl")
     return Calibrator(
-        discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_search=journal.add, on_trial=on_trial
-    )
+        discs.ground, discs.layers, discs.settled, dem, yielding=continuum.yielding, known=journal.known(),
+        on_search=journal.add, on_trial=on_trial,
+    )  # fmt: skip
 
 
 def _calibrated(calibrator: Calibrator, target: float, parameter: str) -> Calibration:
