@@ -18,12 +18,9 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
-POROSITY = (
-    0.22  # with which packings are made: near the critical state, so that no more than a fifth is lost after peak
-)
 MAP = "strength_map.csv"
 KAPPA = 400.0  # kn over the pressure, at which the map was made
-LOOSENS = 0.127  # E / kn goes with kappa to the power of -0.127: stiffer discs have fewer contacts (0.59, 0.54, 0.44)
+LOOSENS = 0.16  # E / kn goes with kappa to the power of -0.16: stiffer discs have fewer contacts (0.58, 0.47, 0.40)
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
