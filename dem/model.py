@@ -68,6 +68,8 @@ class DiscModel(DiscState):
             raise ValueError(f"discs: layer {layer.max()} of {len(layers)} layers (they count from 0, -1 is boundary)")
         density = np.array([s.density for s in layers] + [layers[0].density])[layer]
         effective = np.array([s.effective_density for s in layers] + [0.0])[layer]
+        if period is not None:
+            period = (float(period[0]), float(period[1]))
         margin = float(0.4 * radii.mean()) if skin is None else skin
         if not margin > 0.0:
             raise ValueError(f"discs: the skin of the neighbour list must be positive, is {margin}")

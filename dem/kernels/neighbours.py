@@ -98,7 +98,7 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 def near_pairs(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, factor: float, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """All pairs i < j nearer than factor (r_i + r_j) + skin, not both fixed, sorted by i.
+    """All pairs i < j nearer than factor (r_i + r_j) + skin, not both fixed: where those of each i begin, and all j.
 
     A period must be longer than three such distances.
     """
@@ -107,10 +107,11 @@ def near_pairs(
     reach = 2.0 * factor * radius.max() + skin
     column, row, columns, rows, size, start, items = cell_grid(xs, zs, reach, period.length)
     room = 4 * len(x) + 16
-    first = np.empty(room, np.int32)
-    second = np.empty(room, np.int32)
+    begin = np.empty(len(x) + 1, np.int32)
+    others = np.empty(room, np.int32)
     count = 0
     for i in range(len(x)):
+        begin[i] = count
         for side in range(-1, 2):
             c, middle = column[i] + side, row[i]
             if c < 0 or c >= columns:
@@ -130,10 +131,11 @@ def near_pairs(
                         continue
                     if count == room:
                         room += room // 2
-                        first, second = longer(first, room), longer(second, room)
-                    first[count], second[count] = i, j
+                        others = longer(others, room)
+                    others[count] = j
                     count += 1
-    return first[:count], second[:count]
+    begin[-1] = count
+    return begin, others[:count]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -154,25 +156,23 @@ def find_pairs(
     Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by both; old is
     the number of the old pair with the same discs, or -1.
     """
-    near_i, near_j = near_pairs(x, z, radius, fixed, factor, skin, period)
+    near, others = near_pairs(x, z, radius, fixed, factor, skin, period)
     by_lower, old_start = sort_by_lower(old_i, old_j, len(x))
-    room = len(near_i) + len(old_i)
+    room = len(others) + len(old_i)
     first = np.empty(room, np.int32)
     second = np.empty(room, np.int32)
     known = np.empty(room, np.int32)
     used = np.zeros(len(old_i), np.bool_)
-    near = 0
     count = 0
     for i in range(len(x)):
         begin = count
-        while near < len(near_i) and near_i[near] == i:
+        for j in others[near[i] : near[i + 1]]:
             match = -1
             for o in range(old_start[i], old_start[i + 1]):
-                if max(old_i[by_lower[o]], old_j[by_lower[o]]) == near_j[near]:
+                if max(old_i[by_lower[o]], old_j[by_lower[o]]) == j:
                     match = by_lower[o]
                     used[match] = True
-            first[count], second[count], known[count] = i, near_j[near], match
-            near += 1
+            first[count], second[count], known[count] = i, j, match
             count += 1
         for o in range(old_start[i], old_start[i + 1]):
             c = by_lower[o]

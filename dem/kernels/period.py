@@ -38,7 +38,9 @@ def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """The images of all places (m) in the period that begins with the leftmost of them."""
+    """The images of all places (m) in the period that begins with the leftmost; the places if it is endless."""
+    if period.length == ENDLESS.length:
+        return x, z
     inside, height = x.copy(), z.copy()
     left = x.min()
     for i in range(len(x)):

@@ -20,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ from dem.engine.engine import Engine, Run, largest_step
 from dem.engine.packer import pack, unpack
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
-from dem.springs import LayerSprings
+from dem.springs import Law, LayerSprings
 
 RADIUS, DENSITY, GRAVITY, TILT = 0.75, 2000.0, 9.81, math.radians(2.6)
 MASS = DENSITY * math.pi * RADIUS**2
@@ -53,8 +54,11 @@ def box(elements: int) -> Packing:
     return packing
 
 
-def model_of(elements: int, bonded: bool) -> DiscModel:
-    """The box as a model; pore springs are as stiff as the bonds of the peers, and too strong to crack."""
+def model_of(elements: int, bonded: bool, law: Law = "paper") -> DiscModel:
+    """The box as a model; pore springs are as stiff as the bonds of the peers, and too strong to crack.
+
+    law "soil": discs with rolling resistance, cohesion and stop, and without pore springs unless they are bonded.
+    """
     packing = box(elements)
     soil = [
         LayerSprings(
@@ -63,9 +67,15 @@ def model_of(elements: int, bonded: bool) -> DiscModel:
         )
         for k in range(LAYERS)
     ]  # fmt: skip
+    if law == "soil":
+        share = 1.0 if bonded else 0.0
+        soil = [
+            replace(s, contact_cohesion=1e4, rolling_friction=0.1, stop=KN, kpn=share * KB, kps=0.5 * share * KB)
+            for s in soil
+        ]
     depth = LAYERS * (packing.z / packing.z[packing.free].max() + 0.1 * packing.x / packing.x.max()) / 1.1
     packing.layer[packing.free] = np.clip(depth[packing.free].astype(int), 0, LAYERS - 1)
-    model = packing.discs(soil, gravity=tilted_gravity(TILT, GRAVITY), skin=SKIN)
+    model = packing.discs(soil, gravity=tilted_gravity(TILT, GRAVITY), skin=SKIN, law=law)
     if bonded:
         model.set_pore_springs()
     return model
@@ -93,13 +103,18 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
     before = resident()
     rows: list[Row] = []
     held = 0.0
-    for variant, bonded, ledger in (
-        ("bonded", True, False),
-        ("bonded, ledger", True, True),
-        ("frictional", False, False),
-    ):
+    variants: tuple[tuple[str, bool, bool, Law], ...] = (
+        ("bonded", True, False, "paper"),
+        ("bonded, ledger", True, True, "paper"),
+        ("frictional", False, False, "paper"),
+        ("bonded soil discs", True, False, "soil"),
+        ("soil discs", False, False, "soil"),
+        ("soil discs, ledger", False, True, "soil"),
+    )
+    for variant, bonded, ledger, law in variants:
         for count in threads:
-            model = model_of(elements, bonded)  # the same for every row: as discs sink, new lists get more frequent
+            # the same for every row: as discs sink, new lists get more frequent
+            model = model_of(elements, bonded, law)
             free = int((~model.fixed).sum())
             steps = max(20, int(4e7 / free))
             run = Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
@@ -254,6 +269,8 @@ def notes(ours: list[Row], theirs: list[Row]) -> None:
     for threads in sorted({t for _, t in speed} - {1}):
         if ("bonded", 1) in speed:
             print(f"  {threads} threads: {speed['bonded', threads] / speed['bonded', 1]:.2f} times one")
+    soil = speed["soil discs", least]
+    print(f"  soil discs with rolling resistance: {soil / plain:.2f} times as fast as bonded discs of the paper")
     for line in theirs:
         mine = speed["bonded" if "bpm" in line["variant"] else "frictional", least]
         print(f"  {mine / line['million_element_steps_per_s']:.1f} times LAMMPS {line['variant']}")

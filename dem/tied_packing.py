@@ -1,0 +1,82 @@
+"""Random discs between two level rows of fixed ones, in a box whose sides are tied: uniform ground of any length."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.kernels.neighbours import find_pairs
+from dem.kernels.period import Period
+
+SWEEPS = 300  # in which discs grow to their size and are pushed apart
+PUSHES = 10  # in each sweep
+SHARE = 0.6  # of an overlap that a push takes away
+NEAR = 0.9  # radii between the rim of a plate's disc and the plane that the others keep to
+
+
+@dataclass(frozen=True)
+class TiedPacking:
+    """Uniform ground: one period of it.
+
+    Attributes
+    ----------
+    x, z, radius : (n,)
+        Centres and radii (m); the free discs lie between z = 0 and `height`.
+    layer : (n,)
+        0, and -1 for the discs of the plates.
+    length, height : float
+        The period, and the distance of the planes (m).
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    radius: np.ndarray
+    layer: np.ndarray
+    length: float
+    height: float
+
+    @property
+    def above(self) -> np.ndarray:
+        """Mask of the discs of the upper plate."""
+        return (self.layer < 0) & (self.z > 0.5 * self.height)
+
+    def without_upper_plate(self) -> "TiedPacking":
+        """The same ground with a bare surface."""
+        kept = ~self.above
+        return TiedPacking(self.x[kept], self.z[kept], self.radius[kept], self.layer[kept], self.length, self.height)
+
+
+def tied_packing(
+    columns: int, rows: int, radius: float, *, spread: float = 0.2, porosity: float = 0.22, seed: int = 0
+) -> TiedPacking:
+    """So many mean diameters of discs along and up; spread: half the width of their radii over the mean.
+
+    They overlap here and there by some per cent of a radius, which settling takes away.
+    """
+    rng = np.random.default_rng(seed)
+    length, height = 2.0 * radius * columns, 2.0 * radius * rows
+    solid = length * height * (1.0 - porosity)
+    count = round(solid / (np.pi * radius**2 * (1.0 + spread**2 / 3.0)))
+    sizes = radius * rng.uniform(1.0 - spread, 1.0 + spread, count)
+    sizes *= np.sqrt(solid / np.sum(np.pi * sizes**2))
+    x, z = rng.uniform(0.0, length, count), rng.uniform(0.0, height, count)
+    none, still = np.zeros(0, np.int32), np.zeros(count, bool)
+    for sweep in range(SWEEPS):
+        grown = sizes * min(1.0, 0.5 + sweep / SWEEPS)
+        i, j, _ = find_pairs(x, z, grown, still, 1.0, 0.2 * radius, none, none, np.zeros(0), Period(length, 0.0))
+        for _ in range(PUSHES):
+            dx, dz = x[j] - x[i], z[j] - z[i]
+            dx -= np.floor(dx / length + 0.5) * length
+            distance = np.hypot(dx, dz)
+            push = 0.5 * SHARE * np.maximum(grown[i] + grown[j] - distance, 0.0) / distance
+            x += np.bincount(j, push * dx, count) - np.bincount(i, push * dx, count)
+            z += np.bincount(j, push * dz, count) - np.bincount(i, push * dz, count)
+            z = np.clip(z, grown, height - grown)
+    plate = 2.0 * radius * (np.arange(columns) + 0.5)
+    return TiedPacking(
+        np.concatenate([plate, x, plate]),
+        np.concatenate([np.full(columns, -NEAR * radius), z, np.full(columns, height + NEAR * radius)]),
+        np.concatenate([np.full(columns, radius), sizes, np.full(columns, radius)]),
+        np.concatenate([np.full(columns, -1), np.zeros(count), np.full(columns, -1)]).astype(np.int32),
+        length,
+        height,
+    )
