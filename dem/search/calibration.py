@@ -23,7 +23,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search, critical_kh
 from dem.search.equilibrium import settle
-from dem.search.pushover import push_over
+from dem.search.pushover import Continuum, push_over
 from dem.settings import DemSettings, Parameter
 from dem.side_by_side import side_by_side
 from dem.springs import LayerSprings
@@ -142,9 +142,8 @@ class Calibrator:
         The discs at rest with these.
     settings
         Of the searches.
-    yielding
-        Displacement at which the continuum has come to its critical Kh (m), up to a multiple of which soil discs are
-        pushed over; the paper's discs do not ask for it.
+    continuum
+        What soil discs are held against, which says how far they are pushed; the paper's do not ask for it.
     known
         Searches of an earlier run, taken as they are.
     on_trial, on_search
@@ -158,13 +157,13 @@ class Calibrator:
         settled: DiscModel,
         settings: DemSettings,
         *,
-        yielding: float = 0.0,
+        continuum: Continuum | None = None,
         known: dict[Key, Search] | None = None,
         on_trial: OnTrial | None = None,
         on_search: OnSearch | None = None,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
-        self.yielding = yielding
+        self.continuum = continuum
         self.searches = dict(known or {})
         self.on_trial, self.on_search = on_trial, on_search
         self.stop = Event()
@@ -199,8 +198,10 @@ class Calibrator:
     def _found(self, settled: DiscModel, threads: int, fine: bool) -> Search:
         settings = self.settings
         if settings.model == "soil":
+            if self.continuum is None:
+                raise ValueError("soil discs are pushed as far as a continuum says: give one")
             return push_over(
-                settled, self.ground, settings, self.yielding, threads=threads, on_trial=self.on_trial,
+                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
                 stopped=self.stop.is_set,
             )  # fmt: skip
         width = settings.resolution

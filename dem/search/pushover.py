@@ -11,6 +11,7 @@ compression, where an elastic body would have it at 0.3 to 1 %.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,12 +24,27 @@ from dem.search.equilibrium import STEP, Trial, displacement, kinetic_ratio, per
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError
 
-MACHINE = 20.0  # Kh of the spring that pushes, over its length in reaches: some five times as stiff as the ground
+MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
 SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by less than 2 %
 PULSES = 64  # of a period, between two looks at the displacement
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the push ends: the last window has the reach in its middle
+
+
+class Continuum(NamedTuple):
+    """What discs are held against.
+
+    Attributes
+    ----------
+    kc : float
+        The critical Kh of the continuum with their sides.
+    yielding : float
+        Its mean displacement in the direction of the push once it has come to that (m).
+    """
+
+    kc: float
+    yielding: float
 
 
 @dataclass
@@ -63,7 +79,7 @@ def push_over(
     settled: DiscModel,
     ground: Ground,
     settings: DemSettings,
-    yielding: float,
+    continuum: Continuum,
     *,
     threads: int = 1,
     on_trial: OnTrial | None = None,
@@ -71,17 +87,17 @@ def push_over(
 ) -> Search:
     """The critical Kh of settled discs, which stay as they are, and the curve that leads to it.
 
-    yielding: displacement at which the continuum has come to its critical Kh (m). on_trial hears of every point of the
+    on_trial hears of every point of the
     curve. stopped: asked at every look; raises StoppedError once it says so. Undecided where a DemError stopped the
     discs before the end.
     """
-    if yielding <= 0.0:
-        raise ValueError(f"the continuum yields at {yielding} m: expected a displacement above 0")
+    if min(continuum) <= 0.0:
+        raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
     search = Search()
-    reach = settings.growth * yielding
+    reach = settings.growth * continuum.yielding
     curve = Curve()
     try:
-        _push(settled.copy(), settled, ground, reach, threads, curve, on_trial, stopped)
+        _push(settled.copy(), settled, ground, reach, MACHINE * continuum.kc / reach, threads, curve, on_trial, stopped)
     except DemError as error:
         search.reason = f"after {max(curve.displacement, default=0.0):.3g} m: {type(error).__name__}: {error}"
     else:
@@ -92,7 +108,7 @@ def push_over(
     if curve.kh:
         kc, half, last = curve.critical()
         search.lower, search.upper = kc - half, kc + half
-        search.flexibility = yielding / kc if kc > 0.0 else 0.0
+        search.flexibility = continuum.yielding / kc if kc > 0.0 else 0.0
         search.trials = curve.trials
         search.curve = list(zip(curve.kh[: last + 1], curve.displacement[: last + 1], strict=True))
         if kc <= 0.0:
@@ -105,6 +121,7 @@ def _push(
     before: DiscModel,
     ground: Ground,
     reach: float,
+    stiffness: float,
     threads: int,
     curve: Curve,
     on_trial: OnTrial | None,
@@ -112,7 +129,7 @@ def _push(
 ) -> None:
     """Moves one end of a spring on and takes the discs along, until they have moved a little beyond the reach.
 
-    Between two looks Kh is what the spring then carries, MACHINE / reach times its shortening.
+    Between two looks Kh is what the spring then carries, its stiffness (Kh per m) times its shortening.
     """
     cycle, start = period(model, ground), model.time
     pulse = cycle / PULSES
@@ -122,7 +139,7 @@ def _push(
         if stopped():
             raise StoppedError
         end += reach * float(np.clip(0.15 * moved / reach, SLOWEST, QUICKEST)) / PULSES
-        kh = MACHINE * (end - moved) / reach
+        kh = stiffness * (end - moved)
         model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
         Engine(dt=STEP * largest_step(model).seconds, ledger=False, threads=threads).run(model, pulse)
         moved = displacement(model, before, ground)

@@ -17,6 +17,7 @@ from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
 from dem.search.equilibrium import Rest, Rise, Trial, try_kh, unbalanced_ratio
+from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import compare, cracked_shares, slip_surface
@@ -40,7 +41,7 @@ from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, discs_at_rest, ground_for, save
+from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
 
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
@@ -52,7 +53,8 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
-    calibrator = _calibrator(given, store, discs, fem.yielding_for_discs, progress)
+    continuum = continuum_for(given, fem)
+    calibrator = _calibrator(given, store, discs, continuum, progress)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         discs_answer(given, discs, (base, base), {}, Kept(), fem).write(store)
@@ -61,7 +63,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
             f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
-    found = _solve(given, calibrator, _target(given, fem))
+    found = _solve(given, calibrator, continuum.kc)
     parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
     calibrated = calibrator.settled_with(parameter, value)
     save(store, CALIBRATED, calibrated)
@@ -84,12 +86,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
         )
 
 
-def _target(given: Input, fem: FemAnswer) -> float:
-    """The critical Kh that the discs are to have: of a continuum with the sides of their box, for soil discs."""
-    return fem.kc_for_discs if given.dem.model == "soil" else fem.kc
-
-
-def _calibrator(given: Input, store: Store, discs: Discs, yielding: float, progress: Progress) -> Calibrator:
+def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, progress: Progress) -> Calibrator:
     journal = Journal(store, JOURNAL)
     single = given.dem.parameter == "none"
     wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
@@ -103,7 +100,7 @@ def _calibrator(given: Input, store: Store, discs: Discs, yielding: float, progr
         discs.layers,
         discs.settled,
         given.dem,
-        yielding=yielding,
+        continuum=continuum,
         known=journal.known(),
         on_trial=on_trial,
         on_search=journal.add,

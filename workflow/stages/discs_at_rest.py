@@ -8,6 +8,7 @@ from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit, ground_at_rest
 from dem.search.equilibrium import settle
+from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
@@ -50,6 +51,11 @@ def ground_for(given: Input, store: Store, dem: DemSettings, settled: DiscModel)
     except InputError:  # they have not given: the ground falls to where it is lower
         return ground
     return replace(ground, downhill=1 if towards == "right" else -1)
+
+
+def continuum_for(given: Input, fem: FemAnswer) -> Continuum:
+    """What the discs are held against: the continuum with the sides of their box, or as it is for the paper's discs."""
+    return Continuum(fem.kc_for_discs if given.dem.model == "soil" else fem.kc, fem.yielding_for_discs)
 
 
 def _soil(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:

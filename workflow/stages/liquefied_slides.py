@@ -16,8 +16,8 @@ from workflow.results.history import SlideHistory, read_histories, write_histori
 from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
-from workflow.stages.random_packings import Continuum, random_packings
+from workflow.stages.discs_at_rest import PAPER, SETTLED, continuum_for, ground_for
+from workflow.stages.random_packings import random_packings
 from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
 
 
@@ -30,7 +30,7 @@ def slide_stage(given: Input, store: Store, progress: Progress, cases: tuple[int
     slides = dict(zip(tasks, slide_all(given, store, tasks, recorder.look, recorder.end), strict=True))
     random: RandomPackings | None = None
     if given.slide.seeds and wanted:
-        random = random_packings(given, store, progress, _continuum(given, store), wanted)
+        random = random_packings(given, store, progress, continuum_for(given, FemAnswer.read(store)), wanted)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
@@ -47,12 +47,6 @@ def _wanted(given: Input, cases: tuple[int, ...] | None) -> list[int]:
         told = f"expected cases in which a stratum liquefies, of {there}"
         raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
     return [number for number in possible if cases is None or number in cases]
-
-
-def _continuum(given: Input, store: Store) -> Continuum:
-    """What random packings are held against."""
-    fem = FemAnswer.read(store)
-    return Continuum(fem.kc_for_discs if given.dem.model == "soil" else fem.kc, fem.yielding_for_discs)
 
 
 def _starts(given: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:

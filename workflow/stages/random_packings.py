@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
 
 from dem.model import DiscModel
 from dem.search.calibration import Calibration, Calibrator, best, sensitivities
 from dem.search.equilibrium import Trial
+from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Slide
 from workflow.results.cases import RandomCase, RandomPackings, Seed, Spread
@@ -16,21 +16,6 @@ from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import discs_at_rest
 from workflow.stages.sliding import slide_all, task
-
-
-class Continuum(NamedTuple):
-    """What discs are held against.
-
-    Attributes
-    ----------
-    kc : float
-        The critical Kh.
-    yielding : float
-        The displacement at which it is reached (m).
-    """
-
-    kc: float
-    yielding: float
 
 
 def random_packings(
@@ -75,7 +60,7 @@ def _calibrator(
 
     journal = Journal(store, f"dem/slide_seed{dem.seed}_trials.jsonl")
     return Calibrator(
-        discs.ground, discs.layers, discs.settled, dem, yielding=continuum.yielding, known=journal.known(),
+        discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=journal.known(),
         on_search=journal.add, on_trial=on_trial,
     )  # fmt: skip
 

@@ -1,0 +1,92 @@
+"""The critical Kh of one push, against blocks that slide at Kh = mu, and what a push must not depend on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.packing import Packing, lattice_box
+from dem.search.calibration import Calibrator, calibrate
+from dem.search.equilibrium import settle, step_on, stop
+from dem.search.pushover import BEYOND, Continuum, push_over
+from dem.settings import DemSettings
+from dem.side_by_side import StoppedError
+from dem.springs import LayerSprings, Strength, soil_discs
+from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
+
+MU = 0.313
+SETTINGS = DemSettings()
+
+
+def block(soil: LayerSprings, tilt: float = 0.0) -> tuple[Ground, DiscModel, Continuum]:
+    """Discs that do not turn, apart from each other on a rigid plane, at rest; and where they yield: Kh and way (m)."""
+    x = 4.0 * RADIUS * np.arange(4)
+    packing = Packing(x, np.full(4, RADIUS), np.full(4, RADIUS), np.zeros(4, np.int32), FLOOR)
+    ground = Ground(packing, "box", RADIUS, 1, tilt, (0.0, 0.0), 1)
+    model = packing.discs([soil], gravity=(GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt)), turns=False)
+    for _ in range(40):
+        step_on(model, 0.05)
+        stop(model)
+    return ground, model, Continuum(soil.friction, float(model.mass[0] * GRAVITY * soil.friction / soil.ks))
+
+
+@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 0.0), (MU, 5.0), (0.07, 0.0)])
+def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) -> None:
+    """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
+    tilt = np.radians(tilt_deg)
+    ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
+    found = push_over(model, ground, SETTINGS, continuum)
+    assert found.verdict == "bracketed"
+    assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
+    assert found.lower <= found.kc <= found.upper
+
+
+def test_the_curve_is_elastic_and_then_level() -> None:
+    """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
+    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    ground, model, continuum = block(soil)
+    found = push_over(model, ground, SETTINGS, continuum)
+    kh, moved = np.array(found.curve).T
+    yielding = continuum.yielding
+    elastic = moved < 0.8 * yielding
+    assert elastic.sum() >= 3
+    assert kh[elastic] == pytest.approx(moved[elastic] * MU / yielding, rel=0.05)
+    assert kh[moved > 1.3 * yielding] == pytest.approx(MU, rel=0.05)
+    assert found.trials[-1].displacement_m <= BEYOND * SETTINGS.growth * yielding
+
+
+def heap() -> tuple[Ground, DiscModel]:
+    soil = soil_discs("sand", 4.0e7, Strength(0.3), 2000.0, 2000.0, RADIUS, 0.1)
+    ground = Ground(lattice_box(12, 4, RADIUS), "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
+    return ground, settle(ground, [soil], SETTINGS)
+
+
+def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were() -> None:
+    ground, model = heap()
+    before = model.x.copy()
+    one, two = (push_over(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n) for n in (1, 2))
+    assert one == two
+    assert np.array_equal(model.x, before)
+
+
+def test_stronger_discs_bear_more() -> None:
+    """And the factor that meets a target between two is found."""
+    ground, model = heap()
+    calibrator = Calibrator(ground, list(model.springs.layers), model, SETTINGS, continuum=Continuum(0.3, 0.01))
+    weak, strong = (calibrator.search("strength", factor).kc for factor in (0.8, 1.3))
+    assert weak is not None
+    assert strong is not None
+    assert weak < strong
+    found = calibrate(calibrator, 0.5 * (weak + strong), "strength", [])
+    assert found.verdict == "calibrated"
+    assert 0.8 < found.value < 1.3
+
+
+def test_a_push_can_be_stopped_and_wants_a_displacement() -> None:
+    ground, model = heap()
+    with pytest.raises(StoppedError):
+        push_over(model, ground, SETTINGS, Continuum(0.3, 0.01), stopped=lambda: True)
+    with pytest.raises(ValueError, match="a displacement above 0"):
+        push_over(model, ground, SETTINGS, Continuum(0.3, 0.0))
