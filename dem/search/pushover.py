@@ -66,13 +66,13 @@ class Curve:
     def critical(self) -> tuple[float, float, int]:
         """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
 
-        The width is the standard deviation of the points in the window: loose ground gives way by jerks.
+        The width is the standard error of the mean over the window: loose ground gives way by jerks.
         """
         kh = np.array(self.kh)
         size = min(WINDOW, len(kh))
         windows = np.lib.stride_tricks.sliding_window_view(kh, size)
         best = int(np.argmax(windows.mean(axis=1)))
-        return float(windows[best].mean()), float(windows[best].std()), best + size - 1
+        return float(windows[best].mean()), float(windows[best].std() / np.sqrt(size)), best + size - 1
 
 
 def push_over(

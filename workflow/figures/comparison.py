@@ -12,6 +12,7 @@ from workflow.estimates import accelerogram
 from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.results.calibration import CalibrationAnswer
 from workflow.results.discs import DiscSearch
 from workflow.results.results import Results
 
@@ -49,12 +50,17 @@ def _curves(results: Results, name: str) -> bool:
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
     handles = [_handle(CONTINUUM, "o", "FEM: mean horizontal displacement, weighted by seismic mass")]
     widest = x[-1]
+    box = answer.rigid_box
+    if box is not None and box.has_kc and discs is not None:
+        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in box.curve)]
+        axes.plot(*np.array(curve).T, color=CONTINUUM, linestyle=DASHED, linewidth=1.1)
+        handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label="FEM with the sides of the discs' box"))
     if results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
         for key, search, colour, marker in (("before", discs.before, PALE, "s"), ("after", discs.after, DISCS, "D")):
             widest = max(widest, _discs(axes, search, colour, marker))
-            handles.append(_handle(colour, marker, f"discs, {key} calibration: displacement at the end of each trial"))
+            handles.append(_handle(colour, marker, f"discs, {key} calibration"))
         after = discs.after
         if after.kc is not None and after.kc_upper is not None:
             axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
@@ -69,7 +75,7 @@ def _curves(results: Results, name: str) -> bool:
 
 def _discs(axes: Any, search: DiscSearch, colour: str, marker: str) -> float:
     """The trials of a search; returns a little more than the largest displacement of those that stood (m)."""
-    curve = np.array(sorted(search.curve)).reshape(-1, 2)
+    curve = np.array(sorted(search.curve, key=lambda point: point[1])).reshape(-1, 2)
     axes.plot(curve[:, 1], curve[:, 0], color=colour, marker=marker, markersize=3, linewidth=0.9)
     stood = [trial.displacement_m for trial in search.trials if trial.verdict == "stands"]
     return 1.3 * max(stood, default=0.0)
@@ -93,13 +99,17 @@ def _surfaces(results: Results, name: str) -> bool:
     """The slip surfaces of the continuum and of the discs on the section."""
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
-    if results.fem is not None:
+    if both is not None and both.fem:
+        sides = results.fem.sides_for_discs if results.fem is not None else "the same"
+        label = f"FEM, {sides} sides: largest shear strain along x"
+        lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
+    elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
         if end is not None and end.slip_surface:
             label = f"FEM: largest shear strain along x, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
     if both is not None and both.dem:
-        label = "discs: largest jump of displacement along each column"
+        label = "discs: largest shear strain along x, when they fail"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
         return False
@@ -114,14 +124,9 @@ def _surfaces(results: Results, name: str) -> bool:
     return True
 
 
-def _calibration(results: Results, name: str) -> bool:
-    """Which parameter moves the critical Kh of the discs, and the trials of the one that was solved for."""
-    answer = results.calibration
-    if answer is None or answer.target_kc is None:
-        return False
-    sheet = Sheet(f"{_title(results)}: calibration of the discs", [0.34, 0.34], foot(results.given), legend_rows=1)
+def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
+    """The critical Kh over the factor on each parameter, in the first view."""
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
-    parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
     handles = []
     for k, parameter in enumerate(parameters):
@@ -129,11 +134,22 @@ def _calibration(results: Results, name: str) -> bool:
         colour, marker = shades[k % len(shades)], "osD^v<>p"[k % 8]
         axes.plot(*np.array(rows).reshape(-1, 2).T, color=colour, marker=marker, markersize=4, linewidth=1.1)
         handles.append(_handle(colour, marker, parameter.replace("_", " ")))
-    highest = max((row.kc for row in answer.sensitivity if row.kc), default=1.0)
-    axes.set_ylim(0.0, 1.1 * highest)
+    axes.set_ylim(0.0, 1.1 * max((row.kc for row in answer.sensitivity if row.kc), default=1.0))
     _factors(axes)
+    return handles
+
+
+def _calibration(results: Results, name: str) -> bool:
+    """Which parameter moves the critical Kh of the discs, and the trials of the one that was solved for."""
+    answer = results.calibration
+    if answer is None or answer.target_kc is None:
+        return False
+    parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))  # soil discs have no choice of them
+    heights = [0.34] * (2 if parameters else 1)
+    sheet = Sheet(f"{_title(results)}: calibration of the discs", heights, foot(results.given), legend_rows=1)
+    handles = _one_at_a_time(sheet, answer, parameters) if parameters else []
     across = f"factor on {answer.parameter.replace('_', ' ')} (-)"
-    axes = sheet.plot(1, across, "critical Kh (-)", f"{answer.verdict}: {answer.reason}")
+    axes = sheet.plot(len(heights) - 1, across, "critical Kh (-)", f"{answer.verdict}: {answer.reason}")
     for trial in answer.trials:
         if trial.kc is not None and trial.kc_upper is not None:
             low, high = trial.kc - trial.kc_lower, trial.kc_upper - trial.kc

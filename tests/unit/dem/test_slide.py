@@ -14,7 +14,7 @@ from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider
 from dem.slides.lost_strength import liquefied
-from dem.slides.slip import _largest_jump, compare, cracked_shares, slip_surface
+from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
 from meshes.section.section import Section
 from tests.support.dem_cases import RADIUS, SOIL
@@ -169,7 +169,8 @@ def test_surface_and_slip(start: DiscModel, ground: Ground) -> None:
     line = slip_surface(moved, start, ground)
     assert len(line) > 4
     u = (line[:, 0] - 10.0) * np.sin(ground.tilt) + (line[:, 1] - 20.0) * np.cos(ground.tilt)
-    assert u == pytest.approx(2.5 * np.sqrt(3.0) * RADIUS, abs=0.7 * RADIUS)
+    assert np.median(u) == pytest.approx(2.5 * np.sqrt(3.0) * RADIUS, abs=0.5 * RADIUS)
+    assert len(slip_surface(start, start, ground)) == 0
     section = Section.parse(slope())
     agreement = compare(section, np.array([[20.0, 15.0], [60.0, 9.0]]), np.array([[0.0, 14.0], [100.0, 4.0]]))
     assert agreement is not None
@@ -190,10 +191,3 @@ def test_cracks_and_escapes_are_counted(start: DiscModel, ground: Ground) -> Non
     cracked.pore_length[:] = -np.abs(cracked.pore_length)
     assert cracked_shares(cracked) == {"sand": 1.0, "loose": 1.0}
     assert set(cracked_shares(start).values()) == {0.0}
-
-
-def test_a_void_in_a_column_is_no_slip_surface() -> None:
-    z = np.array([0.0, 1.0, 2.0, 9.0, 10.0, 11.0])  # nothing from 2 to 9 m, more than the reach
-    level, jump = _largest_jump(z, np.array([0.0, 0.0, 0.1, 3.0, 3.0, 3.2]), reach=1.5)
-    assert (level, jump) == (10.5, pytest.approx(0.2))
-    assert not np.isfinite(_largest_jump(z[[0, 5]], np.array([0.0, 1.0]), reach=1.5)[0])

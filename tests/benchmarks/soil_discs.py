@@ -1,0 +1,53 @@
+"""How near soil discs come to the continuum by themselves: python -m tests.benchmarks.soil_discs RUN... [--seeds N].
+
+RUN is a folder in which `noshiro fem` has left its answer. Printed are the critical Kh of the finite elements with the
+sides of the discs' box, and that of the discs without any factor, packing by packing; half a minute of CPU for each.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+
+from dem.laboratory.soil_layers import soil_layers
+from dem.search.deposit import deposit
+from dem.search.pushover import push_over
+from workflow.results.continuum import FemAnswer
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages.discs_at_rest import continuum_for
+
+
+def main() -> None:
+    """Prints a line for every packing, and the mean of each section."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("runs", nargs="+", type=Path)
+    parser.add_argument("--seeds", type=int, default=3)
+    options = parser.parse_args()
+    for run in options.runs:
+        predict(run, options.seeds)
+
+
+def predict(run: Path, seeds: int) -> None:
+    """All packings of one section."""
+    given = Input.load(run / "section.toml")
+    continuum = continuum_for(given, FemAnswer.read(Store(run)))
+    soil = soil_layers(given)
+    ratios = []
+    for seed in range(seeds):
+        begin = time.process_time()
+        settings = given.dem.model_copy(update={"seed": seed})
+        found = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        search = push_over(found.settled, found.ground, settings, continuum)
+        ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
+        print(
+            f"{given.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
+            f"{ratios[-1]:.3f} of {continuum.kc:.4f}, {time.process_time() - begin:.0f} s of CPU",
+            flush=True,
+        )
+    print(f"{given.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")
+
+
+if __name__ == "__main__":
+    main()
