@@ -112,7 +112,7 @@ def test_what_liquefied_soil_keeps(start: DiscModel, ground: Ground) -> None:
     assert both[1].contact_cohesion == pytest.approx(3e4)
     assert both[1].kn == pytest.approx(0.5 * SAND.kn)
     # four rows of discs and a half lie above the middle of rows 3 and 4, buoyant
-    kept = residual_cohesion(start, ground, [1], 0.1)[1]
+    kept = residual_cohesion(start, ground, [1], Case(residual=0.1))[1]
     row = SAND.effective_density * 9.80665 * np.pi * RADIUS**2 / (2.0 * RADIUS)
     assert kept == pytest.approx(0.1 * 2.0 * RADIUS * 4.5 * row, rel=0.2)
     assert liquefied([SAND, clay], [1], Case(residual=0.1), 1.0, {1: kept})[1].contact_cohesion == kept
