@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from workflow.estimates import accelerogram
+from workflow.estimates.empirical import empirical
+from workflow.estimates.estimate import Estimate, Kind, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 from workflow.settings import Input
@@ -21,35 +22,7 @@ HAMADA_VALIDITY = (
 )
 
 
-Kind = Literal["block", "smooth block", "regression", "regression as printed"]
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One estimate of a displacement, with what it rests on.
-
-    Attributes
-    ----------
-    kind : what sort of method it is
-    method : the method in words
-    displacement_m : the displacement; None where the method gives none
-    words : what went into it, and what came out
-    source : where the method was published
-    validity : what it is valid for
-    """
-
-    kind: Kind
-    method: str
-    displacement_m: float | None
-    words: str
-    source: str
-    validity: str
-
-
-def mean_inclination(given: Input) -> float:
-    """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
-    (x0, z0), (x1, z1) = given.ground[0], given.ground[-1]
-    return math.atan(abs(z1 - z0) / (x1 - x0))
+__all__ = ["Estimate", "Kind", "constant_kh", "estimates", "mean_inclination"]
 
 
 def constant_kh(given: Input) -> float:
@@ -65,7 +38,7 @@ def estimates(given: Input, kc: float | None) -> list[Estimate]:
         if given.sliding_block.accelerogram:
             found += _newmark(given, kc)
     found.append(_smooth(given))
-    return found + list(_regressions(given))
+    return [*found, *_regressions(given), *empirical(given, kc)]
 
 
 def _constant(given: Input, kc: float) -> Estimate:

@@ -11,6 +11,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates import accelerogram
 from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
+from workflow.figures.displacements import displacements
 from workflow.figures.ground import Overlay, draw_section, foot
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.discs import DiscSearch
@@ -18,7 +19,8 @@ from workflow.results.results import Results
 
 CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
 CALIBRATION, BLOCK = "figures/calibration.png", "figures/sliding_block.png"
-PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK)
+DISPLACEMENTS = "figures/displacements.png"
+PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED = (0, ()), (0, (5, 2))
 PALE = "#9aa5ad"
 
@@ -26,7 +28,10 @@ PALE = "#9aa5ad"
 def draw_all(results: Results) -> list[str]:
     """Draw what the results allow, and remove what they no longer do; returns the names of the pictures."""
     drawn = []
-    for name, draw in ((CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block)):
+    for name, draw in (
+        (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
+        (DISPLACEMENTS, displacements),
+    ):  # fmt: skip
         if draw(results, name):
             drawn.append(name)
         else:

@@ -65,6 +65,7 @@ CAPTIONS = (
     Caption(r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
     Caption(r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
     Caption(r"dem_.*", "dem", "The discs."),
+    Caption(r"displacements", "comparison", "Displacements by all methods that gave one.", True),
     Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways.", True),
 )
 

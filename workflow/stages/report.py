@@ -49,8 +49,8 @@ STAGE = Stage(
     module=__name__,
     work=work,
     draw=draw,
-    needs=("mesh", "fem", "variants", "bounds", "calibrate", "slide"),
-    tables=("sliding_block", "figures", "report"),
+    needs=("triggering", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide"),
+    tables=("sliding_block", "earthquake", "triggering", "figures", "report"),
     ignores=tuple(f"{table}.{key}" for table, key in FILES),
     files=named,
     results=(Summary.FILE, REPORT),
@@ -60,6 +60,7 @@ STAGE = Stage(
         "figures/slip_surfaces.png",
         "figures/calibration.png",
         "figures/sliding_block.png",
+        "figures/displacements.png",
     ),
     of_all=True,
 )

@@ -1,0 +1,156 @@
+"""Relations that take an earthquake, blow counts or the layer above: each with its range, and silent outside of it."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+from meshes.errors import InputError
+from meshes.section.quantity import GRAVITY
+from workflow.earthquake.attenuation import Motion
+from workflow.estimates import truss
+from workflow.estimates.estimate import Estimate, mean_inclination
+from workflow.estimates.lateral_spread import (
+    LOOSE,
+    YOUD,
+    ZHANG,
+    Spreading,
+    displacement_index,
+    maximum_shear_strain,
+    why_not_youd,
+    youd,
+    zhang,
+)
+from workflow.estimates.slope_displacement import (
+    BRAY_MACEDO,
+    BRAY_TRAVASAROU,
+    COEFFICIENTS,
+    MAGNITUDES_2007,
+    MAGNITUDES_2019,
+    SPREAD_2007,
+    SPREAD_2019,
+    bray_macedo,
+    bray_travasarou,
+)
+from workflow.settings import Input
+from workflow.triggering.assessment import Judged, blow_count
+from workflow.triggering.idriss_boulanger import normalised
+
+BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
+YOUD_RANGE = (
+    "M 6-8, slopes of 0.1-6 %, 1-15 m with (N1)60 below 15, fines up to 50 %, D50 0.1-1 mm; within a factor of 2"
+)
+ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %; strains down to 23 m; within a factor of 2"
+
+
+def empirical(given: Input, kc: float | None) -> Iterator[Estimate]:
+    """All of these relations that the input has something for; None for a displacement that lies outside a range."""
+    try:
+        motion = given.earthquake.motion()
+    except InputError:
+        motion = None
+    if motion is not None and given.earthquake.magnitude is not None and kc is not None and kc > 0.0:
+        yield from _blocks(kc, motion, given.earthquake.magnitude)
+    if given.triggering.borings:
+        try:
+            tests = given.assessment().tests
+        except InputError:
+            tests = ()
+        if tests:
+            yield from _spreading(given, tests)
+    for case in sorted({case for stratum in given.strata for case in stratum.liquefies_in})[:1]:
+        bar = truss.truss_of(given, case)
+        if bar is not None and bar.inclination > 0.0:
+            words = (
+                f"L = {bar.length:.0f} m, {math.degrees(bar.inclination):.1f}°, E/(1 - ν²) = {bar.modulus / 1e6:.3g} "
+                f"MPa, {bar.density:.0f} kg/m³: the free end goes furthest"
+            )
+            yield Estimate("truss", "Towhata's truss", bar.end, words, truss.SOURCE, truss.VALIDITY)
+
+
+def _blocks(kc: float, motion: Motion, magnitude: float) -> Iterator[Estimate]:
+    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a mass without a period of its own."""
+    peak = motion.median / GRAVITY
+    for title, find, spread, magnitudes, source in (
+        ("Bray & Travasarou (2007)", bray_travasarou, SPREAD_2007, MAGNITUDES_2007, BRAY_TRAVASAROU),
+        ("Bray & Macedo (2019)", bray_macedo, SPREAD_2019, MAGNITUDES_2019, BRAY_MACEDO),
+    ):
+        validity = f"{BLOCK}; ky {COEFFICIENTS[0]:g}-{COEFFICIENTS[1]:g}, M {magnitudes[0]:g}-{magnitudes[1]:g}"
+        outside = _outside(("ky", kc, COEFFICIENTS), ("M", magnitude, magnitudes))
+        slide = None if outside else find(kc, peak, magnitude)
+        words = f"kc = {kc:.3f}, peak {peak:.2f} g, M {magnitude:g}: "
+        if slide is None:
+            words += f"outside its range: {outside}"
+        else:
+            factor = math.exp(spread)
+            words += f"{slide / factor:.2g} to {slide * factor:.2g} m within one standard deviation"
+        yield Estimate("block regression", title, slide, words, source, validity)
+
+
+def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
+    told = [f"{name} = {value:g} is not within {low:g}-{high:g}" for name, value, (low, high) in values
+            if not low <= value <= high]  # fmt: skip
+    return "; ".join(told)
+
+
+def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
+    slope = 100.0 * math.tan(mean_inclination(given))
+    yield _zhang(given, tests, slope)
+    distance, magnitude = given.earthquake.distance, given.earthquake.magnitude
+    if magnitude is None or distance is None:
+        return
+    loose = [test for test in tests if test.found is not None and _counts(given, test)[0] < LOOSE]
+    known = [test for test in loose if test.sample.fines is not None and test.sample.d50 is not None]
+    if not known:
+        words = "not computed: no blow count below 15 comes with both fines and D50"
+        yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None, words, YOUD, YOUD_RANGE)
+        return
+    site = Spreading(
+        magnitude,
+        distance / 1000.0,
+        slope,
+        _mean_of_borings(tests, lambda its: sum(t.bottom - t.top for t in its if t in loose)),
+        _weighted(known, [float(test.sample.fines or 0.0) for test in known]),
+        _weighted(known, [1000.0 * float(test.sample.d50 or 0.0) for test in known]),
+    )
+    outside = why_not_youd(site)
+    words = f"outside its range: {outside}" if outside else (
+        f"M {magnitude:g}, R = {site.distance:g} km, S = {slope:.2f} %, T15 = {site.thickness:.1f} m, "
+        f"F15 = {site.fines:.0f} %, D50 = {site.d50:.2g} mm"
+    )  # fmt: skip
+    yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None if outside else youd(site), words, YOUD, YOUD_RANGE)
+
+
+def _zhang(given: Input, tests: Sequence[Judged], slope: float) -> Estimate:
+    def index(its: Sequence[Judged]) -> float:
+        return displacement_index(
+            [
+                (t.top, t.bottom, maximum_shear_strain(t.factor, _counts(given, t)[1]))
+                for t in its
+                if t.factor is not None
+            ]
+        )
+
+    ldi = _mean_of_borings(tests, index)
+    outside = _outside(("slope (%)", slope, (0.2, 3.5)))
+    words = f"LDI = {ldi:.2f} m, the mean of the borings, S = {slope:.2f} %"
+    words += f": outside its range: {outside}" if outside else ""
+    slide = None if outside else zhang(ldi, slope)
+    return Estimate("spread", "Zhang, Robertson & Brachman (2004)", slide, words, ZHANG, ZHANG_RANGE)
+
+
+def _counts(given: Input, test: Judged) -> tuple[float, float]:
+    """(N1)60 and (N1)60cs of a test."""
+    settings = given.triggering
+    return normalised(blow_count(test.sample, test.where), settings.energy_ratio, settings.rods_above)
+
+
+def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
+    """What each boring gives, weighted by how much of the section is nearest to it."""
+    borings: dict[str, list[Judged]] = {}
+    for test in tests:
+        borings.setdefault(test.boring, []).append(test)
+    lengths = [its[0].length for its in borings.values()]
+    return sum(length * of_one(its) for length, its in zip(lengths, borings.values(), strict=True)) / sum(lengths)
+
+
+def _weighted(tests: Sequence[Judged], values: Sequence[float]) -> float:
+    return sum(test.area * value for test, value in zip(tests, values, strict=True)) / sum(test.area for test in tests)

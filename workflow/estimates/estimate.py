@@ -1,0 +1,37 @@
+"""One estimate of a displacement, with what it rests on."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from workflow.settings import Input
+
+Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimate of a displacement, with what it rests on.
+
+    Attributes
+    ----------
+    kind : what sort of method it is
+    method : the method in words
+    displacement_m : the displacement; None where the method gives none
+    words : what went into it, and what came out
+    source : where the method was published
+    validity : what it is valid for
+    """
+
+    kind: Kind
+    method: str
+    displacement_m: float | None
+    words: str
+    source: str
+    validity: str
+
+
+def mean_inclination(given: Input) -> float:
+    """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
+    (x0, z0), (x1, z1) = given.ground[0], given.ground[-1]
+    return math.atan(abs(z1 - z0) / (x1 - x0))

@@ -1,0 +1,72 @@
+"""Towhata's truss: the layer above liquefied ground as a linear bar on a smooth incline (the paper, Sec. 5)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+
+SOURCE = "I. Towhata (1987), as the paper describes it in Sec. 5"
+VALIDITY = "no strength at all in what liquefied; the layer above elastic, one end free and the other held"
+
+
+@dataclass(frozen=True)
+class Truss:
+    """A bar per metre of width.
+
+    Attributes
+    ----------
+    length : along the slope (m)
+    inclination : of the incline (rad)
+    density : of the bar (kg/m³)
+    modulus : E / (1 - ν²) of the bar in plane strain (Pa)
+    """
+
+    length: float
+    inclination: float
+    density: float
+    modulus: float
+
+    def displacement(self, along: float) -> float:
+        """Displacement (m) at a distance from the end that is held: γ sin β (L s - s²/2) / E'.
+
+        E' u'' + γ sin β = 0 with u = 0 at the end that is held and u' = 0 at the free one. The thickness of the bar
+        falls out; the free end goes furthest, γ sin β L² / 2 E'.
+        """
+        force = self.density * GRAVITY * math.sin(self.inclination)
+        return force * (self.length * along - 0.5 * along**2) / self.modulus
+
+    @property
+    def end(self) -> float:
+        """Displacement (m) of the free end."""
+        return self.displacement(self.length)
+
+
+def truss_of(section: Section, case: int, columns: int = 400) -> Truss | None:
+    """The strata above the uppermost one that liquefies in a case, as one bar; None where nothing lies above it.
+
+    Its length is that of the part of the section where something liquefies; its density and modulus are means over its
+    area; it is inclined as the bottom of the bar on average.
+    """
+    which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
+    left, right = section.given_extent
+    x = left + (right - left) * (np.arange(columns) + 0.5) / columns
+    levels = section.layering.interfaces(x)
+    thick = levels[:, :-1] - levels[:, 1:]
+    here = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(columns, dtype=bool)
+    if here.sum() < 2:
+        return None
+    first = np.array([next(k for k in which if row[k] > 0.0) for row in thick[here]])
+    above = np.where(np.arange(thick.shape[1]) < first[:, None], thick[here], 0.0)
+    area = above.sum(axis=0)
+    if area.sum() <= 0.0:
+        return None
+    density = np.array([stratum.density_seismic for stratum in section.strata])
+    modulus = np.array([s.youngs_modulus / (1.0 - s.poissons_ratio**2) for s in section.strata])
+    bottom = levels[here, first]
+    slope = abs(float(np.polyfit(x[here], bottom, 1)[0]))
+    length = float(np.count_nonzero(here)) * (right - left) / columns
+    share = area / area.sum()
+    return Truss(length * math.hypot(1.0, slope), math.atan(slope), float(share @ density), float(share @ modulus))
