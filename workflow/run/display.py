@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from workflow.run.plan import Decision
-from workflow.run.progress import Progress, duration, time_left
+from workflow.run.progress import Progress, TimeLeft, duration
 from workflow.run.record import Entry
 from workflow.run.stage import Stage
 
@@ -28,15 +28,16 @@ class StageLine:
         self.stage = stage
         self.state, self.text, self.share = "wait", stage.what, None  # type: tuple[str, str, float | None]
         self.start, self.seconds = 0.0, 0.0
+        self.left = TimeLeft(0.0)
 
     def cells(self) -> list[Text]:
         """Mark, name, text, and times or a bar."""
         style = STYLES[self.state]
         clock = ""
         if self.state == "run":
-            elapsed = time.monotonic() - self.start
-            left = time_left(elapsed, self.share)
-            clock = duration(elapsed) + (f", {duration(left)} left" if left is not None else "")
+            now = time.monotonic()
+            left = self.left.words(now, self.share)
+            clock = duration(now - self.start) + (f", {left}" if left else "")
         elif self.seconds:
             clock = duration(self.seconds)
         bar = ""
@@ -75,6 +76,7 @@ class Display:
         """A stage begins; returns what shows how far it is."""
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
+        shown.left = TimeLeft(shown.start)
         self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
         last = shown.start
 
@@ -84,8 +86,8 @@ class Display:
             now = time.monotonic()
             if self.verbosity == VERBOSE or now - last > self.every:
                 last = now
-                left = time_left(now - shown.start, share)
-                self._say(f"{decision.stage.name}: {line}" + (f", {duration(left)} left" if left is not None else ""))
+                left = shown.left.words(now, share)
+                self._say(f"{decision.stage.name}: {line}" + (f", {left}" if left else ""))
 
         return progress
 

@@ -1,5 +1,6 @@
 """What a stage tells while it computes, and how long it still needs."""
 
+import math
 from collections.abc import Callable
 
 # A line for people, with the quantity that matters, and the share that is done from 0 to 1, or None if nobody knows.
@@ -10,11 +11,59 @@ def silent(_line: str, _share: float | None) -> None:
     """Nobody listens."""
 
 
-def time_left(elapsed: float, share: float | None) -> float | None:
-    """Seconds that are left after ``elapsed`` seconds for a ``share`` of the work; None where nobody can say."""
-    if share is None or not 0.0 < share <= 1.0:
-        return None
-    return elapsed * (1.0 - share) / share
+class TimeLeft:
+    """How long a stage still needs, as it is told while the stage goes on: it never rises.
+
+    The share that is done says how long the rest takes, if it goes on as before. Work is told in pieces: while
+    a piece lasts, its share stands still, and the time left counts down. Where a piece takes longer than was thought,
+    the time left stays where it is, as a lower bound, until the work has caught up.
+    """
+
+    PATIENCE = 0.5  # of what the elapsed time alone says: less is never told
+    TOO_LITTLE = 1.5  # where the elapsed time says that many times what is told, it is told as a lower bound
+
+    def __init__(self, start: float) -> None:
+        self.start, self.share, self.end = start, 0.0, math.inf
+        self.told = math.inf
+
+    def seconds(self, now: float, share: float | None) -> float | None:
+        """Seconds that are left at a time (s) when a share of the work is done; None where nobody can say."""
+        if share is None or not 0.0 < share <= 1.0:
+            return None
+        plain = self._plain(now, share)
+        if share > self.share:
+            self.share, self.end = share, now + plain
+        self.told = min(self.told, max(self.end - now, self.PATIENCE * plain))
+        return self.told
+
+    def words(self, now: float, share: float | None) -> str:
+        """The same in words, such as "2 min 5 s left"; empty where nobody can say."""
+        left = self.seconds(now, share)
+        if left is None or share is None:
+            return ""
+        bound = "more than " if self._plain(now, share) > self.TOO_LITTLE * left else ""
+        return f"{bound}{duration(left)} left"
+
+    def _plain(self, now: float, share: float) -> float:
+        return (now - self.start) * (1.0 - share) / share
+
+
+class SearchShare:
+    """How much is done of some searches that go by trials: whole searches, and the trials of the one that goes on."""
+
+    TRIALS = 8  # that a search takes, before one has shown it
+    ALMOST = 0.9  # of a search that takes longer than the others did
+
+    def __init__(self, searches: int) -> None:
+        self.searches, self.trials, self.done, self.before = searches, 0, 0, 0
+
+    def after_trial(self, done: int) -> float:
+        """The share after one more trial, when so many searches are done; never all of it."""
+        if done > self.done:
+            self.done, self.before = done, self.trials
+        self.trials += 1
+        usual = self.before / self.done if self.done else self.TRIALS
+        return min(0.99, (done + min(self.ALMOST, (self.trials - self.before) / usual)) / self.searches)
 
 
 def duration(seconds: float) -> str:

@@ -38,7 +38,7 @@ from workflow.results.discs import (
 )
 from workflow.results.journal import Journal
 from workflow.run.errors import NoAnswerError
-from workflow.run.progress import Progress
+from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
@@ -46,7 +46,7 @@ from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, 
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 CALIBRATED = "dem/calibrated.h5"
-NARROWING = 7  # searches that finding the factor takes, more or less
+NARROWING = 5  # searches that finding the factor takes, more or less
 
 
 def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
@@ -91,8 +91,10 @@ def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, 
     single = given.dem.parameter == "none"
     wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
 
+    share_of = SearchShare(wanted)
+
     def on_trial(trial: Trial, _model: DiscModel) -> None:
-        share = min(0.99, len(calibrator.searches) / wanted)
+        share = share_of.after_trial(len(calibrator.searches))
         progress(f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share)
 
     calibrator = Calibrator(

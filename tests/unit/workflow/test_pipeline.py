@@ -20,7 +20,7 @@ from workflow.run import pipeline, source
 from workflow.run.errors import NoAnswerError
 from workflow.run.lock import locked
 from workflow.run.plan import Choice, Decision, plan
-from workflow.run.progress import Progress, duration, silent, time_left
+from workflow.run.progress import Progress, duration, silent
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -413,13 +413,6 @@ def test_the_log_says_what_ran_with_what_and_for_how_long(toys: Toys, tmp_path: 
 )
 def test_durations(seconds: float, words: str) -> None:
     assert duration(seconds) == words
-
-
-def test_time_left() -> None:
-    assert time_left(30.0, 0.25) == pytest.approx(90.0)
-    assert time_left(30.0, 1.0) == 0.0
-    assert time_left(30.0, None) is None
-    assert time_left(30.0, 0.0) is None
 
 
 def test_the_record_is_small_and_whole(toys: Toys, tmp_path: Path) -> None:
