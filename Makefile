@@ -2,7 +2,7 @@
 BIN := .venv/bin
 SECTION ?= meshes/sections/s13.toml
 
-.PHONY: help setup run verify lint test test-all browser clean
+.PHONY: help setup run verify docs lint test test-all browser clean
 
 help:       ## this list
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 12
@@ -15,6 +15,9 @@ run: setup  ## the whole workflow on meshes/sections/s13.toml, or on SECTION=my.
 
 verify: setup ## what others published on slopes, beside our answers; takes an hour
 	@$(BIN)/noshiro verify --page
+
+docs: setup ## the documentation site from the same files, without the network: .docs/build/site/index.html
+	@$(BIN)/python .docs/build.py
 
 lint: setup ## style, types, and who may import whom
 	$(BIN)/ruff check .

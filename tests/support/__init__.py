@@ -4,4 +4,4 @@ from pathlib import Path
 
 TOP = Path(__file__).parents[2]
 SECTIONS = TOP / "meshes" / "sections"
-RIVER_BANK = TOP / "tests" / "support" / "river_bank.toml"
+RIVER_BANK = SECTIONS / "river_bank.toml"

@@ -1,0 +1,133 @@
+"""Every key of a section file, generated from the models that read it: default, unit, range, and what it is."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from annotated_types import Ge, Gt, Le, Lt, MinLen
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from meshes.section.polyline import Line
+from meshes.section.quantity import Kind
+from workflow.report.tables import plain
+from workflow.settings import Input
+
+BOUNDS = ((Ge, "ge", "from {:g}"), (Gt, "gt", "above {:g}"), (Le, "le", "to {:g}"), (Lt, "lt", "below {:g}"))
+COMMON = "section"  # what stands at the head of the file, before any table
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key: the table that it stands in, its name, what holds without it, and what may be written."""
+
+    table: str
+    name: str
+    default: str
+    unit: str
+    allowed: str
+    words: str
+
+
+def keys() -> list[Key]:
+    """All keys: those at the head of a file, those of a stratum, then the tables of settings."""
+    heads = [name for name in Input.model_fields if name not in Input.tables()]
+    return [*_of_fields({name: Input.model_fields[name] for name in heads}, ""), *_of_tables()]
+
+
+def _of_tables() -> Iterator[Key]:
+    for table in Input.tables():
+        model = type(Input.model_fields[table].default)
+        yield from _of_fields(model.model_fields, table)
+
+
+def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
+    """The keys of a table, then those of the tables within it."""
+    inside = []
+    for name, field in fields.items():
+        key = field.alias or name
+        yield Key(table or COMMON, key, _default(field), _unit(field), _allowed(field), str(field.description or ""))
+        inside += [(f"{table}.{key}" if table else key, model) for model in _tables_in(field)]
+    for path, model in inside:
+        yield from _of_fields(model.model_fields, path)
+
+
+def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
+    """The models of lists of tables within a field; a line is written in one piece, and is none."""
+    found = [part for part in _parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
+    return [model for model in dict.fromkeys(found) if model is not Line]
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    """An annotation and all that it is made of."""
+    yield annotation
+    for part in get_args(annotation):
+        yield from _parts(part)
+    yield from getattr(annotation, "__metadata__", ())
+
+
+def _pieces(field: FieldInfo) -> list[Any]:
+    return [*field.metadata, *_parts(field.annotation)]
+
+
+def _kind(field: FieldInfo) -> Kind | None:
+    """The physical quantity that a field is."""
+    readers = (getattr(getattr(piece, "func", None), "__self__", None) for piece in _pieces(field))
+    return next((reader for reader in readers if isinstance(reader, Kind)), None)
+
+
+def _unit(field: FieldInfo) -> str:
+    kind = _kind(field)
+    return kind.unit if kind is not None else ""
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "must be given"
+    value = field.get_default(call_default_factory=True)
+    if value is None or value is PydanticUndefined or value in ("", (), {}):
+        return "none"
+    if isinstance(value, BaseModel) or (isinstance(value, tuple) and isinstance(value[0], BaseModel)):
+        return "as below" if isinstance(value, BaseModel) else plain(value)
+    return f'"{value}"' if type(value) is str else plain(value)
+
+
+def _allowed(field: FieldInfo) -> str:
+    """Which values may be written, as the model checks them."""
+    kind = _kind(field)
+    if kind is not None:
+        return (kind.limits.strip() or "any") + f", such as {kind.example}"
+    pieces = _pieces(field)
+    words = [word for piece in pieces if get_origin(piece) is Literal for word in get_args(piece)]
+    if words:
+        return ", ".join(f'"{word}"' for word in dict.fromkeys(words) if word != "")
+    if bool in pieces:
+        return "true or false"
+    told = [
+        form.format(getattr(piece, key))
+        for kind_of, key, form in BOUNDS
+        for piece in pieces
+        if isinstance(piece, kind_of)
+    ]
+    told += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
+    whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
+    return " ".join([whole, *dict.fromkeys(told)]).strip()
+
+
+def markdown() -> str:
+    """The reference as a page."""
+    lines = [
+        "# Every key of a section file",
+        "",
+        "Generated from the models that read the file: this is what is checked.",
+    ]
+    table = None
+    for key in keys():
+        if key.table != table:
+            table = key.table
+            head = "At the head of the file" if table == COMMON else f"`[{table}]`"
+            lines += ["", f"## {head}", "", "| key | default | unit | allowed | what it is |", "|---|---|---|---|---|"]
+        cells = (f"`{key.name}`", key.default, key.unit, key.allowed, key.words)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
