@@ -296,6 +296,18 @@ def compare(
     return say("" if page is None else f"Page: {page}")
 
 
+@app.command("section")
+def make(
+    files: Annotated[list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), or a section.")],
+    to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
+    off: Annotated[float, typer.Option(help="How far (m) a boring may stand beside the line.")] = 20.0,
+) -> None:
+    """Make a section from borings or from a drawing, or draw a section as DXF."""
+    from workflow.making import make_section
+
+    make_section(files, to, off)
+
+
 @app.command()
 def bounds(
     section: SectionFile,

@@ -1,0 +1,149 @@
+"""Borings on the line of a section, and their layers connected by name from one to the next."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+
+import numpy as np
+
+from meshes.borings.log import Log
+from meshes.errors import InputError
+
+OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A boring with its place along the section, and how far beside the line it was (m)."""
+
+    log: Log
+    x: float
+    beside: float
+
+
+@dataclass(frozen=True)
+class Connected:
+    """What borings say of a section.
+
+    Attributes
+    ----------
+    borings : from left to right
+    names : of the strata, from the top down
+    x : of borings and the middles between them (m)
+    ground : elevations there
+    bottoms : (strata, x) elevations of their bottoms; where a stratum is not, that of the one above
+    """
+
+    borings: tuple[Placed, ...]
+    names: tuple[str, ...]
+    x: np.ndarray
+    ground: np.ndarray
+    bottoms: np.ndarray
+
+
+def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
+    """The borings along the line through the two that are farthest apart, or at the x that they give.
+
+    Raises InputError where two share a name or a place, or where one lies off the line.
+    """
+    names = [log.name for log in logs]
+    problems = [f"boring {name}: there are {names.count(name)} of this name" for name in dict.fromkeys(names)
+                if names.count(name) > 1]  # fmt: skip
+    along = [math.isnan(log.place[1]) for log in logs]
+    if any(along) and not all(along):
+        problems.append("some borings have an x, others easting and northing; expected the same of all")
+    if len(logs) < 2:
+        problems.append("there is only one boring; expected two or more, from one end of the section to the other")
+    if problems:
+        raise InputError("borings", problems)
+    if all(along):
+        found = [Placed(log, log.place[0], 0.0) for log in logs]
+    else:
+        points = np.array([log.place for log in logs])
+        apart = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+        first, last = sorted(np.unravel_index(int(apart.argmax()), apart.shape))
+        if apart[first, last] == 0.0:
+            raise InputError("borings", ["all borings stand at the same place"])
+        way = (points[last] - points[first]) / apart[first, last]
+        x, beside = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
+        problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; expected at most {off_line:g} m"
+                    for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
+        found = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
+    found.sort(key=lambda one: one.x)
+    problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(found)
+                 if b.x - a.x < 1e-3]  # fmt: skip
+    if problems:
+        raise InputError("borings", problems)
+    return tuple(found)
+
+
+def order(logs: Sequence[Log]) -> tuple[str, ...]:
+    """The names of the strata from the top down, as every boring has them; raises InputError where they disagree."""
+    below: dict[str, set[str]] = {}
+    problems = []
+    for log in logs:
+        names = [layer.name for layer in log.layers]
+        twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+        problems += [
+            f'boring {log.name}: "{name}" is met twice; expected a name of its own for each layer' for name in twice
+        ]
+        for name in names:
+            below.setdefault(name, set())
+        for above, name in pairwise(names):
+            below[name].add(above)
+    if problems:
+        raise InputError("borings", problems)
+    try:
+        return tuple(TopologicalSorter(below).static_order())
+    except CycleError as error:
+        circle = " over ".join(f'"{name}"' for name in reversed(error.args[1]))
+        raise InputError("borings", [f"the layers do not lie in one order: {circle}"]) from None
+
+
+def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
+    """The strata between borings: straight from one to the next, or ending half-way where the next one has none.
+
+    What lies below a boring's end is taken level from the nearest boring that reached it. Raises InputError.
+    """
+    borings = placed(logs, off_line)
+    names = order(logs)
+    at = np.array([one.x for one in borings])
+    levels = np.array([one.log.ground_level for one in borings])
+    known = [[_bottom(one.log, name, names) for name in names] for one in borings]
+    x = np.sort(np.concatenate([at, 0.5 * (at[1:] + at[:-1])]))
+    ground = np.interp(x, at, levels)
+    bottoms = np.empty((len(names), len(x)))
+    for k in range(len(names)):
+        above = ground if k == 0 else bottoms[k - 1]
+        here = [_filled(known, k, i, at) for i in range(len(borings))]
+        for place in range(len(x)):
+            left, odd = divmod(place, 2)
+            values = (here[left], here[left + 1]) if odd else (here[left],)
+            there = [value for value in values if value is not None]
+            level = float(np.mean(there)) if len(there) == len(values) else float(above[place])
+            bottoms[k, place] = min(level, float(above[place]))
+    return Connected(borings, names, x, ground, bottoms)
+
+
+UNKNOWN = math.nan  # below the end of a boring
+
+
+def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
+    """Elevation of the bottom of a stratum in a boring; None where it is not met, `UNKNOWN` below the boring's end."""
+    met = [layer.name for layer in log.layers]
+    if name in met[:-1]:
+        return log.ground_level - next(layer.bottom for layer in log.layers if layer.name == name)
+    return UNKNOWN if names.index(name) >= names.index(met[-1]) else None
+
+
+def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray) -> float | None:
+    """The bottom of stratum k in boring i; what is not known there is that of the nearest boring that knows it."""
+    value = known[i][k]
+    if value is None or not math.isnan(value):
+        return value
+    others = [j for j in range(len(at)) if known[j][k] is None or not math.isnan(float(known[j][k] or 0.0))]
+    if not others:
+        return None
+    return known[min(others, key=lambda j: abs(at[j] - at[i]))][k]

@@ -1,0 +1,60 @@
+"""A boring log as a file has it: where it was bored, what was met, and what was measured."""
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from meshes.borings.boring import Sample
+
+
+@dataclass(frozen=True)
+class LogLayer:
+    """A layer that a boring met: its name, depths of top and bottom (m), and its unit weight as it was written."""
+
+    name: str
+    top: float
+    bottom: float
+    unit_weight: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Log:
+    """One boring.
+
+    Attributes
+    ----------
+    name : of the boring
+    place : (easting, northing) in m, or (x, nan) where it is given along the section
+    ground_level : elevation of the ground (m)
+    layers : from the top down
+    samples : blow counts from the top down
+    water_level : elevation of the water table (m); None if not known
+    """
+
+    name: str
+    place: tuple[float, float]
+    ground_level: float
+    layers: tuple[LogLayer, ...]
+    samples: tuple[Sample, ...] = field(default=())
+    water_level: float | None = None
+
+    @property
+    def bottom(self) -> float:
+        """Elevation at which the boring ends (m)."""
+        return self.ground_level - self.layers[-1].bottom
+
+
+def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
+    """What is wrong with the layers of a boring: none, gaps, overlaps, layers upside down."""
+    told = [] if layers else [f"boring {name}: it has no layers"]
+    for layer in layers:
+        if layer.bottom <= layer.top:
+            told.append(f'boring {name}, "{layer.name}": the bottom at {layer.bottom:g} m is not below the top')
+    for above, below in pairwise(layers):
+        if abs(below.top - above.bottom) > 1e-6:
+            told.append(
+                f'boring {name}: "{above.name}" ends at {above.bottom:g} m and "{below.name}" begins at {below.top:g} m'
+            )
+    if layers and abs(layers[0].top) > 1e-6:
+        told.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
+    return told

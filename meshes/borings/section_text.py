@@ -1,0 +1,126 @@
+"""A section made from borings as TOML with comments, for a person to correct."""
+
+import json
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from meshes.borings.boring import Sample
+from meshes.borings.connect import Connected
+
+CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
+STEEPEST = 45.0  # degrees
+
+
+def text_of(found: Connected, name: str) -> str:
+    """The section as TOML; what was not measured stands as a comment, and has to be given."""
+    return "\n".join([*_head(found, name), *_strata(found), *_borings(found)]) + "\n"
+
+
+def _head(found: Connected, name: str) -> Iterator[str]:
+    logs = [one.log for one in found.borings]
+    yield "# Made from borings: " + ", ".join(log.name for log in logs) + "."
+    yield "# Layers are connected by name; a layer that the next boring has not ends half-way. Correct what is wrong."
+    for one in found.borings:
+        if one.beside:
+            yield f"# Boring {one.log.name} stood {abs(one.beside):.1f} m beside the line of the section."
+    yield ""
+    yield f"name = {json.dumps(name)}"
+    yield f"surface = {_points(found.x[::2], found.ground[::2])}"
+    base = min(min(log.bottom for log in logs), float(found.bottoms[-1].min()) - 1.0)
+    yield f"base = {{ elevation = {math.floor(base * 10.0) / 10.0:g} }}     # the deepest boring; firm ground is better"
+    yield '# beyond = "50 m"                 # ground, layers and water go on so far past the first and the last boring'
+    yield ""
+    water = [(one.x, one.log.water_level) for one in found.borings if one.log.water_level is not None]
+    yield "[water]"
+    if len(water) > 1:
+        yield f"table = {_points(np.array([x for x, _ in water]), np.array([z for _, z in water]))}"
+    elif water:
+        yield f"table = {water[0][1]:g}"
+    else:
+        yield "# table = 0.0                     # no boring says where the water stands"
+    yield ""
+
+
+def _strata(found: Connected) -> Iterator[str]:
+    for k, name in enumerate(found.names):
+        layers = [layer for one in found.borings for layer in one.log.layers if layer.name == name]
+        counts = [sample for one in found.borings for layer in one.log.layers if layer.name == name
+                  for sample in one.log.samples if layer.top <= sample.depth <= layer.bottom]  # fmt: skip
+        yield "[[strata]]"
+        yield f"name = {json.dumps(name, ensure_ascii=False)}"
+        described = next((layer.description for layer in layers if layer.description), "")
+        if described:
+            yield f"description = {json.dumps(' '.join(described.split())[:120], ensure_ascii=False)}"
+        if k + 1 < len(found.names):
+            yield f"bottom = {{ elevation = {_points(found.x, found.bottoms[k])} }}"
+        weights = list(dict.fromkeys(layer.unit_weight for layer in layers if layer.unit_weight))
+        if weights:
+            more = f"      # the borings also say {', '.join(weights[1:])}" if len(weights) > 1 else ""
+            yield f"density = {_quantity(weights[0])}{more}"
+        else:
+            yield '# density = "18 kN/m^3"           # not measured: give it'
+        yield from _soil(counts)
+        yield ""
+
+
+def _soil(counts: list[Sample]) -> Iterator[str]:
+    """Stiffness and strength guessed from the mean blow count, each with the guess beside it."""
+    if not counts:
+        for key, value in (("youngs_modulus", '"20 MPa"'), ("poissons_ratio", "0.33"), ("cohesion", '"0 kPa"'),
+                           ("friction_angle", '"30 deg"')):  # fmt: skip
+            yield f"# {key} = {value:<18}   # no blow count: give it"
+        return
+    blows = float(np.mean([sample.N for sample in counts]))
+    fines = [sample.fines for sample in counts if sample.fines is not None]
+    clayey = bool(fines) and float(np.mean(fines)) >= CLAYEY
+    stiff = max(2.8 * blows, 1.0)
+    yield f'youngs_modulus = "{stiff:.3g} MPa"      # a guess: 2800 kPa times N = {blows:.3g} (highway code)'
+    yield f"poissons_ratio = {0.45 if clayey else 0.33}              # a guess"
+    if clayey:
+        yield f'cohesion = "{max(6.25 * blows, 1.0):.3g} kPa"          # a guess: 6.25 kPa times N (Terzaghi & Peck)'
+        yield 'friction_angle = "0 deg"'
+    else:
+        yield 'cohesion = "0 kPa"'
+        angle = min(STEEPEST, 15.0 + math.sqrt(15.0 * blows))
+        yield f'friction_angle = "{angle:.1f} deg"      # a guess: 15 + √(15 N), at most 45 (highway code)'
+    yield '# liquefies_in = "triggered"      # with a table [earthquake]'
+
+
+def _borings(found: Connected) -> Iterator[str]:
+    yield "# [earthquake]"
+    yield "# magnitude = 7.5"
+    yield '# peak_acceleration = "250 gal"'
+    for one in found.borings:
+        if not one.log.samples:
+            continue
+        yield ""
+        yield "[[triggering.borings]]"
+        yield f"name = {json.dumps(one.log.name, ensure_ascii=False)}"
+        yield f"x = {one.x:g}"
+        yield "spt = ["
+        for sample in one.log.samples:
+            more = f", fines = {sample.fines:g}" if sample.fines is not None else ""
+            more += f', d50 = "{1000.0 * sample.d50:g} mm"' if sample.d50 is not None else ""
+            yield f"  {{ depth = {sample.depth:g}, N = {sample.N:g}{more} }},"
+        yield "]"
+
+
+def _points(x: np.ndarray, z: np.ndarray) -> str:
+    """Points without those that lie on a straight line between their neighbours."""
+    keep = [0]
+    for i in range(1, len(x) - 1):
+        a = keep[-1]
+        straight = z[a] + (z[i + 1] - z[a]) * (x[i] - x[a]) / (x[i + 1] - x[a])
+        if abs(straight - z[i]) > 1e-6:
+            keep.append(i)
+    keep.append(len(x) - 1)
+    return "[" + ", ".join(f"[{x[i]:g}, {round(float(z[i]), 3):g}]" for i in keep) + "]"
+
+
+def _quantity(written: str) -> str:
+    try:
+        return f"{float(written):g}"
+    except ValueError:
+        return json.dumps(written)
