@@ -25,7 +25,7 @@ from dem.settings import DemSettings
 from dem.side_by_side import StoppedError
 
 MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
-SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by less than 2 %
+SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
 PULSES = 64  # of a period, between two looks at the displacement
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
