@@ -30,6 +30,26 @@ def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
     return float(np.sum(np.pi * model.radius[free] ** 2))
 
 
+def shortening(model: DiscModel, strata: Sequence[int]) -> float:
+    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch."""
+    i, j = model.pair_i, model.pair_j
+    touching = model.radius[i] + model.radius[j]
+    over = (touching - model.distance()) / touching
+    here = (over > 0.0) & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
+    return float(over[here].mean()) if here.any() else 0.0
+
+
+def asked_for(start: DiscModel, model: DiscModel, strata: Sequence[int], area: float) -> float:
+    """By how much the ground's area (m2) shall shrink: what drains from strata, and what their softer springs give way.
+
+    Springs that shorten by a share of the distance of two discs take twice that share of the area of their stratum.
+    """
+    discs = disc_area(start)
+    drained = (disc_area(start, strata) - disc_area(model, strata)) * area / discs
+    gave_way = 2.0 * (shortening(model, strata) - shortening(start, strata)) * disc_area(start, strata) * area / discs
+    return drained + max(0.0, gave_way)
+
+
 def pressed_through(model: DiscModel) -> int:
     """How many discs that can move lie in fixed ones by more than a mean radius: the box no longer holds them."""
     i, j = model.pair_i, model.pair_j

@@ -20,9 +20,9 @@ from dem.model import DiscModel
 from dem.settings import Case, SlideSettings
 from dem.slides.balance import (
     LOST,
+    asked_for,
     at_the_sides,
     deepest_overlap,
-    disc_area,
     ground_area,
     pressed_through,
     thin_layers,
@@ -325,12 +325,12 @@ class Slider:
         slide, model, start = self.slide, self.model, self.start
         told = thin_layers(start, self.ground, self.strata) if self.case is not None else []
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
-        asked = (disc_area(start, self.strata) - disc_area(model, self.strata)) * before / disc_area(start)
+        asked = asked_for(start, model, self.strata, before)
         slide.area_lost_share = (before - after - asked) / before
         if slide.area_lost_share > LOST:
             told.append(
                 f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone, beyond {asked:.3g} m2 that were "
-                "to drain: discs lie deeper in each other, or left the section"
+                "to drain or to give way with softer springs: discs lie deeper in each other, or left the section"
             )
         if (through := pressed_through(model)) > 0:
             told.append(

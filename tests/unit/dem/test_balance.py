@@ -9,7 +9,15 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import Case, DemSettings, SlideSettings
-from dem.slides.balance import at_the_sides, deepest_overlap, disc_area, ground_area, pressed_through, thin_layers
+from dem.slides.balance import (
+    asked_for,
+    at_the_sides,
+    deepest_overlap,
+    disc_area,
+    ground_area,
+    pressed_through,
+    thin_layers,
+)
 from dem.slides.liquefaction import Slider
 from dem.slides.lost_strength import liquefied, residual_cohesion
 from dem.springs import Strength, soil_discs
@@ -95,6 +103,19 @@ def test_a_layer_that_drains_loses_what_was_asked(start: DiscModel, ground: Grou
     assert (slider.model.mass == start.mass).all()
     assert slide.rows[-1].settlement_middle_m == pytest.approx(0.05 * 2 * np.sqrt(3.0) * RADIUS, rel=0.5)
     assert abs(slide.area_lost_share) < 0.02
+
+
+def test_softer_springs_give_way_as_was_asked(start: DiscModel, ground: Ground) -> None:
+    """Discs of two rows too large by 5 %: their four contacts of a column are shorter by 1 - 1/1.05, the four with the
+    rows above and below by 1 - 1/1.025, and twice the mean is the share of their area that is to go."""
+    area = ground_area(start, ground)
+    pressed = start.copy()
+    pressed.radius[pressed.layer == 1] *= 1.05
+    share = disc_area(start, [1]) / disc_area(start)
+    assert asked_for(start, start, [1], area) == pytest.approx(0.0, abs=1e-6 * area)
+    extra = disc_area(pressed, [1]) - disc_area(start, [1])
+    gave_way = asked_for(start, pressed, [1], area) + extra * area / disc_area(start)
+    assert gave_way == pytest.approx((2.0 - 1.0 / 1.05 - 1.0 / 1.025) * share * area, rel=0.05)
 
 
 def test_kh_is_taken_away_again(ground: Ground) -> None:
