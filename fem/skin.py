@@ -16,6 +16,9 @@ from fem.settings import FemSettings
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
+# Pressures (Pa) that differ by less are the same.
+UNLIKE = 1.0
+
 
 @dataclass(frozen=True)
 class Skin:
@@ -31,6 +34,10 @@ class Skin:
         Inclination in rad, above 0.
     kh : float
         Seismic coefficient at which the grains roll down; below 0 if they do so by their own weight.
+    ratio : float
+        Weight less Kv and uplift over the seismic weight (-).
+    seepage : float
+        Force of seepage in the direction of the push over the seismic weight (-).
     """
 
     stratum: str
@@ -38,6 +45,8 @@ class Skin:
     end: float
     angle: float
     kh: float
+    ratio: float = 1.0
+    seepage: float = 0.0
 
 
 def skins(section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None) -> list[Skin]:
@@ -45,7 +54,9 @@ def skins(section: Section, settings: FemSettings, friction: Sequence[float] | n
 
     On a face inclined by β a layer of any thickness slides when weight γ - Kv γs and push Kh γs together make the angle
     φ with its normal: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic unit weight (the infinite slope
-    of Skempton & DeLory 1957 with a horizontal acceleration).
+    of Skempton & DeLory 1957 with a horizontal acceleration). The slope of the pore pressure just below the face is
+    taken off γ, and its part in the direction of the push off Kh γs. Faces under a surcharge, or below water that is
+    not theirs, are held by it, and are none.
     """
     layers, sign = section.layering, push(section, settings)
     surface_of = [np.flatnonzero(there)[0] for there in layers.present()]
@@ -56,14 +67,37 @@ def skins(section: Section, settings: FemSettings, friction: Sequence[float] | n
         if soil.cohesion > 0.0 or angle <= 0.0 or soil.density_seismic == 0.0:
             continue
         phi = soil.friction_angle if friction is None else friction[k]
-        ratio = soil.density_ordinary / soil.density_seismic - settings.vertical
-        face = Skin(soil.name, float(layers.x[i]), float(layers.x[i + 1]), angle, float(ratio * np.tan(phi - angle)))
+        seeps, light, held = _water_at(section, i, int(k), settings.least_depth)
+        if held:
+            continue
+        ratio = (soil.density_ordinary - light / GRAVITY) / soil.density_seismic - settings.vertical
+        drawn = sign * seeps / (GRAVITY * soil.density_seismic)
+        kh = float(ratio * np.tan(phi - angle) - drawn)
+        face = Skin(soil.name, float(layers.x[i]), float(layers.x[i + 1]), angle, kh, float(ratio), drawn)
         before = found[-1] if found else None
         if before and (before.end, before.stratum) == (face.start, face.stratum) and abs(before.angle - angle) < 1e-6:
             found[-1] = replace(before, end=face.end)
         else:
             found.append(face)
     return found
+
+
+def _water_at(section: Section, interval: int, stratum: int, depth: float) -> tuple[float, float, bool]:
+    """Seepage force to the right and uplift (N/m³) of the skin of the ground in an interval between breakpoints, and
+    whether it is held by what presses on it from outside."""
+    layers, water = section.layering, section.water_pressure
+    x = 0.5 * float(layers.x[interval] + layers.x[interval + 1])
+    z = 0.5 * float(layers.left[interval, 0] + layers.right[interval, 0])
+    ground, upwards = np.array([[x, z]]), np.array([[0.0, 1.0]])
+    held = bool(section.surface_loads.dead(ground, ground, upwards).any())
+    if not water.present:
+        return 0.0, 0.0, held
+    # Pore pressure is linear below the ground, down to the next layer or to the water table.
+    step = min(0.1 * depth, 0.1 * float(layers.left[interval, stratum] - layers.left[interval, stratum + 1]) + 1e-6)
+    rise = water.slope((x, z - 1.01 * step), stratum, step)
+    inside = water.at_rest(ground, ground, np.array([stratum]))
+    held = held or bool(np.any(water.on_ground(ground, ground) > inside + UNLIKE))
+    return float(-rise[0]), float(-rise[1]), held
 
 
 def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings) -> Section:
@@ -100,7 +134,9 @@ def _strip(section: Section, face: Skin, settings: FemSettings) -> Stratum:
             x = np.insert(x, 1, x[0] + np.diff(x)[0] * over[0] / (over[0] - over[1]))
         level = np.maximum(np.interp(x, x[[0, -1]], ground) - settings.least_depth, np.interp(x, x[[0, -1]], bottom))
         points += [[float(a), float(b)] for a, b in zip(x, level, strict=True) if [float(a), float(b)] not in points]
-    weight = GRAVITY * (soil.density_ordinary - settings.vertical * soil.density_seismic)
+    i = int(np.flatnonzero((layers.x[:-1] >= face.start) & (layers.x[1:] <= face.end))[0])
+    _, light, _ = _water_at(section, i, k, settings.least_depth)
+    weight = GRAVITY * (soil.density_ordinary - settings.vertical * soil.density_seismic) - light
     cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
     data = soil.model_dump(mode="python", exclude_none=True, by_alias=True)
     name = f"{soil.name}, skin at x = {face.start:g} m"

@@ -125,9 +125,10 @@ def _faces(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
 def _rolling(face: Skin, section: Section, settings: FemSettings, kh: float) -> float:
     """The factor of safety of the skin of a face, tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs).
 
-    tan φ is Davis's where that is the flow rule, in form A.
+    Water that seeps out adds to k what it takes off the face's Kh (``fem/skin.py``). tan φ is Davis's where that is the
+    flow rule, in form A.
     """
     soil = next(s for s in section.strata if s.name == face.stratum)
-    push = kh * soil.density_seismic / (soil.density_ordinary - settings.vertical * soil.density_seismic)
+    push = (kh + face.seepage) / face.ratio
     friction = strength_of([soil], settings.flow, form="A").friction[0]
     return float(np.tan(friction) / np.tan(face.angle + np.arctan(push)))

@@ -16,6 +16,7 @@ from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.cutting import cut
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
+from meshes.section.plausibility import against_the_water, implausible, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.sentences import sentences
@@ -53,6 +54,9 @@ class Section(Model):
     title: str = ""
     reconstruction: StrictBool = False
     reconstruction_note: str = ""
+    unusual: StrictBool = Field(
+        default=False, description="true if quantities beyond what soils, water and loads have are meant"
+    )
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
     water_table: Line | None = Field(
@@ -77,6 +81,8 @@ class Section(Model):
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += _geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
+        if not self.unusual:
+            problems += implausible(self.strata, self.water, self.surcharges)
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
@@ -119,6 +125,11 @@ class Section(Model):
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
         told = [f"geometry: {text}" for text in self._layers.notices]
+        told += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
+        drawn = None if self.water_table is None else self.elevations_of(self.water_table)
+        told += against_the_water(self.layering, self.strata, drawn, self.water_pressure.before)
+        if self.water_pressure.after is not None:
+            told += not_level(self.ground, self.water_pressure.after)
         if self.beyond is not None:
             left, right = self.given_extent
             told.append(

@@ -86,6 +86,14 @@ class WaterPressure:
         effective = self.overburden(points, near) + self.ponded(self.after, points, near)
         return ratio * np.maximum(effective - self.at_rest(points, near, stratum), 0.0)
 
+    def slope(self, point: tuple[float, float], stratum: int, step: float) -> np.ndarray:
+        """Slope (2,) of the pore pressure at rest at a point, over a ``step`` (m) to either side of it (Pa/m)."""
+        at, of = np.array([point]), np.array([stratum])
+        steps = step * np.eye(2)
+        return np.array([float((self.at_rest(at + d, at, of) - self.at_rest(at - d, at, of))[0]) for d in steps]) / (
+            2.0 * step
+        )
+
     def overburden(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Weight (n,) of the column of soil above each point, per area (Pa)."""
         elevation = self.layers.interfaces(points[:, 0], near=near[:, 0])

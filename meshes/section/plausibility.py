@@ -1,0 +1,128 @@
+"""What no soil, no water and no load has: slips of the pen, mostly a unit; and densities that contradict the water."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from meshes.section.cutting import BELOW_WATER, Halves, halves
+from meshes.section.layering import Layering
+from meshes.section.model import Model
+from meshes.section.quantity import GRAVITY
+from meshes.section.stratum import Stratum
+from meshes.section.surcharge import Surcharge
+from meshes.section.water import Water
+
+# Share of a stratum on the wrong side of the water that is told.
+WRONG_SIDE = 0.02
+# How level (m) the surface of standing water has to be.
+LEVEL = 0.01
+
+
+class Range(NamedTuple):
+    """What a quantity can be, in its unit, of which one has ``si`` in SI units; ``slips`` are wrong factors."""
+
+    low: float
+    high: float
+    unit: str
+    si: float
+    slips: tuple[tuple[float, str], ...]
+
+
+# From fresh peat to ore; buoyant peat; very soft clay to steel; rock; rubble; from warm fresh water to the Dead Sea;
+# the foot of a dam.
+DENSITY = Range(0.7, 3.5, "t/m^3", 1e3, ((1e3, "t/m^3"), (1e3 / GRAVITY, "kN/m^3"), (1e-3, "kg/m^3"), (0.1, "kN/m^3")))
+BUOYANT = DENSITY._replace(low=0.01)
+STIFFNESS = Range(0.1, 2e5, "MPa", 1e6, ((1e3, "MPa"), (1e-3, "kPa")))
+COHESION = Range(0.0, 5e4, "kPa", 1e3, ((1e-3, "kPa"),))
+FRICTION = Range(0.0, 60.0, "deg", math.pi / 180.0, ())
+WATER = Range(9.5, 12.5, "kN/m^3", 1e3, ((1e3, "kN/m^3"),))
+LOAD = Range(0.0, 5e3, "kPa", 1e3, ((1e-3, "kPa"),))
+OF_A_STRATUM = {
+    "density_ordinary": BUOYANT, "density_seismic": DENSITY, "density_saturated": DENSITY, "youngs_modulus": STIFFNESS,
+    "cohesion": COHESION, "friction_angle": FRICTION,
+}  # fmt: skip
+
+
+def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
+    """One sentence for each quantity that is beyond what there is."""
+    told = [text for k, s in enumerate(strata, start=1) for text in _told(f'strata {k} "{s.name}"', s, OF_A_STRATUM)]
+    told += _told("water", water, {"unit_weight": WATER}) if water is not None else []
+    for number, load in enumerate(surcharges, start=1):
+        told += [_sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not _within(q, LOAD)]
+    return list(dict.fromkeys(told))
+
+
+def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
+    for key, limits in ranges.items():
+        value = getattr(model, key)
+        if value is None or _within(value, limits):
+            continue
+        one = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
+        if one and key == "density_ordinary":
+            continue  # both densities are the one that was given, and the other is told
+        yield _sentence(f"{where}, {'density' if one and key == 'density_seismic' else key}", value, limits)
+
+
+def _within(value: float, limits: Range) -> bool:
+    return limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
+
+
+def _sentence(key: str, value: float, limits: Range) -> str:
+    written = getattr(value, "written", value)
+    shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
+    number = str(written).split()[0]
+    meant = next((unit for factor, unit in limits.slips if _within(factor * value, limits)), None)
+    hint = f' (did you mean "{number} {meant}"?)' if meant else ""
+    return (
+        f"{key} = {shown}: {value / limits.si:.4g} {limits.unit} is beyond what there is{hint}; expected "
+        f"{limits.low:g} to {limits.high:g} {limits.unit}, or unusual = true at the head of the file if it is meant"
+    )
+
+
+def against_the_water(
+    layers: Layering, strata: Sequence[Stratum], drawn: np.ndarray | None, table: np.ndarray | None
+) -> Iterator[str]:
+    """Densities, and layers that liquefy, that contradict the water; one sentence each.
+
+    ``drawn`` is a table (n, 2) that is only drawn, where densities hold the water, ``table`` one that has pressure.
+    """
+    level = drawn if table is None else table
+    if level is None:
+        return
+    for k, s in enumerate(strata):
+        above, below = (_area(halves(layers, k, level), part) for part in (0, 1))
+        where = f'strata {k + 1} "{s.name}"'
+        whole = max(above + below, 1e-300)
+        if drawn is not None and s.buoyant and above > WRONG_SIDE * whole:
+            yield (
+                f"{where}: its ordinary density is buoyant, and {100 * above / whole:.0f} % of it lies above the water "
+                "table; [water] with density and density_saturated cuts it there"
+            )
+        if drawn is not None and not s.buoyant and below > WRONG_SIDE * whole:
+            yield (
+                f"{where}: its ordinary density is not buoyant, and {100 * below / whole:.0f} % of it lies below the "
+                "water table; [water] with density and density_saturated cuts it there"
+            )
+        if s.liquefiable and s.piezometric_level is None and below <= WRONG_SIDE * whole:
+            yield f"{where}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
+        if table is not None and s.density_saturated is None and s.name.endswith(BELOW_WATER):
+            yield f"{where}: it has no density_saturated, so that its density is taken below the water, too"
+
+
+def _area(parts: Halves, part: int) -> float:
+    """Area (m²) above (0) or below (1) the water."""
+    return float(0.5 * np.diff(parts.x) @ parts.thickness[part].sum(axis=1))
+
+
+def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
+    """A sentence if water stands on the ground (n, 2) and its surface, the ``table`` (n, 2), is not level there."""
+    x = np.union1d(ground[:, 0], table[:, 0])
+    level = np.interp(x, *table.T)
+    under = level - np.interp(x, *ground.T) > LEVEL
+    both = under[1:] & under[:-1]
+    falls = np.abs(np.diff(level)) > LEVEL
+    if (both & falls).any():
+        at = x[:-1][both & falls][0]
+        yield f"water: it stands on the ground at x = {at:g} m and its surface is not level there"
