@@ -37,10 +37,9 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
         "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
         + FLOWS[given.fem.flow],
     )
-    yield (
-        "Water",
-        "It enters by the densities and strengths given: no pore pressure is computed, and none changes with strain.",
-    )
+    yield "Water", _water(given)
+    if given.surcharges:
+        yield "Loads", "Surcharges are vertical; the discs carry their weight, and not their inertia."
     yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
     if any(stratum.liquefies_in for stratum in given.strata):
         yield (
@@ -53,3 +52,20 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
             "Some thousand discs in a plane stand for the ground. Their springs are calibrated to the Kh of the finite "
             "elements, and to nothing else: how stiff they are after failure, and how they dilate, is their own.",
         )
+
+
+def _water(given: Input) -> str:
+    """How water enters."""
+    if not given.water_pressure.present:
+        return "It enters by the densities and strengths given: there is no pore pressure, and none comes with strain."
+    head = "across the flow" if given.water_pressure.normal else "vertically"
+    told = (
+        f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "
+        "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
+        "of the saturated mass. No pore pressure comes with strain."
+    )
+    if any(s.excess_pore_pressure_ratio for s in given.strata):
+        told += " Shaking adds the excess pore pressure given, in the continuum and not in the discs."
+    if given.water is not None and given.water.after_drawdown is not None:
+        told += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
+    return told

@@ -30,6 +30,7 @@ class Caption(NamedTuple):
 # In the order in which the report shows them.
 CAPTIONS = (
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
+    Caption(r"weights", "ground", "What the ground weighs, loads on it, and the pore pressure, without shaking.", True),
     Caption(
         r"triggering",
         "triggering",

@@ -99,6 +99,13 @@ def line_rows(given: Section) -> Iterator[tuple[str, str, str]]:
     yield "base", *_line(given.base)
     if given.water_table is not None:
         yield "water table", *_line(given.water_table)
+    if given.water is not None:
+        for name, line in (("water table", given.water.table), ("after a drawdown", given.water.after_drawdown)):
+            if line is not None:
+                yield name, *_line(line)
+    for stratum in given.strata:
+        if stratum.piezometric_level is not None:
+            yield f"piezometric level of {stratum.name}", *_line(stratum.piezometric_level)
 
 
 def _line(line: Line) -> tuple[str, str]:

@@ -8,7 +8,7 @@ GIVEN = "the mesh given"  # by this name people know a mesh of their own
 
 
 def work(job: Job) -> None:
-    """Mesh the section, or take a mesh that is given; leaves mesh/section.msh, mesh/section.vtu and two pictures.
+    """Mesh the section, or take a mesh that is given; leaves mesh/section.msh, mesh/section.vtu and three pictures.
 
     Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
     """
@@ -36,12 +36,15 @@ def work(job: Job) -> None:
 
 
 def draw(job: Job) -> None:
-    """Draw the section and its mesh."""
+    """Draw the section, its weights and pore pressures, and its mesh."""
     from workflow.figures.ground import draw_mesh, draw_section
+    from workflow.figures.weights import draw_weights
     from workflow.results.stored_mesh import stored_mesh
 
     with job.store.writing("figures/section.png") as path:
         draw_section(job.given, path)
+    with job.store.writing("figures/weights.png") as path:
+        draw_weights(job.given, path)
     with job.store.writing("figures/mesh.png") as path:
         draw_mesh(job.given, stored_mesh(job.given, job.store), path)
 
@@ -55,5 +58,5 @@ STAGE = Stage(
     tables=("mesh",),
     files=lambda job: {GIVEN: job.mesh_file} if job.mesh_file else {},
     results=("mesh/section.msh", "mesh/section.vtu"),
-    pictures=("figures/section.png", "figures/mesh.png"),
+    pictures=("figures/section.png", "figures/weights.png", "figures/mesh.png"),
 )

@@ -1,0 +1,67 @@
+"""What no soil has is refused with what was meant; densities that contradict the water are told."""
+
+from typing import Any
+
+import pytest
+
+from meshes.section.section import Section
+from tests.support import SECTIONS
+from tests.support.sections import problems
+from tests.support.water import BANK, section, soil
+
+BULK = {"density_saturated": None}
+PAIR = {"density": None, "density_saturated": None}
+
+
+def data(**changes: Any) -> dict[str, Any]:
+    return {"name": "bank", **BANK, "strata": [soil(**changes)]}
+
+
+@pytest.mark.parametrize(
+    ("changes", "meant"),
+    [
+        ({"density": 1.8, **BULK}, "1.8 t/m^3"),
+        ({"density": 18, **BULK}, "18 kN/m^3"),
+        ({"density": "18 t/m^3", **BULK}, "18 kN/m^3"),
+        ({"density_saturated": "20 t/m^3"}, "20 kN/m^3"),
+        ({"youngs_modulus": "15 kPa"}, "15 MPa"),
+        ({"youngs_modulus": 30}, ""),
+        ({"cohesion": "60 MPa"}, "60 kPa"),
+        ({"friction_angle": "70 deg"}, ""),
+    ],
+)
+def test_a_slip_of_the_unit_is_told_with_what_was_meant_and_may_be_meant(changes: dict[str, Any], meant: str) -> None:
+    [told] = problems(data(**changes))
+    assert "is beyond what there is" in told
+    assert f'did you mean "{meant}"?' in told if meant else "did you mean" not in told
+    taken = Section.parse({**data(**changes), "unusual": True})
+    assert any("is beyond what there is" in notice for notice in taken.notices)
+
+
+def test_water_and_loads_have_their_bounds_too() -> None:
+    told = problems(
+        {**data(), "water": {"unit_weight": 9.81}, "surcharges": [{"from": 1, "to": 5, "pressure": "20 MPa"}]}
+    )
+    assert ["water, unit_weight" in told[0], "surcharges 1, pressure" in told[1]] == [True, True]
+
+
+def test_a_unit_weight_is_taken_for_a_density_and_a_density_for_the_weight_of_water() -> None:
+    one, other = (section(soil(density=density, **BULK)).strata[0] for density in ("18 kN/m^3", "1.8354891833 t/m^3"))
+    assert one.density_seismic == pytest.approx(other.density_seismic)
+    assert section(water={"table": 3, "unit_weight": "1.03 t/m^3"}).water.unit_weight == pytest.approx(1030 * 9.80665)
+
+
+def test_densities_that_contradict_a_drawn_water_table_are_told() -> None:
+    drawn = {"water_table": {"elevation": 2.0}}
+    buoyant = soil(density_ordinary="1 t/m^3", density_seismic="2 t/m^3", **PAIR)
+    assert any("is buoyant, and" in text for text in section(buoyant, **drawn).notices)
+    bulk = soil(density_ordinary="1.8 t/m^3", density_seismic="1.8 t/m^3", **PAIR)
+    assert any("is not buoyant, and" in text for text in section(bulk, **drawn).notices)
+    assert Section.read(SECTIONS / "s13.toml").notices == []
+
+
+def test_what_is_doubtful_about_the_water_is_told() -> None:
+    dry = section(soil("Crust", bottom={"elevation": 5.0}, liquefies_in=[1]), soil(), water={"table": 1.0})
+    assert any("lies above the water table" in text for text in dry.notices)
+    assert any("not level" in text for text in section(water={"table": [[0, 12], [60, 7]]}).notices)
+    assert any("no density_saturated" in text for text in section(soil(**BULK), water={"table": 3.0}).notices)

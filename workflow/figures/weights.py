@@ -1,0 +1,106 @@
+"""A picture of what the ground weighs and of the pressure of the water in it, as every analysis takes them."""
+
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from meshes.pore_loads import corner_pressure
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from meshes.triangles import triangulate
+from workflow.figures.canvas import INK, WATER, Sheet, Window, render
+from workflow.figures.ground import foot
+
+# Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
+FINE = 1.0 / 15.0
+WEIGHTS, PRESSURES = "YlOrBr", "Blues"
+ARROW = 0.06  # of the width: the largest surcharge
+
+
+def draw_weights(section: Section, path: Path) -> None:
+    """Unit weights, surcharges, and pore pressure at rest, in colours that say how much."""
+    window = _window(section)
+    height = float(np.ptp(section.outline()[:, 1]))
+    mesh = triangulate(section, FINE * height)
+    corners = mesh.points[mesh.cells].reshape(-1, 2)
+    points = np.column_stack([corners, np.zeros(len(corners))])
+    cells = np.arange(len(corners)).reshape(-1, 3)
+    grid = pv.PolyData(points, faces=np.column_stack([np.full(len(cells), 3), cells]).ravel())
+    own = GRAVITY * np.array([s.density_ordinary for s in section.strata]) / 1e3
+    grid["weight"] = np.repeat(own[mesh.stratum], 3)
+    grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
+    views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
+    title = f"{section.title or section.name}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
+    heights = [much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
+    sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
+    for number, name in enumerate(views):
+        _show(sheet, number, section, window, grid, name)
+    sheet.save(path)
+
+
+def _window(section: Section) -> Window:
+    """Room for water and loads above the ground."""
+    water, outline = section.water_points(), section.outline()
+    points = outline if water is None else np.vstack([outline, water])
+    if section.surcharges:
+        above = ARROW * float(np.ptp(outline[:, 0])) * np.array([0.0, 1.0])
+        points = np.vstack([points, section.ground + above])
+    return Window.around(points, 0.03)
+
+
+def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.PolyData, name: str) -> None:
+    most = float(grid[name].max())
+    limits = (0.0, most) if name == "pressure" else (0.8 * float(grid[name].min()), most)
+    colours = PRESSURES if name == "pressure" else WEIGHTS
+    exaggeration = window.exaggerations()[-1]
+
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(grid, scalars=name, cmap=colours, clim=limits, lighting=False, show_scalar_bar=False)
+
+    words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
+    much = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
+    axes = sheet.show(view, render(window, draw, exaggeration=exaggeration), window, words + much, exaggeration)
+    for k in range(len(section.strata)):
+        for polygon in section.layering.polygons(k):
+            axes.plot(*np.vstack([polygon, polygon[:1]]).T, color=INK, linewidth=0.5)
+    if (water := section.water_points()) is not None:
+        axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
+        if section.water is not None:  # a table that is only drawn does not stand on the ground
+            x = np.union1d(water[:, 0], section.layering.x)
+            x = np.union1d(x, np.linspace(x[0], x[-1], 400))
+            ground = section.layering.interfaces(x)[:, 0]
+            axes.fill_between(
+                x, ground, np.maximum(np.interp(x, *water.T), ground), color=WATER, alpha=0.2, linewidth=0
+            )
+    if name == "weight":
+        _draw_loads(axes, section, window)
+    sheet.figure.colorbar(
+        ScalarMappable(Normalize(*limits), colours), ax=axes, location="right", fraction=0.03, pad=0.01
+    ).ax.tick_params(labelsize=7, colors=INK)
+
+
+def _draw_loads(axes: "object", section: Section, window: Window) -> None:
+    """Surcharges as arrows on the ground, their length by their size."""
+    largest = max((max(load.pressure) for load in section.surcharges), default=0.0)
+    for load in section.surcharges:
+        x = np.linspace(load.start, load.end, 8)
+        ground = np.interp(x, *section.ground.T)
+        long = ARROW * (window.right - window.left) * load.at(x, np.full(8, 0.5 * (load.start + load.end))) / largest
+        axes.quiver(  # type: ignore[attr-defined]
+            x, ground + long, np.zeros(8), -long, angles="xy", scale_units="xy", scale=1.0, color=INK, width=0.002
+        )
+
+
+def _said(section: Section) -> str:
+    """What the picture does not show by its colours."""
+    told = []
+    for load in section.surcharges:
+        first, last = (f"{end / 1e3:g}" for end in load.pressure)
+        told.append(f"{first if first == last else f'{first} to {last}'} kPa from x = {load.start:g} to {load.end:g} m")
+    if section.water is not None and section.water.after_drawdown is not None:
+        told.append("pore pressure after the drawdown, dashed the water table before it")
+    return textwrap.fill("; ".join(told), 180)
