@@ -34,7 +34,8 @@ def test_the_section_and_the_settings_of_the_readmes() -> None:
     mesh = generate(used, used.mesh)
     assert mesh.method == "free"
     assert_conforming(mesh, used, used.mesh)
-    assert used.layering.x.tolist() == [0.0, 20.0, 40.0, 44.0, 60.0, 70.0]
+    # ends and kinks of the ground and of the sand, the load, and where the river meets the bank
+    assert used.layering.x.tolist() == [0.0, 4.0, 16.0, 20.0, 38.0, 40.0, 44.0, 60.0, 70.0]
 
 
 def test_pictures_are_there_and_small() -> None:

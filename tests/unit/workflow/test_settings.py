@@ -94,7 +94,7 @@ def test_the_commented_settings_of_the_example_exist() -> None:
     settings = re.sub(r"(?m)^# (\w+ = |\[\[)", r"\1", settings)
     run = Input.parse(tomllib.loads(section + settings))
     plain = Input.parse(tomllib.loads(text))
-    assert run.mesh.size == 1.5
+    assert run.mesh.size == 2.0
     assert run.fem.safety_factor_at == (0.0, 0.1)
     assert run.fem.kh == (0.2, 0.25)
     assert run.fem.model_copy(update={"safety_factor_at": (0.0,), "kh": ()}) == plain.fem
