@@ -352,9 +352,8 @@ def _of_stage(name: str, stage: str, words: str) -> None:
 
 
 _of_stage("liquefaction", "triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
-_of_stage(
-    "liquefied", "liquefied", "Whether the ground still stands once layers have liquefied, and at what Kh it fails."
-)
+_of_stage("liquefied", "liquefied", "Whether the ground still stands once layers have liquefied, and its Kh.")
+_of_stage("response", "response", "How the layers answer a record of the rock below, with depth, and k_max.")
 _of_stage("calibrate", "calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")
 
 

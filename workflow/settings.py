@@ -18,7 +18,7 @@ from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
-from workflow.earthquake.settings import EarthquakeSettings
+from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left
 from workflow.triggering.settings import TriggeringSettings
@@ -27,7 +27,7 @@ from workflow.triggering.settings import TriggeringSettings
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
 # Settings that name a file, by table and key.
-FILES = (("sliding_block", "accelerogram"), ("report", "logo"))
+FILES = (("sliding_block", "accelerogram"), ("site_response", "record"), ("report", "logo"))
 
 
 class FigureSettings(Model):
@@ -99,6 +99,9 @@ class Input(Section):
     )
     earthquake: EarthquakeSettings = Field(
         default=EarthquakeSettings(), description="a table [earthquake] of magnitude and distance, or acceleration"
+    )
+    site_response: SiteResponseSettings = Field(
+        default=SiteResponseSettings(), description="a table [site_response] of the layers under a record of the rock"
     )
     triggering: TriggeringSettings = Field(
         default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"

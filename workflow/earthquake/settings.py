@@ -1,10 +1,10 @@
 """The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from meshes.section.quantity import Length
+from meshes.section.quantity import Coordinate, Density, Length
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
@@ -43,6 +43,31 @@ class EarthquakeSettings(Model):
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)
+
+
+class SiteResponseSettings(Model):
+    """How the layers under a point of the section answer a record at their base, a table [site_response]."""
+
+    record: str = Field(
+        default="",
+        description="a file with a record of the rock below: .AT2, K-NET or .csv, as it is where rock crops out",
+    )
+    unit: Literal["", "g", "m/s^2", "gal"] = Field(
+        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
+    )
+    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
+    x: Coordinate | None = Field(default=None, description="where, along the section; its middle if not given")
+    velocities: dict[str, Annotated[float, Field(gt=10.0, le=3000.0)]] = Field(
+        default={}, description="measured V_s (m/s) by the name of the stratum; else from E and ν"
+    )
+    plasticity: dict[str, Annotated[float, Field(ge=0.0, le=200.0)]] = Field(
+        default={}, description="plasticity index (%) by the name of the stratum, 0 if not given"
+    )
+    base_velocity: float = Field(default=400.0, gt=50.0, le=5000.0, description="V_s (m/s) of the rock below")
+    base_density: Density = Field(default=2000.0, description='the density of the rock below, such as "2.0 t/m^3"')
+    slip_depth: Length | None = Field(
+        default=None, description="the depth of the slip surface there, for the block under the average above it"
+    )
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:

@@ -3,10 +3,13 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 
+import numpy as np
+
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.attenuation import Motion
 from workflow.estimates import truss
+from workflow.estimates.column import MAKDISI, column_of
 from workflow.estimates.estimate import Estimate, mean_inclination
 from workflow.estimates.lateral_spread import (
     LOOSE,
@@ -19,6 +22,7 @@ from workflow.estimates.lateral_spread import (
     youd,
     zhang,
 )
+from workflow.estimates.sliding_block import newmark
 from workflow.estimates.slope_displacement import (
     BRAY_MACEDO,
     BRAY_TRAVASAROU,
@@ -49,6 +53,8 @@ def empirical(given: Input, kc: float | None) -> Iterator[Estimate]:
         motion = None
     if motion is not None and given.earthquake.magnitude is not None and kc is not None and kc > 0.0:
         yield from _blocks(kc, motion, given.earthquake.magnitude)
+    if given.site_response.record and given.site_response.slip_depth is not None and kc is not None and kc > 0.0:
+        yield from _block_under_average(given, kc, float(given.site_response.slip_depth))
     if given.triggering.borings:
         try:
             tests = given.assessment().tests
@@ -83,6 +89,23 @@ def _blocks(kc: float, motion: Motion, magnitude: float) -> Iterator[Estimate]:
             factor = math.exp(spread)
             words += f"{slide / factor:.2g} to {slide * factor:.2g} m within one standard deviation"
         yield Estimate("block regression", title, slide, words, source, validity)
+
+
+def _block_under_average(given: Input, kc: float, depth: float) -> Iterator[Estimate]:
+    """The block under the average acceleration of what lies above the slip surface (Makdisi & Seed 1978)."""
+    try:
+        column = column_of(given)
+    except InputError:
+        return
+    average = column.average_above(depth)
+    time = column.step * np.arange(len(average))
+    both = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
+    words = (
+        f"{column.record} through the layers at x = {column.x:g} m: k_max = {np.abs(average).max() / GRAVITY:.3f} "
+        f"above {depth:g} m, resisted by kc = {kc:.3f}; {both[0]:.2g} and {both[1]:.2g} m either way"
+    )
+    validity = f"{BLOCK}; layers that answer as level ground, equivalent linear"
+    yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)
 
 
 def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:

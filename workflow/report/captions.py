@@ -31,6 +31,7 @@ class Caption(NamedTuple):
 CAPTIONS = (
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
     Caption(r"weights", "ground", "What the ground weighs, loads on it, and the pore pressure, without shaking.", True),
+    Caption(r"site_response", "response", "The layers under the record of the rock, with depth."),
     Caption(
         r"triggering",
         "triggering",

@@ -11,6 +11,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.liquefied import LiquefiedAnswer
+from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
@@ -168,10 +169,24 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 
 
+def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
+    """What the layers do under the record, from site_response.json."""
+    largest = max(answer.layers, key=lambda one: one.strain)
+    yield (
+        f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
+        f'x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in "{largest.stratum}" at '
+        f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m."
+    )
+    told = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
+    yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
+
+
 def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     if name == "triggering":
         yield from triggering_sentences(TriggeringAnswer.read(store))
+    elif name == "response":
+        yield from response_sentences(SiteResponseAnswer.read(store))
     elif name == "liquefied":
         yield from after.sentences(LiquefiedAnswer.read(store))
     elif name == "mesh":

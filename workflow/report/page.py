@@ -28,7 +28,7 @@ from workflow.run.progress import duration
 from workflow.settings import ReportSettings
 
 # Parts of the page with a template of their own.
-PARTS = {"triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja"}
+PARTS = {"triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja"}
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 

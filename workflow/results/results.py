@@ -10,6 +10,7 @@ from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.liquefied import LiquefiedAnswer
+from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, made_from
@@ -41,6 +42,7 @@ class Results:
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
+    response: SiteResponseAnswer | None = None
     stages: tuple[Stage, ...] = ()
 
     @classmethod
@@ -75,6 +77,7 @@ class Results:
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),
+            response=left("response", SiteResponseAnswer),
             stages=told,
         )
 

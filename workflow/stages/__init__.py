@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     STAGES: tuple[Stage, ...]
 
 # In the order in which they run: each is the name of a stage and of its module here.
-NAMES = ("triggering", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report")
+NAMES = ("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report")
 
 
 def __getattr__(name: str) -> Any:

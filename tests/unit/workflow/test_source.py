@@ -35,7 +35,7 @@ print(json.dumps(found))
 
 # A file that is changed, the stages that compute again, and those that only draw again.
 CHANGES = {
-    "meshes/section/layering.py": ("triggering mesh fem variants bounds liquefied calibrate slide", ""),
+    "meshes/section/layering.py": ("triggering response mesh fem variants bounds liquefied calibrate slide", ""),
     "fem/kernels/return_mapping.py": ("fem variants liquefied", ""),
     "fem/limit/cone_program.py": ("bounds liquefied", ""),
     "dem/kernels/contact.py": ("calibrate slide", ""),
@@ -45,7 +45,7 @@ CHANGES = {
     "workflow/results/journal.py": ("calibrate slide", ""),
     "workflow/figures/bounds.py": ("bounds", ""),  # its pictures cannot be drawn without computing
     "workflow/figures/discs.py": ("", "calibrate slide"),
-    "workflow/figures/canvas.py": ("bounds", "triggering mesh fem calibrate slide"),
+    "workflow/figures/canvas.py": ("bounds", "triggering response mesh fem calibrate slide"),
     "workflow/report/template.html.jinja": ("", ""),
     "workflow/example.toml": ("", ""),
     "workflow/cli.py": ("", ""),

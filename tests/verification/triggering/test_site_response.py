@@ -1,0 +1,96 @@
+"""Site response against the closed transfer function of a uniform layer, and against pystrata."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+
+from tests.support import command_line
+from tests.support.borings import bored
+from workflow.earthquake.site_response import HalfSpace, Layer, response, stiffness_and_damping, waves
+
+STEP = 0.01
+TIME = np.arange(0.0, 20.48, STEP)
+# 0.6 m/s² at about 1.7 Hz, swelling and ebbing.
+RECORD = 0.6 * np.exp(-(((TIME - 6.0) / 3.0) ** 2)) * np.sin(2.0 * np.pi * 1.7 * TIME + 3.0 * np.sin(0.7 * TIME))
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.1])
+def test_uniform_layer_on_rigid_rock(damping: float) -> None:
+    """Surface over rock is 1/cos(k* H), k* = ω/(V √(1 + 2iD)), however the layer is divided."""
+    layer = Layer(5.0, 1900.0, 200.0, 50e3, damping=damping)
+    omega = 2.0 * np.pi * np.array([0.5, 2.5, 5.0, 12.0])
+    for parts in (1, 4):
+        divided = [Layer(5.0 / parts, 1900.0, 200.0, 50e3, damping=damping)] * parts
+        up, down, _ = waves(divided, HalfSpace(1e9, 5000.0), omega)
+        expected = 1.0 / np.cos(omega * layer.thickness / (200.0 * np.sqrt(1.0 + 2j * damping)))
+        np.testing.assert_allclose(2.0 / (up[-1] + down[-1]), expected, rtol=1e-9)
+
+
+def test_uniform_layer_on_rock_that_gives() -> None:
+    """Surface over outcrop is 1/(cos kH + i α sin kH), α the ratio of impedances (Kramer 1996, Sec. 7.2.1.4)."""
+    omega = 2.0 * np.pi * np.array([1.0, 5.0, 9.0])
+    up, _, _ = waves([Layer(10.0, 1800.0, 200.0, 50e3, damping=0.0)], HalfSpace(2200.0, 800.0, 0.0), omega)
+    angle, ratio = omega * 10.0 / 200.0, 1800.0 * 200.0 / (2200.0 * 800.0)
+    np.testing.assert_allclose(1.0 / up[-1], 1.0 / (np.cos(angle) + 1j * ratio * np.sin(angle)), rtol=1e-9)
+
+
+def test_curves_are_pystratas() -> None:
+    """pystrata 0.5.4, DarendeliSoilType(plas_index 0, ocr 1, stress_mean 50 kPa, freq 1, num_cycles 10)."""
+    strains = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]
+    found = np.array([stiffness_and_damping(strain, 50e3, 0.0) for strain in strains]).T
+    np.testing.assert_allclose(found[0], [0.9943058, 0.95463205, 0.71716545, 0.23404119, 0.03551268], rtol=2e-5)
+    np.testing.assert_allclose(found[1], [0.01030415, 0.01456948, 0.04836007, 0.15126968, 0.21082933], rtol=3e-4)
+
+
+def layers() -> list[Layer]:
+    """20 layers of 1 m: 2, 3, 5 and 10 m of ever stiffer sand."""
+    soils = ((2, 1800.0, 150.0, 20e3), (3, 1900.0, 180.0, 40e3), (5, 1900.0, 220.0, 70e3), (10, 2000.0, 300.0, 130e3))
+    return [Layer(1.0, *soil) for count, *soil in soils for _ in range(int(count))]
+
+
+def test_equivalent_linear_layers_are_pystratas() -> None:
+    """pystrata 0.5.4, EquivalentLinearCalculator(strain_ratio 0.65, tolerance 0.002), the same layers and curves: peak
+    accelerations 0.8607, 0.8105, 0.7210, 0.5701 m/s² at 0, 5, 10, 20 m; G/Gmax 0.9225, 0.6509, 0.7181. Its complex
+    modulus differs from SHAKE's by D², and its curves are interpolated."""
+    found = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
+    np.testing.assert_allclose(found.acceleration[[0, 5, 10, 20]], [0.8607, 0.8105, 0.7210, 0.5701], rtol=5e-3)
+    np.testing.assert_allclose([found.layers[j].stiffness for j in (0, 9, 19)], [0.9225, 0.6509, 0.7181], rtol=1e-2)
+    np.testing.assert_allclose(found.strain[[0, 4, 9, 19]], [2.073e-5, 1.674e-4, 2.416e-4, 2.135e-4], rtol=2e-2)
+
+
+def test_the_average_acceleration_is_the_shear_stress_over_the_weight() -> None:
+    """It ends at the surface's where the mass is thin, and is below the largest acceleration anywhere above."""
+    found = response(layers(), HalfSpace(2200.0, 760.0), STEP, RECORD)
+    weight = 9.80665 * np.cumsum([layer.density for layer in layers()])
+    np.testing.assert_allclose(found.k_max, found.stress / weight, rtol=1e-12)
+    assert found.k_max[0] * 9.80665 == pytest.approx(found.acceleration[0], rel=0.01)
+    assert np.all(np.diff(found.k_max) < 0.0)
+
+
+def test_too_strong_a_motion_has_no_answer() -> None:
+    with pytest.raises(ValueError, match="stiffness still changes"):
+        response(layers(), HalfSpace(2200.0, 760.0), STEP, 30.0 * RECORD)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = "\n".join(f"{t:.2f},{a:.6f}" for t, a in zip(TIME, RECORD, strict=True))
+    (tmp_path / "rock.csv").write_text(f"time (s),a (m/s^2)\n{rows}\n")
+    data = bored()
+    data["site_response"] = {"record": "rock.csv", "x": 50.0, "velocities": {"loose": 160.0}, "slip_depth": "6 m"}
+    path = tmp_path / "bored.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("response", path, "--out", tmp_path / "run") == 0
+    answer = json.loads((tmp_path / "run/site_response.json").read_text())
+    assert answer["layers"][0]["velocity_m_s"] == 160.0
+    assert answer["layers"][-1]["bottom_m"] == pytest.approx(20.0)
+    assert answer["peak_rock_gal"] == pytest.approx(60.0, abs=1.0)
+    assert "k_max of all above" in capsys.readouterr().out
+    assert command_line.run("report", tmp_path / "run", "--quiet") == 0
+    assert "How the layers answer" in (tmp_path / "run/report.html").read_text(encoding="utf-8")
+    data["site_response"]["velocities"] = {"clay": 100.0}
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("response", path, "--out", tmp_path / "run") == 2
+    assert 'there is no stratum "clay"' in capsys.readouterr().err

@@ -1,0 +1,187 @@
+"""One-dimensional site response: vertical shear waves in layers on a half-space, equivalent linear.
+
+Time in s, accelerations in m/s², stresses in Pa, depths in m. An upward wave A and a downward wave B in each layer,
+from the free surface (A = B) down (P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12, 1972).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+
+SOURCE = "P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12 (1972); curves of M. B. Darendeli (2001)"
+ATMOSPHERE = 101_325.0  # Pa
+EFFECTIVE = 0.65  # of the largest strain, that stiffness and damping are taken at
+ROUNDS, CLOSE = 60, 0.002  # at most, and the largest change of a stiffness at which they end
+# Of Darendeli (2001): curvature, the coefficients of his damping, 10 cycles at 1 Hz.
+CURVATURE, CYCLES = 0.919, 10.0
+LEAST_STRAIN = 1e-7
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer: thickness (m), density (kg/m³), small-strain V_s (m/s), mean effective stress (Pa), plasticity (%)."""
+
+    thickness: float
+    density: float
+    velocity: float
+    mean_stress: float
+    plasticity: float = 0.0
+    stiffness: float = 1.0  # G over that of small strains
+    damping: float = 0.01
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """What lies below the layers: density (kg/m³), V_s (m/s), damping."""
+
+    density: float
+    velocity: float
+    damping: float = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """What the layers do.
+
+    Attributes
+    ----------
+    depth : (n + 1,) of the tops of the layers, and of the half-space
+    acceleration : (n + 1,) largest there, either way
+    strain : (n,) largest shear strain in the middle of each layer
+    stress : (n,) largest shear stress at the bottom of each layer
+    average : (n, t) acceleration of all that lies above the bottom of each layer, in time
+    layers : with the stiffness and the damping that they ended with
+    rounds : how many it took
+    """
+
+    depth: np.ndarray
+    acceleration: np.ndarray
+    strain: np.ndarray
+    stress: np.ndarray
+    average: np.ndarray
+    layers: tuple[Layer, ...]
+    rounds: int
+
+    @property
+    def k_max(self) -> np.ndarray:
+        """Largest average acceleration over g above the bottom of each layer (Makdisi & Seed 1978)."""
+        return np.abs(self.average).max(axis=1) / GRAVITY
+
+
+def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) -> tuple[float, float]:
+    """G/G_max and damping at a shear strain, of normally consolidated soil (Darendeli 2001).
+
+    G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres; damping is
+    that of Masing's rule, scaled, and the smallest one.
+    """
+    pressure = max(mean_stress, 1e3) / ATMOSPHERE
+    reference = (0.0352 + 0.0010 * plasticity) * pressure**0.3483  # %
+    gamma = 100.0 * max(strain, LEAST_STRAIN)
+    ratio = 1.0 / (1.0 + (gamma / reference) ** CURVATURE)
+    a = CURVATURE
+    loop = gamma - reference * np.log((gamma + reference) / reference)
+    masing = 100.0 / np.pi * (4.0 * loop / (gamma**2 / (gamma + reference)) - 2.0)
+    first = -1.1143 * a**2 + 1.8618 * a + 0.2523
+    second = 0.0805 * a**2 - 0.0710 * a - 0.0095
+    third = -0.0005 * a**2 + 0.0002 * a + 0.0003
+    masing = first * masing + second * masing**2 + third * masing**3
+    scale = 0.6329 - 0.0057 * np.log(CYCLES)
+    least = (0.8005 + 0.0129 * plasticity) * pressure**-0.2889
+    return float(ratio), float(0.01 * (scale * ratio**0.1 * masing + least))
+
+
+def waves(layers: Sequence[Layer], base: HalfSpace, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Upward and downward waves (n + 1, w) for A = B = 1 at the surface, and wave numbers (n + 1, w)."""
+    velocity = [layer.velocity * np.sqrt(layer.stiffness * (1.0 + 2j * layer.damping)) for layer in layers]
+    velocity.append(base.velocity * np.sqrt(1.0 + 2j * base.damping))
+    density = [*(layer.density for layer in layers), base.density]
+    number = np.array([omega / v for v in velocity])
+    up, down = np.ones_like(number), np.ones_like(number)
+    for j, layer in enumerate(layers):
+        ratio = density[j] * velocity[j] / (density[j + 1] * velocity[j + 1])
+        ahead, back = (
+            up[j] * np.exp(1j * number[j] * layer.thickness),
+            down[j] * np.exp(-1j * number[j] * layer.thickness),
+        )
+        up[j + 1] = 0.5 * ((1.0 + ratio) * ahead + (1.0 - ratio) * back)
+        down[j + 1] = 0.5 * ((1.0 - ratio) * ahead + (1.0 + ratio) * back)
+    return up, down, number
+
+
+def response(layers: Sequence[Layer], base: HalfSpace, step: float, outcrop: np.ndarray) -> Response:
+    """The layers under a motion of the half-space where it crops out, in steps of time (s).
+
+    Stiffness and damping are those at 0.65 of the largest strain of each layer, found by going round. Raises ValueError
+    where they do not come to rest.
+    """
+    motion = _Motion.of(step, outcrop)
+    now = tuple(layers)
+    for rounds in range(1, ROUNDS + 1):
+        strain = _strain(now, base, motion)
+        found = [stiffness_and_damping(EFFECTIVE * g, one.mean_stress, one.plasticity)
+                 for g, one in zip(strain, now, strict=True)]  # fmt: skip
+        changed = max(abs(ratio / one.stiffness - 1.0) for (ratio, _), one in zip(found, now, strict=True))
+        now = tuple(replace(one, stiffness=r, damping=d) for one, (r, d) in zip(now, found, strict=True))
+        if changed < CLOSE:
+            return _response(now, base, motion, rounds)
+    raise ValueError(f"stiffness still changes by {100.0 * changed:.1f} % after {ROUNDS} rounds")
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The outcrop's motion by frequency: circular frequencies, spectrum, and how many steps of time there are."""
+
+    omega: np.ndarray
+    spectrum: np.ndarray
+    count: int
+    length: int
+
+    @classmethod
+    def of(cls, step: float, outcrop: np.ndarray) -> "_Motion":
+        count = 1 << int(np.ceil(np.log2(2 * len(outcrop))))  # so that the end does not come round to the beginning
+        omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
+        return cls(omega, np.fft.rfft(outcrop, count), count, len(outcrop))
+
+    def in_time(self, transfer: np.ndarray) -> np.ndarray:
+        """What a transfer function makes of it (rows, t)."""
+        return np.asarray(np.fft.irfft(transfer * self.spectrum, self.count)[:, : self.length])
+
+
+def _strain(layers: Sequence[Layer], base: HalfSpace, motion: _Motion) -> np.ndarray:
+    omega = motion.omega
+    up, down, number = waves(layers, base, omega)
+    half = np.array([0.5 * layer.thickness for layer in layers])[:, None]
+    per = 1.0 / (2.0 * up[-1])  # the outcrop moves twice the wave that comes up in the half-space
+    turn = np.exp(1j * number[:-1] * half)
+    slope = 1j * number[:-1] * (up[:-1] * turn - down[:-1] / turn) * per
+    with np.errstate(divide="ignore", invalid="ignore"):
+        strain = np.where(omega > 0.0, slope / -(omega**2), 0.0)
+    return np.asarray(np.abs(motion.in_time(strain)).max(axis=1))
+
+
+def _response(layers: Sequence[Layer], base: HalfSpace, motion: _Motion, rounds: int) -> Response:
+    """All that is told of the layers; the shear stress at a depth is what moves the mass above it."""
+    omega = motion.omega
+    up, down, number = waves(layers, base, omega)
+    per = 1.0 / (2.0 * up[-1])
+    thick = np.array([layer.thickness for layer in layers])
+    weight = np.cumsum(thick * [layer.density for layer in layers])  # kg/m² above each bottom
+    moved = np.empty((len(layers), len(omega)), dtype=complex)
+    for j, layer in enumerate(layers):
+        turn = np.exp(1j * number[j] * layer.thickness)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            integral = (up[j] * (turn - 1.0) - down[j] * (1.0 / turn - 1.0)) / (1j * number[j])
+        moved[j] = layer.density * np.where(omega > 0.0, integral, (up[j] + down[j]) * layer.thickness)
+    stress = motion.in_time(np.cumsum(moved, axis=0) * per)
+    return Response(
+        np.concatenate([[0.0], np.cumsum(thick)]),
+        np.abs(motion.in_time((up + down) * per)).max(axis=1),
+        _strain(layers, base, motion),
+        np.abs(stress).max(axis=1),
+        stress / weight[:, None],
+        tuple(layers),
+        rounds,
+    )

@@ -1,0 +1,79 @@
+"""The layers under a point of a section, under a record of the rock below them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from meshes.errors import InputError
+from meshes.section.overburden import outside, overburden
+from workflow.earthquake.site_response import HalfSpace, Layer, Response, response
+from workflow.estimates import accelerogram
+from workflow.settings import Input
+
+THICKEST = 1.0  # m: layers are divided, so that strains are told with depth
+AT_REST = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
+MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """What was computed: where, with which record and step of time (s), the strata of the layers, and the response."""
+
+    x: float
+    record: str
+    step: float
+    outcrop: np.ndarray
+    strata: tuple[str, ...]
+    response: Response
+
+    def average_above(self, depth: float) -> np.ndarray:
+        """Acceleration (m/s²) in time of all that lies above a depth (m): of the nearest bottom of a layer."""
+        return np.asarray(self.response.average[int(np.argmin(np.abs(self.response.depth[1:] - depth)))])
+
+
+def column_of(given: Input) -> Column:
+    """The response of an input that names a record. Raises InputError."""
+    settings = given.site_response
+    record = accelerogram.read(Path(settings.record), settings.unit).scaled(settings.scale)
+    left, right = given.given_extent
+    x = 0.5 * (left + right) if settings.x is None else float(settings.x)
+    problems = [f"site_response, {text}" for text in [outside(given, x, 0.0)] if text]
+    names = [stratum.name for stratum in given.strata]
+    for key in ("velocities", "plasticity"):
+        unknown = sorted(set(getattr(settings, key)) - set(names))
+        problems += [f'site_response, {key}: there is no stratum "{name}"' for name in unknown]
+    if problems:
+        raise InputError(given.name, problems)
+    layers, strata = _layers(given, x)
+    step = float(np.min(np.diff(record.time)[np.diff(record.time) > 0.0]))
+    time = np.arange(record.time[0], record.time[-1] + 0.5 * step, step)
+    outcrop = np.interp(time, record.time, record.acceleration)
+    try:
+        found = response(layers, HalfSpace(settings.base_density, settings.base_velocity), step, outcrop)
+    except ValueError as error:
+        told = (
+            f"{error}: the record is too strong for equivalent linear layers; a smaller scale, or measured velocities"
+        )
+        raise InputError(given.name, [f"site_response: {told}"]) from None
+    return Column(x, record.name, step, outcrop, strata, found)
+
+
+def _layers(given: Input, x: float) -> tuple[list[Layer], tuple[str, ...]]:
+    levels = given.layering.interfaces(np.array([x]))[0]
+    layers, strata = [], []
+    for k, stratum in enumerate(given.strata):
+        thick = float(levels[k] - levels[k + 1])
+        if thick <= 1e-6:
+            continue
+        count = max(1, int(np.ceil(thick / THICKEST)))
+        density = stratum.density_seismic
+        measured = given.site_response.velocities.get(stratum.name)
+        velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
+        for part in range(count):
+            depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
+            stress = overburden(given, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
+            plastic = given.site_response.plasticity.get(stratum.name, 0.0)
+            layers.append(Layer(thick / count, density, velocity, stress, plastic))
+            strata.append(stratum.name)
+    return layers, tuple(strata)

@@ -1,0 +1,41 @@
+"""Acceleration, shear strain, shear stress and average acceleration with depth, side by side."""
+
+from pathlib import Path
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from meshes.section.section import Section
+from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, soil_colour
+from workflow.results.site_response import SiteResponseAnswer
+
+HEIGHT = 5.0  # inches
+
+
+def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
+    """Four frames over the strata."""
+    figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    title = f"{section.title or section.name}: response at x = {answer.x_m:g} m to {answer.record}"
+    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+    names = [stratum.name for stratum in section.strata]
+    layers = answer.layers
+    tops, bottoms = [one.top_m for one in layers], [one.bottom_m for one in layers]
+    middles = [0.5 * (one.top_m + one.bottom_m) for one in layers]
+    curves = (
+        ("largest acceleration (gal)", [one.acceleration_gal for one in layers], tops),
+        ("largest shear strain (%)", [100.0 * one.strain for one in layers], middles),
+        ("largest shear stress (kPa)", [one.stress_kPa for one in layers], bottoms),
+        ("k_max of all above (-)", [one.k_max for one in layers], bottoms),
+    )
+    for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
+        for one in layers:
+            axes.axhspan(one.top_m, one.bottom_m, color=soil_colour(names.index(one.stratum)), alpha=0.75, linewidth=0)
+        axes.plot(values, depths, color=CONTINUUM, marker="o", markersize=2.5)
+        axes.set_xlabel(label, fontsize=8, color=INK, parse_math=False)
+        axes.set_xlim(left=0.0)
+        axes.tick_params(labelsize=7, colors=INK)
+        axes.grid(color="white", linewidth=0.5)
+    figure.axes[0].set_ylim(bottoms[-1], 0.0)
+    figure.axes[0].set_ylabel("depth (m)", fontsize=8, color=INK)
+    figure.savefig(path, format="png")

@@ -1,0 +1,83 @@
+"""The stage `response`: what the layers under a point do while the rock below them shakes."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from workflow.earthquake.attenuation import GAL
+from workflow.earthquake.site_response import SOURCE
+from workflow.estimates.column import MAKDISI, Column, column_of
+from workflow.results.answer import SectionLabel
+from workflow.results.site_response import ResponseLayer, SiteResponseAnswer
+from workflow.run.stage import Job, Stage
+from workflow.settings import Input
+
+PICTURE = "figures/site_response.png"
+
+
+def work(job: Job) -> None:
+    """Equivalent linear layers under the record; leaves site_response.json and its picture. Raises InputError."""
+    answer_of(job.given, column_of(job.given)).write(job.store)
+    draw(job)
+
+
+def draw(job: Job) -> None:
+    """Draw acceleration, strain, stress and the average acceleration with depth."""
+    from workflow.figures.site_response import draw as draw_response
+
+    with job.store.writing(PICTURE) as path:
+        draw_response(job.given, SiteResponseAnswer.read(job.store), path)
+
+
+def answer_of(given: Input, column: Column) -> SiteResponseAnswer:
+    """A response as an answer holds it."""
+    found = column.response
+    layers = tuple(
+        ResponseLayer(
+            stratum=column.strata[j],
+            top_m=float(found.depth[j]),
+            bottom_m=float(found.depth[j + 1]),
+            velocity_m_s=layer.velocity,
+            acceleration_gal=float(found.acceleration[j]) / GAL,
+            strain=float(found.strain[j]),
+            stress_kPa=float(found.stress[j]) / 1e3,
+            stiffness=layer.stiffness,
+            damping=layer.damping,
+            k_max=float(found.k_max[j]),
+        )
+        for j, layer in enumerate(found.layers)
+    )
+    return SiteResponseAnswer(
+        section=SectionLabel.of(given),
+        x_m=column.x,
+        record=column.record,
+        peak_rock_gal=float(np.abs(column.outcrop).max()) / GAL,
+        peak_surface_gal=layers[0].acceleration_gal,
+        rounds=found.rounds,
+        layers=layers,
+        source=SOURCE,
+        average_source=MAKDISI,
+    )
+
+
+def files(job: Job) -> Mapping[str, Path]:
+    """The record that the input names: what it holds counts, not where it lies."""
+    record = job.given.site_response.record
+    return {"site_response, record": Path(record)} if record else {}
+
+
+STAGE = Stage(
+    name="response",
+    what="layers under a record of the rock",
+    module=__name__,
+    work=work,
+    draw=draw,
+    tables=("site_response",),
+    ignores=("site_response.record",),
+    files=files,
+    results=(SiteResponseAnswer.FILE,),
+    read=SiteResponseAnswer.read,
+    pictures=(PICTURE,),
+    wanted=lambda given: bool(given.site_response.record),
+)
