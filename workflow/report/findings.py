@@ -201,14 +201,18 @@ def _interval(results: Results) -> str:
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
     told = [
-        f"{about([spread.mean])} ({span(spread.values)}) in case {number}"
+        f"{about([spread.mean])} ({span(spread.values)}; mean of all packings {span(spread.mean_ci95)} with 95 %) in "
+        f"case {number}"
         for number, spread in spreads.items()
-        if spread.mean is not None and len(spread.values) > 1
+        if spread.mean is not None and spread.mean_ci95 is not None
     ]
     if not told:
         return "No interval is known, since only one packing was computed; slide.seeds = [1, 2, 3] gives one."
     count = max(len(spread.values) for spread in spreads.values())
-    return f"On {count} random packings that fail at the same Kh the largest slide is {listed(told)}."
+    order = ""
+    if random is not None and random.rising is not None:
+        order = f" On {random.rising} of them every case slides further than the one before."
+    return f"On {count} random packings that fail at the same Kh the largest slide is {listed(told)}.{order}"
 
 
 def _of(numbers: list[int]) -> str:

@@ -4,7 +4,7 @@ from workflow.estimates.comparison import estimates
 from workflow.report.findings import findings
 from workflow.report.paper import rows
 from workflow.results.answer import SectionLabel
-from workflow.results.cases import CaseAnswer, CaseNumbers
+from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
 from workflow.results.results import Results
 from workflow.results.stored_mesh import stored_mesh
@@ -40,7 +40,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         if results.bounds is None
         else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
         dem=_dem(results),
-        cases=_numbers(cases) or None,
+        cases=_summaries(results, cases) or None,
         cases_springs=springs if cases else None,
         cases_table2=_numbers(printed) or None,
         paper_model=_paper_model(results, printed),
@@ -67,6 +67,19 @@ def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel |
 
 def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:
     return {number: cases[number].numbers for number in sorted(cases)}
+
+
+def _summaries(results: Results, cases: dict[int, CaseAnswer]) -> dict[int, CaseSummary]:
+    """The numbers of every case with what several packings say of its largest slide."""
+    random = results.cases.random if results.cases is not None else None
+    found = {}
+    for number, numbers in _numbers(cases).items():
+        spread = random.cases[number].slide_max_m if random is not None and number in random.cases else None
+        interval = {} if spread is None or spread.mean_ci95 is None else {
+            "seeds": len(spread.values), "slide_max_m_mean": spread.mean, "slide_max_m_ci95": spread.mean_ci95
+        }  # fmt: skip
+        found[number] = CaseSummary.model_validate({**dict(numbers), **interval})
+    return found
 
 
 def _mesh(results: Results) -> MeshCount | None:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
+from scipy.stats import t as student
 
 from workflow.results.answer import Answer, Line, Part
 
@@ -40,6 +41,14 @@ class CaseNumbers(Part):
     slides_over_share_downhill: float = Field(description="the same of its downhill half")
 
 
+class CaseSummary(CaseNumbers):
+    """The numbers of a case, and the interval of its largest slide over random packings where several were computed."""
+
+    seeds: int = Field(default=1, description="packings that were computed")
+    slide_max_m_mean: float | None = None
+    slide_max_m_ci95: tuple[float, float] | None = Field(default=None, description="of the mean, by Student")
+
+
 class CaseAnswer(CaseNumbers):
     """One case of liquefaction: the numbers, and where the ground lay and came to lie, points [x, elevation] in m."""
 
@@ -61,19 +70,35 @@ class CaseAnswer(CaseNumbers):
 
 
 class Spread(Part):
-    """A number on several random packings: mean, standard deviation, and one by one; None where there are too few."""
+    """A number on several random packings: what it is on average and how sure that is; None where there are too few."""
 
     mean: float | None
-    spread: float | None
-    values: tuple[float, ...]
+    spread: float | None = Field(description="standard deviation of a sample")
+    values: tuple[float, ...] = Field(description="one by one")
+    median: float | None = None
+    low: float | None = Field(default=None, description="5 % of all packings are expected below, by the sample")
+    high: float | None = Field(default=None, description="5 % of all packings are expected above")
+    mean_ci95: tuple[float, float] | None = Field(
+        default=None, description="in which the mean of all packings lies with 95 %, by Student's distribution"
+    )
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Self:
-        """The spread of some values; the standard deviation is that of a sample."""
+        """The spread of some values."""
+        if not values:
+            return cls(mean=None, spread=None, values=())
+        mean, several = float(np.mean(values)), len(values) > 1
+        spread = float(np.std(values, ddof=1)) if several else None
+        half = student.ppf(0.975, len(values) - 1) * spread / np.sqrt(len(values)) if spread is not None else None
+        low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
         return cls(
-            mean=float(np.mean(values)) if values else None,
-            spread=float(np.std(values, ddof=1)) if len(values) > 1 else None,
+            mean=mean,
+            spread=spread,
             values=tuple(values),
+            median=median,
+            low=low if several else None,
+            high=high if several else None,
+            mean_ci95=None if half is None else (float(mean - half), float(mean + half)),
         )
 
 
@@ -102,6 +127,14 @@ class RandomPackings(Part):
 
     seeds: tuple[Seed, ...]
     cases: dict[int, RandomCase]
+
+    @property
+    def rising(self) -> int | None:
+        """On how many packings every case slides further than the one before; None without two cases or packings."""
+        slides = [self.cases[number].slide_max_m.values for number in sorted(self.cases)]
+        if len(slides) < 2 or min(len(values) for values in slides) < 2:
+            return None
+        return sum(list(packing) == sorted(packing) for packing in zip(*slides, strict=True))
 
 
 class CasesAnswer(Answer):

@@ -7,7 +7,7 @@ from pydantic import Field
 from fem.settings import Element, Sides
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
-from workflow.results.cases import CaseNumbers, RandomPackings
+from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import MeshCount, Verdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.triggering import StratumPart
@@ -125,7 +125,7 @@ class Summary(Answer):
     fem_variants: dict[str, VariantSummary] | None = None
     bounds: BoundsSummary | None = None
     dem: DemSummary | None = None
-    cases: dict[int, CaseNumbers] | None = Field(default=None, description="the cases on the springs that count")
+    cases: dict[int, CaseSummary] | None = Field(default=None, description="the cases on the springs that count")
     cases_springs: str | None = Field(default=None, description="which springs those are")
     cases_table2: dict[int, CaseNumbers] | None = None
     paper_model: PaperModel | None = Field(default=None, description="the paper's own discs, where they were asked for")

@@ -17,7 +17,7 @@ from workflow.run.progress import Progress
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, continuum_for, ground_for
-from workflow.stages.random_packings import random_packings
+from workflow.stages.random_packings import First, random_packings
 from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
 
 
@@ -30,7 +30,9 @@ def slide_stage(given: Input, store: Store, progress: Progress, cases: tuple[int
     slides = dict(zip(tasks, slide_all(given, store, tasks, recorder.look, recorder.end), strict=True))
     random: RandomPackings | None = None
     if given.slide.seeds and wanted:
-        random = random_packings(given, store, progress, continuum_for(given, FemAnswer.read(store)), wanted)
+        mine = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
+        continuum = continuum_for(given, FemAnswer.read(store))
+        random = random_packings(given, store, progress, continuum, First.of(given, mine, store))
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:

@@ -1,6 +1,7 @@
 """The cases once more on random packings that fail at the same Kh: does the lattice make the answer?"""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from dem.model import DiscModel
@@ -9,6 +10,7 @@ from dem.search.equilibrium import Trial
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Slide
+from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import RandomCase, RandomPackings, Seed, Spread
 from workflow.results.journal import Journal
 from workflow.run.progress import Progress
@@ -18,19 +20,48 @@ from workflow.stages.discs_at_rest import discs_at_rest
 from workflow.stages.sliding import slide_all, task
 
 
+@dataclass(frozen=True)
+class First:
+    """What the run itself has computed.
+
+    Attributes
+    ----------
+    slides : dict of Slide
+        Of every case that is wanted, by number.
+    seed : Seed or None
+        Its packing, where that is a random one.
+    """
+
+    slides: dict[int, Slide]
+    seed: Seed | None
+
+    @classmethod
+    def of(cls, given: Input, slides: dict[int, Slide], store: Store) -> "First":
+        """The slides of the calibrated discs, and with which packing they were computed."""
+        found = CalibrationAnswer.read(store)
+        if given.dem.model == "paper" or found.verdict == "out of reach":
+            return cls(slides, None)
+        before = found.predicted_kc if found.predicted_kc is not None else found.kc
+        return cls(slides, Seed(
+            seed=given.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
+            verdict=found.verdict, reason=found.reason,
+        ))  # fmt: skip
+
+
 def random_packings(
-    given: Input, store: Store, progress: Progress, continuum: Continuum, wanted: list[int]
+    given: Input, store: Store, progress: Progress, continuum: Continuum, first: First
 ) -> RandomPackings:
     """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
 
-    A seed whose packing cannot be brought to it is named with the
+    The ``first`` packing is that of the run itself. A seed whose packing cannot be brought to it is named with the
     reason, and not counted. The first seed chooses the parameter, all others take the same.
     """
-    seeds: list[Seed] = []
-    slides: dict[int, list[Slide]] = {number: [] for number in wanted}
+    seeds: list[Seed] = [] if first.seed is None else [first.seed]
+    slides = {number: [] if first.seed is None else [slide] for number, slide in first.slides.items()}
     parameter: str = "auto" if given.dem.parameter == "none" else given.dem.parameter
-    for place, seed in enumerate(given.slide.seeds):
-        tell = partial(_tell, progress, seed, place / len(given.slide.seeds))
+    others = [seed for seed in given.slide.seeds if first.seed is None or seed != first.seed.seed]
+    for place, seed in enumerate(others):
+        tell = partial(_tell, progress, seed, place / len(others))
         dem = given.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
         calibrator = _calibrator(given, store, dem, continuum, tell)
         found = _calibrated(calibrator, continuum.kc, parameter)
@@ -39,8 +70,8 @@ def random_packings(
         if found.verdict == "calibrated":
             tell("slides")
             start = calibrator.settled_with(parameter, found.value)
-            tasks = [task(given, f"seed{seed}", number, start, calibrator.ground) for number in wanted]
-            for number, slide in zip(wanted, slide_all(given, store, tasks), strict=True):
+            tasks = [task(given, f"seed{seed}", number, start, calibrator.ground) for number in slides]
+            for number, slide in zip(slides, slide_all(given, store, tasks), strict=True):
                 slides[number].append(slide)
     return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
 
