@@ -10,6 +10,7 @@ from meshes.section.section import Model, Section
 
 TABLE2_STRATA = 10
 FACTORS = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
+SEEDS: dict[str, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
@@ -166,4 +167,12 @@ class SlideSettings(Model):
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
-    seeds: tuple[int, ...] = Field(default=(), description="random packings to repeat the cases on, such as [1, 2, 3]")
+    seeds: tuple[int, ...] | None = Field(
+        default=None,
+        description="random packings to repeat the cases on, such as [1, 2]; [] for none. If not given soil discs are "
+        "packed twice more, so that a slide has an interval",
+    )
+
+    def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:
+        """`seeds`, or what they are for the model of the discs."""
+        return SEEDS[model] if self.seeds is None else self.seeds

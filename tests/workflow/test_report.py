@@ -19,7 +19,7 @@ from tests.support.sentences import disagreements
 COARSE = {"fem.element": "bilinear", "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
 FEW_DISCS = {
     "mesh.size": 3, "dem.elements": 60, "dem.parameter": "none", "dem.kh": [0.1], "dem.resolution": 0.1,
-    "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.duration": 3.0, "slide.frames": 6,
+    "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.duration": 3.0, "slide.seeds": [], "slide.frames": 6,
     "bounds.max_cells": 300,
 }  # fmt: skip
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")

@@ -103,3 +103,17 @@ def test_sections_without_settings_take_soil_discs() -> None:
     data = {key: value for key, value in SECTION.items() if key not in ("dem", "fem", "mesh", "slide")}
     assert isinstance(Section.parse(data), Section)
     assert Input.parse(data).dem.model == "soil"
+
+
+def test_a_slide_has_an_interval_by_default(whole: Path) -> None:
+    """Two more packings are calibrated and slid; one that cannot be calibrated is named and not counted."""
+    cases = answer(whole, "dem/cases.json")
+    seeds = cases["random"]["seeds"]
+    assert [seed["seed"] for seed in seeds][-2:] == [1, 2]
+    counted = sum(seed["verdict"] == "calibrated" for seed in seeds)
+    for case in cases["random"]["cases"].values():
+        values = case["slide_max_m"]["values"]
+        assert len(values) == counted
+        if counted > 1:
+            low, high = case["slide_max_m"]["mean_ci95"]
+            assert low <= np.mean(values) <= high

@@ -207,7 +207,7 @@ def _interval(results: Results) -> str:
         if spread.mean is not None and spread.mean_ci95 is not None
     ]
     if not told:
-        return "No interval is known, since only one packing was computed; slide.seeds = [1, 2, 3] gives one."
+        return "No interval is known, since only one packing was computed; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
     if random is not None and random.rising is not None:

@@ -29,7 +29,7 @@ def slide_stage(given: Input, store: Store, progress: Progress, cases: tuple[int
     recorder = Recorder(given, store, progress, len(tasks))
     slides = dict(zip(tasks, slide_all(given, store, tasks, recorder.look, recorder.end), strict=True))
     random: RandomPackings | None = None
-    if given.slide.seeds and wanted:
+    if given.slide.packings(given.dem.model) and wanted:
         mine = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
         continuum = continuum_for(given, FemAnswer.read(store))
         random = random_packings(given, store, progress, continuum, First.of(given, mine, store))

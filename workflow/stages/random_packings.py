@@ -59,17 +59,21 @@ def random_packings(
     seeds: list[Seed] = [] if first.seed is None else [first.seed]
     slides = {number: [] if first.seed is None else [slide] for number, slide in first.slides.items()}
     parameter: str = "auto" if given.dem.parameter == "none" else given.dem.parameter
-    others = [seed for seed in given.slide.seeds if first.seed is None or seed != first.seed.seed]
+    others = [seed for seed in given.slide.packings(given.dem.model) if first.seed is None or seed != first.seed.seed]
+    as_it_is = given.dem.model == "soil" and given.dem.parameter == "none"
     for place, seed in enumerate(others):
         tell = partial(_tell, progress, seed, place / len(others))
         dem = given.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
         calibrator = _calibrator(given, store, dem, continuum, tell)
-        found = _calibrated(calibrator, continuum.kc, parameter)
-        parameter = found.parameter
-        seeds.append(_seed(seed, calibrator, found))
-        if found.verdict == "calibrated":
+        if as_it_is:
+            seeds.append(_untouched(seed))
+        else:
+            found = _calibrated(calibrator, continuum.kc, parameter)
+            parameter = found.parameter
+            seeds.append(_seed(seed, calibrator, found))
+        if seeds[-1].verdict != "out of reach":
             tell("slides")
-            start = calibrator.settled_with(parameter, found.value)
+            start = calibrator.settled_with(parameter, seeds[-1].value)
             tasks = [task(given, f"seed{seed}", number, start, calibrator.ground) for number in slides]
             for number, slide in zip(slides, slide_all(given, store, tasks), strict=True):
                 slides[number].append(slide)
@@ -101,6 +105,14 @@ def _calibrated(calibrator: Calibrator, target: float, parameter: str) -> Calibr
     base = ("", 1.0, calibrator.search("", 1.0))
     choose = parameter == "auto" and calibrator.settings.model == "paper"
     return best(calibrator, target, parameter, sensitivities(calibrator) if choose else [base])
+
+
+def _untouched(seed: int) -> Seed:
+    """A packing of which no critical Kh was asked for."""
+    return Seed(
+        seed=seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
+        reason='dem.parameter = "none"',
+    )  # fmt: skip
 
 
 def _seed(seed: int, calibrator: Calibrator, found: Calibration) -> Seed:
