@@ -19,6 +19,7 @@ from meshes.errors import InputError
 from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
+OUTSIDE = 0.05  # of the width: few discs are large, and come to lie that far above or below the ground
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,7 @@ def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     left, right = section.extent
     inside = np.clip(x, left, right)
     layer = np.asarray(section.stratum_at(inside, z), np.int32)
-    for step in np.linspace(0.0, 1.0, 41)[1:] * (right - left) * 0.02:
+    for step in np.linspace(0.0, 1.0, 101)[1:] * (right - left) * OUTSIDE:
         for away in (-step, step):
             lost = layer < 0
             if lost.any():

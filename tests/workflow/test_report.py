@@ -23,6 +23,7 @@ FEW_DISCS = {
     "bounds.max_cells": 300,
 }  # fmt: skip
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
+WITH_DISCS = (*CONTINUUM, "--only", "bounds", "--only", "calibrate", "--only", "slide")
 STRONG = {"cohesion": "900 kPa", "friction_angle": "40 deg"}
 WEAK = {"cohesion": "0.1 kPa", "friction_angle": "0 deg"}
 # Four runs: how they end, and a few words that each must say.
@@ -56,7 +57,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "strong").mkdir()
     asked = {
         "s13": (SECTIONS / "s13.toml", *CONTINUUM, "--set", "mesh.columns=24", "--set", "mesh.rows=9"),
-        "river_bank": (RIVER_BANK, *options(FEW_DISCS)),
+        "river_bank": (RIVER_BANK, *WITH_DISCS, *options(FEW_DISCS)),
         "stands": (soil(folder / "strong", **STRONG), *CONTINUUM, *options({"mesh.size": 4, "fem.kh_limit": 0.3})),
         "falls": (soil(folder, **WEAK), *CONTINUUM),
     }
