@@ -97,7 +97,7 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     thickness = elevation[:-1] - elevation[1:]
     weight = GRAVITY * np.array([s.density_ordinary for s in section.strata]) * thickness
     found[:, 1] = np.cumsum(weight)
-    found[:, 0] = found[:, 1] - weight
+    found[1:, 0] = found[:-1, 1]
     if water.present or section.surcharges:
         places = np.column_stack([np.full(2 * strata, x), np.repeat(elevation, 2)[1:-1]])
         beside = np.column_stack([np.full(2 * strata, near), np.zeros(2 * strata)])

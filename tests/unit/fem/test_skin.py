@@ -1,5 +1,7 @@
 """Grains that roll down a face without cohesion, and the ground below it that is kept from doing so."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from fem.skin import skins, strengthened
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer
+from tests.support.water import WATER, soil
+from tests.support.water import section as water_section
 
 FIXED = FemSettings(sides="fixed")
 
@@ -63,3 +67,28 @@ def test_the_skin_governs_a_bank_of_sand_and_not_a_gentle_slope():
     assert face.kh == pytest.approx(0.1482, abs=1e-4)
     assert whole.upper > face.kh
     assert governing_skins(Section.read(SECTIONS / "s13.toml"), FIXED) == []
+
+
+@pytest.mark.parametrize(("head", "share"), [("vertical", 1.0), ("normal", 0.9)])
+def test_water_that_seeps_out_along_a_face_takes_its_part(head: str, share: float) -> None:
+    """(γ cos² - u/h) tan φ - γ sin cos over γ (cos² + sin cos tan φ), the infinite slope; cos² is 0.9 at 1:3."""
+    face = {"surface": [[0.0, 20.0], [60.0, 0.0]], "base": {"depth": 8.0}}
+    sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
+    given = water_section(sand, **face, water={"table": {"depth": 0.0}, "head": head})
+    [found] = skins(given, FemSettings())
+    friction = math.tan(math.radians(38.0))
+    up = (20e3 * 0.9 - share * WATER) * friction - 20e3 * 0.3
+    assert found.kh == pytest.approx(up / (20e3 * (0.9 + 0.3 * friction)), rel=1e-6)
+
+
+def test_a_face_under_still_water_has_the_skin_of_buoyant_sand() -> None:
+    sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
+    [found] = skins(water_section(sand, water={"table": 12.0}), FemSettings())
+    ratio = (20e3 - WATER) / 20e3
+    assert found.kh == pytest.approx(ratio * math.tan(math.radians(38.0) - math.atan(0.4)), rel=1e-6)
+
+
+def test_a_face_under_a_load_has_no_skin() -> None:
+    sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
+    load = {"from": 18, "to": 42, "pressure": "20 kPa"}
+    assert skins(water_section(sand, surcharges=[load]), FemSettings()) == []
