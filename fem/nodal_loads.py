@@ -1,8 +1,9 @@
 """Nodal forces of what a section carries beside the weight of its soil: water in its pores and on it, surcharges.
 
-The pore pressure u of a cell is bilinear between its corners and does work on the volumetric strain, so that the
-skeleton gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground
-still water presses with its own pressure. Where that is u, the two leave what Archimedes says.
+The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
+gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground still
+water presses with its own pressure. Where that is u, the two leave what Archimedes says. (Were u bilinear between the
+corners of cells that the water table crosses, it would reach above the table, and wash out sand without cohesion.)
 """
 
 from collections.abc import Callable
@@ -54,25 +55,26 @@ def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.n
     """Nodal forces (dofs,) in N/m of a pore pressure: the integral of u times the volumetric strain of the nodes."""
     grid = problem.grid
     corners = mesh.points[grid.corners]
-    near = np.repeat(corners.mean(axis=1), 4, axis=0)
-    at_corners = pressure(corners.reshape(-1, 2), near, np.repeat(grid.stratum, 4)).reshape(-1, 4)
-    inside = at_corners @ grid.corner_shapes.T
+    points = np.einsum("qa,cai->cqi", grid.corner_shapes, corners)
+    near = np.repeat(corners.mean(axis=1), grid.points_per_cell, axis=0)
+    stratum = np.repeat(grid.stratum, grid.points_per_cell)
+    inside = pressure(points.reshape(-1, 2), near, stratum).reshape(grid.weights.shape)
     local = np.zeros(len(grid.global_dofs))
     np.add.at(local, grid.dofs, np.einsum("cq,cq,cqd->cd", grid.weights, inside, grid.divergence))
     return problem.exchange.sum_to_owned(local)
 
 
 def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of the water on the ground, its pressure linear along each edge as u is."""
+    """Nodal forces (dofs,) in N/m of the water on the ground."""
 
     def traction(ends: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
         return -section.water_pressure.on_ground(ends, near)[:, None] * normal
 
-    return ground_force(problem, mesh, traction, linear=True)
+    return ground_force(problem, mesh, traction)
 
 
-def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, linear: bool = False) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of a traction on the ground; if ``linear`` it is taken so between ends of edges."""
+def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a traction on the ground."""
     grid, degree = problem.grid, DEGREES[problem.grid.element]
     s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)
     s, weight = 0.5 * (s + 1.0), 0.5 * weight
@@ -91,11 +93,7 @@ def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, linea
         normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
         inwards = mesh.points[grid.corners[cells]].mean(axis=1) - middle
         normal *= -np.sign(np.sum(normal * inwards, axis=1))[:, None]
-        if linear:
-            at_first, at_last = (traction(end, middle, normal) for end in (first, last))
-            at = [(1.0 - share) * at_first + share * at_last for share in s]
-        else:
-            at = [traction(first + share * along, middle, normal) for share in s]
+        at = [traction(first + share * along, middle, normal) for share in s]
         force = np.einsum("q,qn,qki,k->kni", weight, shapes, np.array(at), length)
         nodes = [a, b] if degree == 1 else [a, b, 4 + number]
         for axis in (0, 1):

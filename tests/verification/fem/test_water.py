@@ -211,7 +211,7 @@ def test_no_weight_is_lost(ground):
 def test_a_load_on_weightless_ground_is_prandtls():
     """5.14 c on clay: the factor of safety of a strip load of that size is 1 (Prandtl 1920). Measured: 0.98."""
     clay = soil(density="1 N/m^3", density_saturated=None, friction_angle="0 deg")
-    data = {"name": "strip", "surface": [[0, 0], [20, 0]], "base": {"elevation": -4}, "strata": [clay]}
+    data = {"name": "strip", "unusual": True, "surface": [[0, 0], [20, 0]], "base": {"elevation": -4}, "strata": [clay]}
     loaded = Section.parse({**data, "surcharges": [{"from": 9, "to": 11, "pressure": (2.0 + math.pi) * 1e4}]})
     mesh = generate(loaded, MeshSettings(size=0.5))
     assert safety_factor(loaded, mesh, PLAIN, 0.0, MPI.COMM_SELF).factor == pytest.approx(1.0, abs=0.04)
@@ -225,6 +225,16 @@ def test_shaking_that_raises_pore_pressure_lowers_the_critical_coefficient():
     bounds = kh_bounds(after, PLAIN, rough)
     assert kc[1] < 0.9 * kc[0]
     assert bounds.lower <= kc[1] <= 1.05 * bounds.upper
+
+
+def test_sand_where_the_river_meets_the_bank_is_not_washed_out():
+    """Without cohesion, and with a water table that comes out of the face within a cell: within the strict bounds."""
+    sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
+    bank = section(sand, water={"table": [[0.0, 7.0], [20.0, 6.0], [36.0, 3.6], [60.0, 3.6]]})
+    found = critical_coefficient(bank, generate(bank, MeshSettings(size=2.0)), PLAIN, MPI.COMM_SELF)
+    bounds = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.05, max_cells=2500, davis=False))
+    assert [face.stratum for face in found.skins] == [face.stratum for face in bounds.skins] == ["Sand, below water"]
+    assert bounds.lower <= found.kc <= bounds.upper
 
 
 def test_water_that_moves_takes_its_part():
