@@ -82,7 +82,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "parts": PARTS,
         "versions": versions(),
         "machine": machine(),
-        "written_heads": [symbol for _, symbol, _ in tables.WRITTEN],
+        "written_heads": [symbol for _, symbol, _ in tables.written_columns(given)],
         "written_rows": list(tables.written_rows(given)),
         "lines": list(tables.line_rows(given)),
         "changed": list(tables.changed_settings(given)),

@@ -25,6 +25,12 @@ WRITTEN = (
     ("friction_angle", "φ", "rad"),
     ("dilation_angle", "ψ", "rad"),
 )
+# What stands beside them where a stratum has it.
+WRITTEN_OF_WATER = (
+    ("density_saturated", "saturated density", "kg/m³"),
+    ("pore_pressure_ratio", "pore pressure ratio", ""),
+    ("excess_pore_pressure_ratio", "excess pore pressure ratio", ""),
+)
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:
@@ -74,16 +80,23 @@ def factor(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 
 
+def written_columns(given: Section) -> list[tuple[str, str, str]]:
+    """Field, symbol and SI unit of what was written of the strata of a section."""
+    return [*WRITTEN, *(column for column in WRITTEN_OF_WATER if any(getattr(s, column[0]) for s in given.strata))]
+
+
 def written_rows(given: Section) -> Iterator[list[str]]:
     """The strata as the file gives them, with the units that were written there."""
     for stratum in given.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
-        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in WRITTEN), cases]
+        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in written_columns(given)), cases]
 
 
 def _written(stratum: Stratum, field: str, unit: str) -> str:
     value = getattr(stratum, field)
+    if value is None:
+        return "–"
     written = getattr(value, "written", value)
     if isinstance(written, str):
         return written
