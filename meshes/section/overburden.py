@@ -27,8 +27,8 @@ class Overburden:
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
-    """Weight of the strata above a point, with all their water, and of water on the ground; below the water table its
-    hydrostatic pressure.
+    """Weight of the strata above a point, with all their water, and of water on the ground; less the pore pressure of
+    its stratum, or below a water table that is only drawn its hydrostatic pressure.
 
     ``x`` in the section and ``depth`` (m) within it: see `outside`. Where a stratum has two densities it is the seismic
     one that holds all of its mass.
@@ -47,8 +47,11 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     if water is not None:
         total += unit_weight * max(0.0, water - float(levels[0]))
         pressure = unit_weight * max(0.0, water - here)
-    stratum = int(section.stratum_at(np.array([x]), np.array([here]))[0])
-    return Overburden(stratum, total, total - pressure, pressure > 0.0)
+    stratum, below_water = int(section.stratum_at(np.array([x]), np.array([here]))[0]), pressure > 0.0
+    if section.water_pressure.present:  # levels and ratios of the strata are in it
+        place = np.array([[x, here]])
+        pressure = float(section.water_pressure.at_rest(place, place, np.array([stratum]))[0])
+    return Overburden(stratum, total, total - pressure, below_water)
 
 
 def water_level(section: Section, x: float) -> float | None:
