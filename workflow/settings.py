@@ -112,10 +112,10 @@ class Input(Section):
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self)
-        count = len(self.slide.cases)
+        count = len(self.slide.cases) + len(self.triggering.cases)
         problems += [
             f'strata {k} "{s.name}", liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, '
-            "which there are in [slide]"
+            "which there are in [slide] and [triggering]"
             for k, s in enumerate(self.strata, start=1)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]
