@@ -1,19 +1,22 @@
-"""The critical seismic coefficient on meshes made anew for the mechanism, until it no longer changes.
+"""The critical seismic coefficient on meshes made anew for the mechanism, until hardly anything of their error is left.
 
 Plastic shear goes through a band as narrow as the cells allow, and the coefficient is too large in proportion to the
 width of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. From two meshes follows
-what the last one still has (Richardson 1911).
+what the last one still has (Richardson 1911). On each the limit load is found at once (``fem/direct_limit.py``), which
+takes a tenth of the time of a path.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, Protocol, TypeVar
 
-from fem.critical import CriticalResult, critical_coefficient
-from fem.path import EquilibriumPath
+from fem.critical import AtOnce, critical_at_once
+from fem.fields import State, touched_sides
+from fem.loads import Direction
 from fem.settings import FemSettings
 from fem.strength import is_dilating_fully
+from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -21,15 +24,18 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
 # The next mesh has this many times the cells of the last one.
-MORE_CELLS = 1.5
+MORE_CELLS = 2.0
+# or fewer, if these are as many as are allowed, but not fewer than so many times.
+FEWER_CELLS = 1.25
 # The first adapted mesh has at least this many: fewer cannot follow a band.
 FEWEST_CELLS = 500
 # Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
 LEAST_GAIN = 0.25
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.02
-# Verdicts of a path that did not come to a mechanism.
-WITHOUT_MECHANISM = ("no failure", "undecided")
+# A direction whose Kh on the first mesh is this many times the Kh of the other on its last one cannot matter: no mesh
+# is as much too strong.
+OTHER_MATTERS = 1.4
 
 
 @dataclass(frozen=True)
@@ -40,43 +46,63 @@ class MeshRound:
     ----------
     cells : int
         Number of quadrilaterals.
-    kc : float
-        Critical Kh on it (-).
+    value : float
+        Critical Kh, or factor of safety, on it (-).
     change : float
-        Difference from the mesh before as a share of ``kc``; infinite for the first.
+        Difference from the mesh before as a share of ``value``; infinite for the first.
+    rest : float
+        What is left of the error, as a share of ``value``, as far as this and the mesh before can tell; infinite for
+        the first.
     """
 
     cells: int
-    kc: float
+    value: float
     change: float
+    rest: float
+
+
+class Found(Protocol):
+    """What is found on a mesh: a number, its mechanism, and what there is to say of it."""
+
+    @property
+    def value(self) -> float: ...
+
+    @property
+    def mechanism(self) -> State | None: ...
+
+    @property
+    def reason(self) -> str: ...
+
+
+F = TypeVar("F", bound=Found)
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptiveResult:
+class AdaptiveResult(Generic[F]):
     """The answer on the last mesh, and the sequence that led to it.
 
     Attributes
     ----------
-    result : CriticalResult
-        Answer and fields on ``mesh``.
+    result : AtOnce, CriticalResult or SafetyFactor
+        Answer and mechanism on ``mesh``.
     mesh : QuadMesh
         The last mesh.
-    start : CriticalResult
-        The answer on the first mesh, with that of the opposite direction if both were asked for.
     rounds : list of MeshRound
         The sequence, coarsest first.
     converged : bool
-        Whether the last change is within the accuracy that was asked for.
+        Whether what is left of the error is within the accuracy that was asked for.
     reason : str
         Why there was no further mesh.
+    other : AdaptiveResult or None
+        The same for the opposite direction, where both were asked for.
     """
 
-    result: CriticalResult
+    result: F
     mesh: QuadMesh
-    start: CriticalResult
     rounds: list[MeshRound] = field(default_factory=list)
     converged: bool = False
     reason: str = ""
+    other: "AdaptiveResult[F] | None" = None
 
     @property
     def limit(self) -> float:
@@ -84,82 +110,147 @@ class AdaptiveResult:
         if len(self.rounds) < 2:
             return math.nan
         before, last = self.rounds[-2:]
-        return last.kc - (before.kc - last.kc) / max(last.cells / before.cells - 1.0, LEAST_GAIN)
+        return last.value - left_of_error(before, last.cells, last.value)
+
+    @property
+    def leaves_through_sides(self) -> bool:
+        """Whether the mechanism reaches a side."""
+        return self.result.mechanism is not None and bool(touched_sides(self.mesh, self.result.mechanism))
 
 
-def mesh_for_mechanism(
+def left_of_error(before: MeshRound, cells: int, value: float) -> float:
+    """By how much ``value`` (-) on so many ``cells`` is still too large, by one mesh ``before``."""
+    return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
+
+
+def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
+    """Whether meshes are made for the mechanism.
+
+    They are not where no accuracy is asked for; where the flow is not associated, whose answer no mesh makes unique;
+    where columns and rows, or the mesh itself, were given.
+    """
+    chosen = meshing.method == "mapped" or meshing.columns or meshing.rows or first.method == "given"
+    associated = settings.flow != "section" or is_dilating_fully(section.strata)
+    return settings.accuracy > 0.0 and not chosen and associated
+
+
+def adapted_answer(
     section: Section,
     meshing: MeshSettings,
     first: QuadMesh,
     settings: FemSettings,
     comm: Any,
-    listener: Callable[[str, EquilibriumPath], None],
-) -> AdaptiveResult | None:
-    """The mesh on which the critical Kh no longer changes by more than ``settings.accuracy``, and the sequence to it.
+    listener: Callable[[str], None],
+) -> AdaptiveResult[AtOnce]:
+    """The critical Kh on meshes made for it, in the direction in which it is smaller; ``first`` alone if none are made.
 
-    The side to which the ground fails is found on the first mesh. None where there is nothing to be done: no accuracy
-    is asked for; the flow is not associated, whose answer no mesh makes unique; columns and rows, or the mesh itself,
-    were given. Raises what ``critical_coefficient`` does.
+    A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
+    ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
     """
-    chosen = meshing.method == "mapped" or meshing.columns or meshing.rows or first.method == "given"
-    associated = settings.flow != "section" or is_dilating_fully(section.strata)
-    if settings.accuracy == 0.0 or chosen or not associated:
-        return None
-    # No fields are kept on the way: what is asked for is past the end of every path.
-    plain = settings.model_copy(update={"kh": (settings.kh_limit,)})
 
-    def solve(mesh: QuadMesh) -> CriticalResult:
-        nonlocal plain
-        words = f"Kh on {len(mesh.cells)} cells"
-        result = critical_coefficient(section, mesh, plain, comm, lambda path: listener(words, path))
-        plain = plain.model_copy(update={"direction": result.direction})
-        return result
+    def towards(direction: Direction, enough: float) -> AdaptiveResult[AtOnce]:
+        wish = settings.model_copy(update={"direction": direction})
 
-    return solve_adaptively(section, meshing, first, solve, settings.accuracy, settings.max_cells)
+        def solve(mesh: QuadMesh) -> AtOnce:
+            listener(f"limit load of {len(mesh.cells)} cells, {direction}")
+            return critical_at_once(section, mesh, wish, comm)
+
+        most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
+        return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most, enough))
+
+    if settings.direction != "both":
+        return towards(settings.direction, math.inf)
+    down = towards("downhill", math.inf)
+    up = towards("uphill", OTHER_MATTERS * down.result.kc)
+    if up.result.kc < down.result.kc and not up.leaves_through_sides:
+        return replace(up, other=down)
+    return replace(down, other=up)
+
+
+def adapted_safety(
+    section: Section,
+    meshing: MeshSettings,
+    first: QuadMesh,
+    settings: FemSettings,
+    kh: float,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> AdaptiveResult[SafetyFactor]:
+    """The factor of safety at ``kh`` on meshes made for it; raises what ``safety_at_once`` does on the first mesh."""
+
+    def solve(mesh: QuadMesh) -> SafetyFactor:
+        listener(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
+        return safety_at_once(section, mesh, settings, kh, comm)
+
+    most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
+    return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most))
+
+
+@dataclass(frozen=True)
+class Wish:
+    """When to stop making meshes.
+
+    Attributes
+    ----------
+    accuracy : float
+        What may be left of the error, as a share of the critical Kh (-).
+    max_cells : int
+        Cells of the finest mesh.
+    enough : float
+        A critical Kh of the first mesh beyond which it does not matter how large it is (-).
+    """
+
+    accuracy: float
+    max_cells: int
+    enough: float = math.inf
 
 
 def solve_adaptively(
     section: Section,
     settings: MeshSettings,
     first: QuadMesh,
-    solve: Callable[[QuadMesh], CriticalResult],
-    accuracy: float,
-    max_cells: int,
-    listener: Callable[[MeshRound], None] | None = None,
-) -> AdaptiveResult:
+    solve: Callable[[QuadMesh], F],
+    wish: Wish,
+) -> AdaptiveResult[F]:
     """Solve on ``first``, then on meshes adapted to the plastic shear strain of the last answer.
 
-    Ends when the critical Kh changes by no more than ``accuracy`` of itself, when the next mesh would have more than
-    ``max_cells`` cells, or when there is no answer on it; then the last answer counts. Every rank makes the same mesh.
-
-    Raises what ``solve`` raises on the first mesh.
+    Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
+    on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
+    first mesh.
     """
     mesh, result = first, solve(first)
-    start = result
-    rounds: list[MeshRound] = []
+    rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
     while True:
-        change = math.inf
-        if rounds:
-            change = abs(result.kc - rounds[-1].kc) / max(abs(result.kc), SMALLEST_KH)
-        rounds.append(MeshRound(len(mesh.cells), result.kc, change))
-        if listener is not None:
-            listener(rounds[-1])
-        reason, converged = "", change <= accuracy
-        wanted = max(math.ceil(MORE_CELLS * len(mesh.cells)), FEWEST_CELLS)
-        if converged:
-            reason = f"the last mesh changed it by {100 * change:.1f} %"
-        elif result.verdict in WITHOUT_MECHANISM:
-            reason = f"there is no mechanism to refine: {result.reason}"
-        elif wanted > max_cells:
-            reason = f"the next mesh would have {wanted} cells, {max_cells} are allowed"
+        cells = len(mesh.cells)
+        wanted = max(math.ceil(MORE_CELLS * cells), FEWEST_CELLS)
+        if wanted > wish.max_cells >= FEWER_CELLS * cells:
+            wanted = wish.max_cells
+        reason = _reason_to_stop(rounds, result, wanted, wish)
         if not reason:
+            assert result.mechanism is not None
             try:
                 finer = adapted(section, settings, mesh, result.mechanism.plastic_shear_strain, wanted)
                 answer = solve(finer)
-                if answer.verdict in WITHOUT_MECHANISM:
+                if answer.mechanism is None:
                     reason = f"there is no answer on the next mesh: {answer.reason}"
             except NoAnswerError as error:
                 reason = f"there is no answer on the next mesh: {error}"
         if reason:
-            return AdaptiveResult(result, mesh, start, rounds, converged, reason)
-        mesh, result = finer, answer
+            return AdaptiveResult(result, mesh, rounds, rounds[-1].rest <= wish.accuracy, reason)
+        mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
+        rest = abs(left_of_error(rounds[-1], len(mesh.cells), result.value)) / size
+        rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
+
+
+def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: Wish) -> str:
+    """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
+    last = rounds[-1]
+    if last.rest <= wish.accuracy:
+        return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
+    if result.mechanism is None:
+        return f"there is no mechanism to refine: {result.reason}"
+    if last.value > wish.enough:
+        return "the other direction governs"
+    if wanted > wish.max_cells:
+        return f"the next mesh would have {wanted} cells, {wish.max_cells} are allowed"
+    return ""

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from fem.continuation import ProportionalLoad
+from fem.direct_limit import DirectLimit, direct_limit
 from fem.fields import State, state_of, touched_sides
 from fem.gravity import gravity_equilibrium, path_settings
-from fem.loads import Direction, sign_of
+from fem.loads import Direction, push, sign_of
 from fem.nodal_loads import shaken_load
 from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
@@ -42,7 +43,10 @@ class CriticalResult:
     Attributes
     ----------
     kc : float
-        Largest Kh at which an equilibrium was found (-).
+        Largest Kh at which an equilibrium was found (-): where the flow is associated that of ``fem/direct_limit.py``,
+        to which the path comes near.
+    lower : float
+        Largest Kh of a state of equilibrium on the path (-).
     upper : float
         Kh that the path rose to, or would with its last growth if the displacement doubled once more (-): the limit
         load of this mesh, and no bound of the section.
@@ -70,11 +74,14 @@ class CriticalResult:
         Share of the quadrature points that yield under gravity (-).
     skins : list of Skin
         Cohesionless faces whose grains roll down before; the ground below was searched for deeper failures.
+    at_once : State or None
+        The mechanism of the limit load that was found at once.
     other : CriticalResult or None
         The answer for the opposite direction, where both were asked for.
     """
 
     kc: float
+    lower: float
     upper: float
     verdict: Verdict
     element: Element
@@ -89,16 +96,19 @@ class CriticalResult:
     gravity_iterations: int
     gravity_plastic_share: float
     skins: list[Skin]
+    at_once: State | None = None
     other: "CriticalResult | None" = None
 
     @property
-    def lower(self) -> float:
-        """Lower end of the interval, ``kc`` itself (-)."""
+    def value(self) -> float:
+        """The critical Kh (-)."""
         return self.kc
 
     @property
     def mechanism(self) -> State:
-        """The last state of the path, which shows the mechanism if the section fails."""
+        """The mechanism if the section fails: that of the limit load, else the last state of the path."""
+        if self.at_once is not None:
+            return self.at_once
         return next(state for state in reversed(self.states) if not state.past_equilibrium)
 
 
@@ -122,6 +132,115 @@ def critical_coefficient(
     return replace(first, other=second)
 
 
+@dataclass(frozen=True)
+class AtOnce:
+    """The critical Kh of a mesh found at once, without a path (``fem/direct_limit.py``).
+
+    Attributes
+    ----------
+    kc : float
+        The limit load (-); ``kh_limit`` where it is larger than that.
+    verdict : Verdict
+        "plateau" or "no failure".
+    flow : Flow
+        The flow rule: "davis" or "associated".
+    direction : Direction
+        Where the ground is pushed.
+    reason : str
+        What the verdict means.
+    mechanism : State or None
+        The mechanism; None without a limit load.
+    skins : list of Skin
+        Cohesionless faces whose grains roll down before.
+    """
+
+    kc: float
+    verdict: Verdict
+    flow: Flow
+    direction: Direction
+    reason: str
+    mechanism: State | None
+    skins: list[Skin]
+
+    @property
+    def value(self) -> float:
+        """The critical Kh (-)."""
+        return self.kc
+
+    @property
+    def upper(self) -> float:
+        """The limit load of the mesh, which ``kc`` is (-)."""
+        return self.kc
+
+
+def critical_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> AtOnce:
+    """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
+
+    Raises what ``critical_coefficient`` does, NoAnswerError if the solver leaves no answer.
+    """
+    direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
+    ground = _at_rest(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
+    assert ground.limit is not None
+    kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
+    verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
+    reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
+    rolling = [face for face in ground.faces if face.kh < kc]
+    return AtOnce(kc, verdict, settings.flow, direction, reason, ground.limit.mechanism, rolling)
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """The section at rest before a push to one side, and what is known of the push.
+
+    Attributes
+    ----------
+    problem : PlaneStrain
+        The ground in equilibrium under its weight.
+    constant : ndarray (dofs,)
+        Nodal forces that stay (N/m).
+    gravity : EquilibriumPath
+        How the weight was brought on.
+    faces : list of Skin
+        Cohesionless faces that were strengthened, since their grains roll down first.
+    load : ndarray (dofs,)
+        Nodal forces of Kh = 1 (N/m).
+    limit : DirectLimit or None
+        The limit load of the push where it is unique and the element is one for it.
+    """
+
+    problem: PlaneStrain
+    constant: np.ndarray
+    gravity: EquilibriumPath
+    faces: list[Skin]
+    load: np.ndarray
+    limit: DirectLimit | None
+
+
+def _at_rest(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+) -> _Ground:
+    """The section under its weight, with ``faces`` strengthened; with all cohesionless ones if grains of any roll down
+    before the limit load, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh."""
+    sand = cohesionless_faces(section, settings)
+    if faces is None:
+        faces = sand if any(face.kh <= 0.0 for face in sand) else []
+    strong = faces
+    while True:
+        problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, strong)
+        load = seismic_load(problem, mesh, section, push(section, settings))
+        if not (problem.associated and problem.grid.element == "reduced"):
+            return _Ground(problem, constant, gravity, strong, load, None)
+        limit = direct_limit(problem, mesh, constant, load)
+        if strong or all(face.kh >= limit.multiplier for face in sand):
+            return _Ground(problem, constant, gravity, strong, load, limit)
+        strong = sand  # grains roll before: on with the ground below
+
+
+def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:
+    """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
+    return skins(section, settings, strength_of(section.strata, settings.flow).friction)
+
+
 def _towards(
     section: Section,
     mesh: QuadMesh,
@@ -132,24 +251,30 @@ def _towards(
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in one direction."""
     settings, sign = settings.model_copy(update={"direction": direction}), sign_of(section, direction)
-    sand = skins(section, settings, strength_of(section.strata, settings.flow).friction)
-    faces = [face for face in sand if face.kh <= 0.0]
+    faces: list[Skin] | None = None
     while True:
-        problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
-        at_rest, load = problem.state(), seismic_load(problem, mesh, section, sign)
-        path = seismic_path(problem, constant, load, sign, settings)
+        ground = _at_rest(section, mesh, settings, comm, faces)
+        problem, faces = ground.problem, ground.faces
+        at_rest = problem.state()
+        path = seismic_path(problem, ground.constant, ground.load, sign, settings)
         rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+        if ground.limit is not None:
+            rule = replace(rule, known=ground.limit.multiplier)
         limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
         relaxed = path.relax()
-        kc = max(limit.held, path.factor) if relaxed else limit.held
-        first = [face for face in sand if face.kh < kc]
-        if len(first) <= len(faces):
+        held = max(limit.held, path.factor) if relaxed else limit.held
+        kc, found = held, ground.limit if limit.verdict == "plateau" else None
+        if found is not None and found.multiplier < settings.kh_limit:
+            kc = max(held, found.multiplier)
+        sand = cohesionless_faces(section, settings)
+        if faces or all(face.kh >= kc for face in sand):
             break
-        faces = first  # their grains roll before: on with the ground below them
+        faces = sand
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
     problem.restore(at_rest)
     wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
-    kept = states_at(seismic_path(problem, constant, load, sign, settings), mesh, [kh for kh in wanted if kh <= kc])
+    again = seismic_path(problem, ground.constant, ground.load, sign, settings)
+    kept = states_at(again, mesh, [kh for kh in wanted if kh <= kc])
     reached = {state.kh for state in kept}
     beyond = [
         replace(last, label=f"past equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
@@ -158,6 +283,7 @@ def _towards(
     ]
     return CriticalResult(
         kc=kc,
+        lower=held,
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,
@@ -169,9 +295,10 @@ def _towards(
         steps=path.steps,
         states=[*kept, last, *beyond],
         solves=path.solves,
-        gravity_iterations=gravity.solves,
-        gravity_plastic_share=gravity.steps[-1].plastic_share,
-        skins=faces,
+        gravity_iterations=ground.gravity.solves,
+        gravity_plastic_share=ground.gravity.steps[-1].plastic_share,
+        skins=[face for face in faces if face.kh < kc],
+        at_once=found.mechanism if found is not None else None,
     )
 
 

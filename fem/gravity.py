@@ -30,6 +30,9 @@ LONGEST_LOADING = 10.0
 PATIENT = 60, 8
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
+# Iterations of Newton's method while a load is brought on associated ground: easy ground needs fewer, other ground is
+# brought to rest under an overstress that fades.
+DIRECT = 10
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
@@ -60,32 +63,19 @@ def gravity_equilibrium(
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
-    ones. Displacement and strain are counted from here. The ground just below cohesionless ``faces`` is strengthened,
-    see ``fem/skin.py``; ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if
-    the ground is ``shaken``. Raises InputError, UnstableError.
+    ones. Displacement and strain are counted from here. ``faces`` as in ``under_weight``; ``strength_factor`` divides
+    cohesion and tan φ. The pore pressure that shaking adds is there if the ground is ``shaken``. Raises InputError,
+    UnstableError.
     """
-    api.require()
-    strata = soils(section, settings)
-    element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
-    strips = [s for s in strong.strata if s.name not in mesh.strata]
-    problem = PlaneStrain(mesh, [*strata, *strips], element, comm, settings.threads, settings.flow, settings.davis)
-    _lay(strips, strong, problem)
+    problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
-    if settings.sides == "tied":
-        problem.tie("left", "right", section)
-    else:
-        problem.hold(UNDER_GRAVITY)
-    weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
-    weight = weight + still_load(problem, mesh, section)
-    if problem.exchange.norm(weight) == 0.0:
-        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
     if settings.sides != "tied":
         held = "y" if settings.sides == "roller" else "xy"
         problem.hold({"base": "xy", "left": held, "right": held})
     if settings.vertical != 0.0:
-        lift = problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
+        lift = lift_of(problem, settings)
         apply_load(problem, constant, lift, settings)
         constant = constant + lift
     if shaken and (excess := excess_load(problem, mesh, section)) is not None:
@@ -97,11 +87,45 @@ def gravity_equilibrium(
     return problem, constant, path
 
 
+def under_weight(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[Skin] = ()
+) -> tuple[PlaneStrain, np.ndarray]:
+    """The section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
+
+    The ground just below cohesionless ``faces`` is strengthened, see ``fem/skin.py``. Raises InputError.
+    """
+    api.require()
+    strata = soils(section, settings)
+    element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
+    strips = [s for s in strong.strata if s.name not in mesh.strata]
+    problem = PlaneStrain(mesh, [*strata, *strips], element, comm, settings.threads, settings.flow, settings.davis)
+    _lay(strata if mesh.method == "free" else [], strong, problem)
+    _lay(strips, strong, problem)
+    if settings.sides == "tied":
+        problem.tie("left", "right", section)
+    else:
+        problem.hold(UNDER_GRAVITY)
+    weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
+    weight = weight + still_load(problem, mesh, section)
+    if problem.exchange.norm(weight) == 0.0:
+        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
+    return problem, weight
+
+
+def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
+    """Nodal forces (N/m) of the vertical seismic coefficient."""
+    return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
+
+
 def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
-    """Give the quadrature points in the ``strips`` of a strengthened section the soil of these."""
+    """Give the quadrature points in the ``strips``, some strata of a strengthened section, the soil of these.
+
+    With all strata: in a free mesh, the tips of layers that no cell follows.
+    """
     inside = strong.stratum_at(*problem.points().T)
+    names, own = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
     for strip in strips:
-        problem.material[inside == strong.strata.index(strip)] = problem.strata.index(strip)
+        problem.material[inside == names.index(strip.name)] = own.index(strip.name)
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
@@ -113,16 +137,17 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     problem.use_elastic_tangent()
     problem.factorise()
     control = load / norm(load)
+    patience = (DIRECT, 2) if problem.associated else PATIENT
+    newton = NewtonSettings(tolerance=settings.tolerance, iterations=patience[0], line_search=patience[1])
+    follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
-        norm(load) + norm(constant),
-        replace(
-            path_settings(problem, settings), first=0.2, largest=0.2,
-            newton=NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1]),
-        ),
+        norm(load) + norm(constant), follow,
     )  # fmt: skip
     carried = 0.0
     while not path.reach(1.0):
+        if problem.associated and path.settle(1.0):
+            break
         if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
             share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
             raise UnstableError(

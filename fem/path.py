@@ -12,6 +12,9 @@ import numpy as np
 from fem.continuation import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
 from fem.plane_strain import PlaneStrain
 
+# Weights of the elastic stress under which ground is brought to rest, one after the other, and Newton's method for it.
+FADING, FADING_NEWTON = (0.3, 0.1, 0.03, 0.01), NewtonSettings(tolerance=1e-4, iterations=25, line_search=4)
+
 
 @dataclass(frozen=True)
 class PathSettings:
@@ -197,6 +200,27 @@ class EquilibriumPath:
         self.back(mark)
         return False
 
+    def settle(self, factor: float) -> bool:
+        """Go to a given multiplier under an overstress that fades; False, and nothing accepted, if it is not borne.
+
+        With an overstress a step has a tangent of its own everywhere, so that Newton's method finds it in a few
+        iterations, and the next, smaller one begins from there (the proximal point method, Rockafellar 1976, for the
+        convex potential of associated flow). What is reached is a state of rest as good as any, but not that of a path
+        of equilibria.
+        """
+        mark = self.mark()
+        increment = np.zeros_like(self.control)
+        for weight in (*FADING, 0.0):
+            self.problem.overstress = weight
+            wish = FADING_NEWTON if weight > 0.0 else replace(FADING_NEWTON, tolerance=self.settings.newton.tolerance)
+            found = self._newton(factor, increment, None, wish)
+            if not found.converged:
+                self.back(mark)
+                return False
+            self._accept(found, self._length_of(found), 0, at_rest=True)
+        self._last = None
+        return True
+
     def _relax(self, constraint: Constraint | None) -> bool:
         """Relax until the forces balance without overstress; False if that does not come about.
 
@@ -262,10 +286,11 @@ class EquilibriumPath:
         along, length = self._elastic
         return along * (step / length), step / length
 
-    def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
-        found = find_equilibrium(
-            self.problem, self.loading, factor, first, constraint, self.scale, self.settings.newton
-        )  # fmt: skip
+    def _newton(
+        self, factor: float, first: np.ndarray, constraint: Constraint | None, newton: NewtonSettings | None = None
+    ) -> NewtonResult:
+        newton = newton or self.settings.newton
+        found = find_equilibrium(self.problem, self.loading, factor, first, constraint, self.scale, newton)
         self.solves += found.iterations
         return found
 

@@ -35,6 +35,8 @@ class PlaneStrain:
         The ground; ``material`` (points,) are numbers of these.
     flow, form : Flow, DavisForm
         The flow rule of the analysis, see ``fem/strength.py``.
+    strength : Strength
+        Cohesion, friction and dilation angle of the strata in this analysis.
     grid : Discretisation
         The elements.
     exchange : Exchange
@@ -94,7 +96,7 @@ class PlaneStrain:
 
     def use_strength(self, factor: float) -> None:
         """Divide cohesion and tan φ of every stratum by ``factor``, as ``strength_of`` does."""
-        strength = strength_of(self.strata, self.flow, factor, self.form)
+        self.strength = strength = strength_of(self.strata, self.flow, factor, self.form)
         self.table = mohr_coulomb.table(
             young=[s.youngs_modulus for s in self.strata],
             poisson=[s.poissons_ratio for s in self.strata],
@@ -151,8 +153,8 @@ class PlaneStrain:
 
     def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
         """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
-        per_area = np.asarray(density, dtype=float)[self.grid.stratum]
-        nodal = np.einsum("c,cq,qn->cn", per_area, self.grid.weights, self.grid.shapes)
+        per_area = np.asarray(density, dtype=float)[self.material].reshape(self.grid.weights.shape)
+        nodal = np.einsum("cq,qn->cn", per_area * self.grid.weights, self.grid.shapes)
         local = np.zeros(len(self.grid.global_dofs))
         for axis, value in enumerate(acceleration):
             np.add.at(local, self.grid.dofs[:, axis::2], value * nodal)

@@ -1,22 +1,32 @@
 """The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
-the ground fails (Zienkiewicz, Humpheson & Lewis 1975), an unknown along a path of equilibria."""
+the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
+Where the flow is associated it is the divisor at which the limit load of the push is the one given, found at once for
+each trial (``fem/direct_limit.py``); elsewhere it is an unknown along a path of equilibria.
+"""
+
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fem.continuation import StrengthReduction
-from fem.critical import ASSOCIATED_RULE, seismic_load
+from fem.critical import seismic_load
+from fem.direct_limit import DirectLimit, direct_limit
 from fem.errors import UnstableError
-from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, path_settings
+from fem.fields import State
+from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, lift_of, path_settings, under_weight
 from fem.loads import push
 from fem.nodal_loads import still_load
 from fem.path import EquilibriumPath, PathStep
+from fem.plane_strain import PlaneStrain
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
 from fem.skin import Skin, skins
-from fem.strength import strength_of
+from fem.strength import is_associated, strength_of
+from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -28,6 +38,8 @@ FACTOR_UNIT = 0.1
 # The reference displacement, in elastic displacements under all of the load.
 DISPLACEMENT_UNIT = 0.1
 LARGEST_FACTOR = 20.0
+# Trials of the factor at most, what it changes by from one to the next at most, and the change at which it is found.
+TRIALS, LARGEST_STEP, CLOSE = 25, 1.6, 5e-4
 
 
 @dataclass(frozen=True)
@@ -50,6 +62,8 @@ class SafetyFactor:
         The path: the factor over the control displacement.
     skin : float or None
         The factor at which grains roll down a cohesionless face, if there is one (-).
+    mechanism : State or None
+        The mechanism, where the factor was found at once.
     """
 
     kh: float
@@ -60,6 +74,79 @@ class SafetyFactor:
     remedy: str
     steps: list[PathStep]
     skin: float | None = None
+    mechanism: State | None = None
+
+    @property
+    def value(self) -> float:
+        """The factor (-)."""
+        return self.factor
+
+
+def safety_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any) -> SafetyFactor:
+    """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
+
+    Faces, sides and errors are those of ``safety_factor``. Where the push does not count, without shaking, the smaller
+    of both directions is told.
+    """
+    settings = settings.model_copy(update={"element": "reduced"})
+    faces = _faces(section, settings, kh)
+    if kh == 0.0 and settings.sides != "tied":  # sides that stay held have no stress of their own
+        problem, constant = under_weight(section, mesh, settings, comm, faces)
+        constant = constant + lift_of(problem, settings)
+    else:
+        problem, constant = _standing(section, mesh, settings, comm, faces, kh != 0.0)
+    load = seismic_load(problem, mesh, section, push(section, settings))
+
+    def borne(factor: float, live: np.ndarray) -> DirectLimit:
+        problem.use_strength(factor)
+        try:
+            return direct_limit(problem, mesh, constant, live)
+        except UnstableError:
+            return DirectLimit(-np.inf, None)
+
+    factor, limit = _divisor(lambda f: borne(f, load), kh, 1.0)
+    if kh == 0.0 and borne(factor, -load).multiplier < 0.0:
+        factor, limit = _divisor(lambda f: borne(f, -load), 0.0, factor)
+    skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
+    reason = f"it is that of {len(mesh.cells)} cells"
+    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, limit.mechanism)
+
+
+def _standing(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin], shaken: bool
+) -> tuple[PlaneStrain, np.ndarray]:
+    """The section in equilibrium under its weight, made stronger where it does not stand; and the forces that stay."""
+    for start in STARTS:
+        try:
+            return gravity_equilibrium(section, mesh, settings, comm, faces, start, shaken)[:2]
+        except UnstableError as error:
+            failure = error
+    raise failure
+
+
+def _divisor(borne: Callable[[float], DirectLimit], kh: float, guess: float) -> tuple[float, DirectLimit]:
+    """The factor at which just ``kh`` is borne, by secants in its logarithm, and the limit load there.
+
+    Raises UnstableError if there is none from 1 / LARGEST_FACTOR to LARGEST_FACTOR, NoAnswerError if trials run out.
+    """
+    low, high = -math.log(LARGEST_FACTOR), math.log(LARGEST_FACTOR)
+    at, slope, before = math.log(guess), None, None
+    for _ in range(TRIALS):
+        found = borne(math.exp(at))
+        over = found.multiplier - kh
+        low, high = (max(low, at), high) if over >= 0.0 else (low, min(high, at))
+        if math.isfinite(over) and before is not None and before[1] != over:
+            slope = (over - before[1]) / (at - before[0])
+        step = math.copysign(math.log(LARGEST_STEP), over)
+        if math.isfinite(over):
+            before = at, over
+            # without a slope: a tenth of Kh more or less is about a tenth of the factor
+            step = -over / slope if slope is not None and slope < 0.0 else over
+        step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
+        if math.isfinite(over) and (abs(step) < CLOSE or high - low < CLOSE):
+            return math.exp(at + step), found
+        at = at + step if low < at + step < high else 0.5 * (low + high)
+    raise NoAnswerError("no factor of safety was found", "use another mesh")
 
 
 def safety_factor(
@@ -70,13 +157,15 @@ def safety_factor(
     comm: Any,
     listener: PathListener | None = None,
 ) -> SafetyFactor:
-    """The factor of safety of a meshed section under its weight and ``kh``.
+    """The factor of safety of a meshed section under its weight and ``kh``; at once where the flow is associated.
 
     Where the ground does not stand as it is, it is first made stronger, so that factors below 1 come out as well.
     Without shaking, sides that are not tied stay held horizontally, as is usual in strength reduction: were the K0
     stress left on them as a force, it could fail ground that is weakened there before the slope does. Raises InputError
     as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
     """
+    if is_associated(section.strata, settings.flow):
+        return safety_at_once(section, mesh, settings, kh, comm)
     faces = _faces(section, settings, kh)
     for start in STARTS:
         try:
@@ -110,8 +199,7 @@ def safety_factor(
     def ductility(path: EquilibriumPath) -> float:
         return path.displacement / path.reference
 
-    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-    found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
+    found = find_limit_load(path, ductility, LARGEST_FACTOR, PlateauRule(), listener)
     skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
     return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem.limit import cone_program
+from fem import cone_program
 from fem.limit.limit_problem import LimitProblem
 from fem.limit.point_freedom import unstrained_points
 from meshes.triangles import TriMesh

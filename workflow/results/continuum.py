@@ -134,7 +134,7 @@ class FemAnswer(Answer):
 
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_lower: float = Field(description="the same: the lower end of the bracket")
+    kc_lower: float = Field(description="the largest Kh on the path")
     kc_upper: float = Field(description="what this mesh may bear at most; no bound of the section")
     verdict: Verdict
     reason: str
@@ -173,7 +173,8 @@ class FemAnswer(Answer):
         """The mean displacement (m) at which the continuum of `kc_for_discs` has come to it but for a hundredth."""
         box = self.rigid_box
         kc, curve = (box.kc, box.curve) if box is not None and box.has_kc else (self.kc, self.curve)
-        return min(step.displacement for step in curve if step.factor >= YIELDED * kc)
+        near = (step.displacement for step in curve if step.factor >= YIELDED * kc)
+        return min(near, default=curve[-1].displacement)
 
     @property
     def sides_for_discs(self) -> str:

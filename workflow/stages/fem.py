@@ -68,14 +68,15 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
-    from fem.adaptive import mesh_for_mechanism
     from fem.assessment import assess
-    from fem.critical import critical_coefficient
     from meshes.quad_mesh import save
     from workflow.figures.fem import draw_all
     from workflow.results.fem_states import FemResults
 
-    def tell(what: str, path: "EquilibriumPath") -> None:
+    def tell(what: str, path: "EquilibriumPath | None") -> None:
+        if path is None:
+            progress(what, None)
+            return
         step = path.steps[-1]
         progress(
             f"step {len(path.steps)}, {what} = {path.factor:.4f}, displacement {path.displacement:.4f} m, "
@@ -84,42 +85,25 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         )
 
     progress("gravity", None)
-    adapted = mesh_for_mechanism(given, given.mesh, mesh, given.fem, comm, tell)
-    settings, opposite = given.fem, None
-    if adapted is not None:  # fine cells are where the ground fails in one direction; the other was found before
-        settings = given.fem.model_copy(update={"direction": adapted.result.direction})
-        mesh, opposite = adapted.mesh, _other_way(mesh, adapted.start.other)
-    found = assess(given, mesh, settings, comm, tell)
+    found = assess(given, given.mesh, mesh, given.fem, comm, tell)
     result = found.critical
-    opposite = opposite or _other_way(mesh, result.other)
-    box = None
-    if given.fem.rigid_box and given.fem.sides != "fixed" and result.verdict != "undecided":
-        # the discs are pushed where the ground fails, and so is this
-        fixed = given.fem.model_copy(update={"sides": "fixed", "direction": result.direction, "kh": ()})
-        box = critical_coefficient(given, mesh, fixed, comm, lambda path: tell("fixed sides: Kh", path))
     if store is not None:
         with store.writing(FEM_FILE) as path:
-            save(mesh, path)
-        answer = answer_of(given, mesh, found, opposite, adapted)
-        answer.model_copy(update={"rigid_box": rigid_box(mesh, box) if box is not None else None}).write(store)
-        write_fields(given, mesh, result.states, store)
+            save(found.mesh, path)
+        answer_of(given, found).write(store)
+        write_fields(given, found.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
         draw_all(given, FemResults.load(given, store), store)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(
-    given: Input,
-    mesh: "QuadMesh",
-    found: "Assessment",
-    opposite: OtherWay | None,
-    adapted: "AdaptiveResult | None",
-) -> FemAnswer:
+def answer_of(given: Input, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     from fem.judges import is_doubtful
 
-    result = found.critical
+    result, mesh, adapted = found.critical, found.mesh, found.adapted
+    rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in given.strata}
     return FemAnswer(
         section=SectionLabel.of(given),
@@ -133,8 +117,8 @@ def answer_of(
         doubts=tuple(Doubt.model_validate(doubt) for doubt in found.doubts),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
-        opposite=opposite,
-        associated=_other_way(mesh, found.associated),
+        opposite=_other_way(found.opposite),
+        associated=_other_way(found.associated),
         skins=tuple(
             SkinFailure(
                 stratum=skin.stratum,
@@ -150,56 +134,62 @@ def answer_of(
         settings=given.fem,
         dilation_deg="equal to the friction angle" if given.fem.flow == "associated" else angles,
         mesh=MeshCount.of(mesh),
-        meshes=tuple(MeshStep(cells=one.cells, kc=one.kc) for one in adapted.rounds) if adapted else (),
-        meshes_ended=adapted.reason if adapted else "",
-        kc_limit=adapted.limit if adapted and len(adapted.rounds) > 1 else None,
+        meshes=tuple(MeshStep(cells=one.cells, kc=one.value) for one in rounds),
+        meshes_ended=adapted.reason if adapted and rounds else "",
+        kc_limit=adapted.limit if adapted and rounds else None,
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
-        states=tuple(_kept(mesh, state) for state in result.states),
+        states=tuple(_kept(mesh, state, result) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor) for factor in found.safety),
+        rigid_box=_rigid_box(found.rigid_box),
     )
 
 
-def _other_way(mesh: "QuadMesh", result: "CriticalResult | None") -> OtherWay | None:
+def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
     from fem.fields import touched_sides
 
-    if result is None:
+    if found is None:
         return None
+    result, fails = found.result, found.result.verdict in ("plateau", "peak")
     return OtherWay(
         kc=result.kc,
         kc_upper=result.upper,
         verdict=result.verdict,
         reason=result.reason,
         direction=result.direction,
-        at_sides=touched_sides(mesh, result.mechanism) if result.verdict in ("plateau", "peak") else (),
+        at_sides=touched_sides(found.mesh, result.mechanism) if fails and result.mechanism is not None else (),
     )
 
 
-def rigid_box(mesh: "QuadMesh", found: "CriticalResult") -> RigidBox:
+def _rigid_box(found: "AdaptiveResult[CriticalResult] | None") -> RigidBox | None:
     """What is kept of the same search with fixed sides."""
     from fem.slip_surface import slip_surface
 
+    if found is None:
+        return None
     return RigidBox(
-        kc=found.kc,
-        kc_upper=found.upper,
-        verdict=found.verdict,
-        reason=found.reason,
-        slip_surface=line(slip_surface(mesh, found.states[-1])) if found.states else (),
-        curve=tuple(PathStep.model_validate(step) for step in found.steps),
+        kc=found.result.kc,
+        kc_upper=found.result.upper,
+        verdict=found.result.verdict,
+        reason=found.result.reason,
+        slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
+        curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
     )
 
 
-def _kept(mesh: "QuadMesh", state: "State") -> KeptState:
+def _kept(mesh: "QuadMesh", state: "State", result: "CriticalResult") -> KeptState:
     from fem.slip_surface import slip_surface
 
+    # states at failure are those of the mechanism, which the limit load shows most clearly
+    surface = result.mechanism if state.past_equilibrium or state.kh >= result.lower else state
     return KeptState(
         label=state.label,
         kh=state.kh,
         past_equilibrium=state.past_equilibrium,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
         failed_share_by_stratum=failed_shares(mesh, state),
-        slip_surface=line(slip_surface(mesh, state)),
+        slip_surface=line(slip_surface(mesh, surface)),
     )
 
 

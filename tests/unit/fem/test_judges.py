@@ -43,9 +43,9 @@ def failing(band=0.7, displacement=None):
 
 def result(kc=0.3, direction="downhill", state=None, **more):
     values = {
-        "kc": kc, "upper": kc, "verdict": "plateau", "element": "reduced", "flow": "davis", "direction": direction,
-        "sign": 1, "reason": "", "remedy": "", "steps": [], "states": [state or failing()], "solves": 0,
-        "gravity_iterations": 1, "gravity_plastic_share": 0.0, "skins": [],
+        "kc": kc, "lower": kc, "upper": kc, "verdict": "plateau", "element": "reduced", "flow": "davis",
+        "direction": direction, "sign": 1, "reason": "", "remedy": "", "steps": [], "states": [state or failing()],
+        "solves": 0, "gravity_iterations": 1, "gravity_plastic_share": 0.0, "skins": [],
     }  # fmt: skip
     return CriticalResult(**{**values, **more})
 

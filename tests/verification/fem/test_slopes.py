@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.adaptive import mesh_for_mechanism
-from fem.critical import critical_coefficient
+from fem.adaptive import adapted_answer
+from fem.critical import critical_at_once, critical_coefficient, seismic_load, seismic_path
+from fem.fields import touched_sides
+from fem.gravity import gravity_equilibrium
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
@@ -56,7 +58,7 @@ def test_infinite_slope_fails_at_its_closed_form(element, beta, c, phi):
         assert exact == pytest.approx(math.tan(math.radians(phi - beta)))
     assert found.verdict == "plateau"
     assert found.kc == pytest.approx(exact, rel=0.006)
-    assert found.upper >= 0.999 * exact
+    assert found.upper >= 0.998 * exact
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
@@ -160,10 +162,12 @@ def test_slope_of_45_degrees_fails_within_2_percent_of_its_bracket():
 # --- Meshes that follow the mechanism ------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("size", [None, 1.6])
-def test_a_steep_cut_comes_within_2_percent_of_its_bracket_from_any_mesh(size):
-    """75 deg, 8 m, φ = ψ = 25 deg, c = 25 kPa: strict bounds 0.2146 and 0.2181; cells alike give 0.229 and 0.245."""
+def test_a_steep_cut_comes_within_1_percent_of_its_bracket_from_any_mesh(size):
+    """75 deg, 8 m, φ = ψ = 25 deg, c = 25 kPa: strict bounds 0.2146 and 0.2181; cells alike give 0.229 and 0.245.
+
+    Measured: 0.2163 from 550 cells, 0.2161 from 178.
+    """
     cut = section(
         [[0.0, 8.0], [20.0, 8.0], [20.0 + 8.0 / math.tan(math.radians(75.0)), 0.0], [37.144, 0.0]],
         6.0,
@@ -171,10 +175,24 @@ def test_a_steep_cut_comes_within_2_percent_of_its_bracket_from_any_mesh(size):
     )
     cut = Section.model_validate({**dict(cut), "base": {"elevation": -6.0}})
     meshing = MeshSettings(size=size, method="free" if size else "auto")
-    settings = FemSettings(direction="downhill", kh=(1.0,))
-    found = mesh_for_mechanism(cut, meshing, generate(cut, meshing), settings, MPI.COMM_SELF, lambda *_: None)
-    assert found is not None
-    assert found.converged
-    assert 0.2146 < found.result.kc < 1.02 * 0.2181
-    assert found.rounds[0].kc > 1.04 * 0.2181
+    settings = FemSettings(direction="downhill")
+    found = adapted_answer(cut, meshing, generate(cut, meshing), settings, MPI.COMM_SELF, lambda _: None)
+    assert 0.2146 < found.result.kc < 1.01 * 0.2181
+    assert found.rounds[0].value > 1.04 * 0.2181
+    assert found.rounds[-1].rest < 0.03
     assert found.limit < found.result.kc
+
+
+@pytest.mark.parametrize("flow", ["davis", "associated"])
+def test_a_path_comes_to_the_limit_load_found_at_once(flow):
+    """The plateau of a path, which goes on until Kh grows by less than 0.2 %, is the limit load of the same cells."""
+    ground = section([[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]], 6.0, soil(c=5e3, phi=30.0, psi=0.0))
+    mesh, wish = generate(ground, MeshSettings(columns=18, rows=6)), FemSettings(flow=flow, direction="downhill")
+    at_once = critical_at_once(ground, mesh, wish, MPI.COMM_SELF)
+    problem, constant, _ = gravity_equilibrium(ground, mesh, wish, MPI.COMM_SELF)
+    path = seismic_path(problem, constant, seismic_load(problem, mesh, ground, 1), 1, wish)
+    for _ in range(40):
+        path.advance()
+    assert max(step.factor for step in path.steps) <= at_once.kc * (1.0 + 1e-4)
+    assert path.factor == pytest.approx(at_once.kc, rel=2e-3)
+    assert touched_sides(mesh, at_once.mechanism) == ()
