@@ -76,9 +76,14 @@ def assess(
         return adapted_answer(section, meshing, first, wish, comm, lambda words: listener(f"{what}: {words}", None))
 
     def safety(wish: FemSettings, kh: float) -> SafetyFactor:
-        if not is_associated(section.strata, wish.flow):
-            return safety_factor(section, mesh, wish, kh, comm, told("factor of safety"))
-        return adapted_safety(section, meshing, first, wish, kh, comm, lambda words: listener(words, None)).result
+        if is_associated(section.strata, wish.flow):
+            try:
+                return adapted_safety(section, meshing, first, wish, kh, comm, lambda what: listener(what, None)).result
+            except UnstableError:
+                raise
+            except NoAnswerError:  # the solver left none: a path has to do
+                pass
+        return safety_factor(section, mesh, wish, kh, comm, told("factor of safety"))
 
     mesh = first
     try:

@@ -21,7 +21,7 @@ from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limi
 from fem.settings import Element, FemSettings
 from fem.skin import Skin, skins
 from fem.strength import Flow, strength_of
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -180,7 +180,8 @@ def critical_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, co
     """
     direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
     ground = _at_rest(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
-    assert ground.limit is not None
+    if ground.limit is None:
+        raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
     reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
@@ -230,7 +231,10 @@ def _at_rest(
         load = seismic_load(problem, mesh, section, push(section, settings))
         if not (problem.associated and problem.grid.element == "reduced"):
             return _Ground(problem, constant, gravity, strong, load, None)
-        limit = direct_limit(problem, mesh, constant, load)
+        try:
+            limit = direct_limit(problem, mesh, constant, load)
+        except NoAnswerError:  # a path has to do
+            return _Ground(problem, constant, gravity, strong, load, None)
         if strong or all(face.kh >= limit.multiplier for face in sand):
             return _Ground(problem, constant, gravity, strong, load, limit)
         strong = sand  # grains roll before: on with the ground below

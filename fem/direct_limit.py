@@ -19,7 +19,6 @@ from fem.fields import State
 from fem.kernels import mohr_coulomb
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
-from meshes.section.quantity import GRAVITY
 
 if TYPE_CHECKING:
     from fem.plane_strain import PlaneStrain
@@ -89,7 +88,8 @@ def _solved(
 ) -> DirectLimit | NoAnswerError:
     """The limit load, or why there is none."""
     length = float(np.ptp(mesh.points[:, 1]))
-    unit = GRAVITY * length * max(max(s.density_ordinary, s.density_seismic) for s in problem.strata)
+    sizes = [float(np.abs(force[free]).sum()) for force in (dead, live)]
+    unit, ratio = sizes[0] / length, sizes[0] / sizes[1]  # both loads as large as one
     weight = np.sqrt(cells.weights) / length
     strain = _strain_matrix(cells, weight * length, problem.grid.size)[:, np.flatnonzero(free)].tocsr()
     material = cells.material.ravel()
@@ -100,7 +100,7 @@ def _solved(
             problem.strength.friction[material],
             weight.ravel(),
             dead[free] / (unit * length),
-            live[free] / (unit * length),
+            ratio * live[free] / (unit * length),
         )
     )
     if solution.none == "no mechanism":
@@ -117,7 +117,7 @@ def _solved(
     velocity = np.zeros(problem.grid.size)
     velocity[free] = solution.rates
     fields = _Fields(velocity, rates, stress.reshape(*points, 4), np.minimum(mobilised, 1.0))
-    return DirectLimit(solution.multiplier, _state(mesh, cells, solution.multiplier, fields))
+    return DirectLimit(ratio * solution.multiplier, _state(mesh, cells, ratio * solution.multiplier, fields))
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:

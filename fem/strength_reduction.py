@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuation import StrengthReduction
-from fem.critical import seismic_load
+from fem.critical import ASSOCIATED_RULE, seismic_load
 from fem.direct_limit import DirectLimit, direct_limit
 from fem.errors import UnstableError
 from fem.fields import State
@@ -165,7 +165,12 @@ def safety_factor(
     as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
     """
     if is_associated(section.strata, settings.flow):
-        return safety_at_once(section, mesh, settings, kh, comm)
+        try:
+            return safety_at_once(section, mesh, settings, kh, comm)
+        except UnstableError:
+            raise
+        except NoAnswerError:  # the solver left none: a path has to do
+            pass
     faces = _faces(section, settings, kh)
     for start in STARTS:
         try:
@@ -199,7 +204,8 @@ def safety_factor(
     def ductility(path: EquilibriumPath) -> float:
         return path.displacement / path.reference
 
-    found = find_limit_load(path, ductility, LARGEST_FACTOR, PlateauRule(), listener)
+    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+    found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
     skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
     return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
 
