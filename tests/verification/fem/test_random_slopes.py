@@ -2,21 +2,15 @@
 
 import pytest
 
-from tests.benchmarks.random_slopes import measure
+from tests.benchmarks.random_slopes import contradictions, measure
 from tests.support.random_sections import NUMBERS
-
-# What the default mesh without adaptation is allowed above the strict upper bound.
-COARSE = 1.20
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_smaller_dilation_bears_no_more_and_bounds_hold_what_is_found(number):
+    """Within 2 % of the strict bounds, or 0.002 in Kh."""
     row = measure(number)
-    davis, full = row["davis"], row["associated"]
-    assert davis is None or full is not None
-    if davis is not None:
-        assert davis <= 1.005 * full
-    for kc, bounds in ((full, row["bounds"]), (davis, row.get("davis_bounds"))):
-        if kc is not None and bounds is not None:
-            assert 0.995 * bounds[0] <= kc <= COARSE * bounds[1] + 0.005
+    assert row["davis"] is not None
+    assert row["associated"] is not None
+    assert contradictions(row) == []
