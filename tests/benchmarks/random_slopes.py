@@ -21,8 +21,8 @@ from tests.support.random_sections import NUMBERS, random_section
 
 SETTINGS = FemSettings(direction="downhill")
 BOUNDS = BoundsSettings(gap=0.02, seconds=60.0)
-# How far the elements may lie above the strict upper bound; how far below the lower one, since between their points they
-# ask for nothing; and by how much in Kh where that is more.
+# How far the elements may lie above the strict upper bound; how far below the lower one, since between their points
+# they ask for nothing; and by how much in Kh where that is more.
 ABOVE, BELOW, SMALL = 1.02, 0.98, 0.002
 
 
