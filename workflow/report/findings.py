@@ -10,6 +10,7 @@ from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
+from workflow.settings import Input
 
 # Variants that tell how good the computation is, and those that tell what an assumption is worth.
 NUMERICAL, ASSUMED = ("mesh", "element", "step"), ("dilation", "sides")
@@ -40,6 +41,7 @@ def _asked(results: Results) -> Iterator[str]:
         have = "has" if len(names) == 1 else "have"
         kh = results.given.slide.kh
         yield f"{question}, and how far it slides under Kh = {kh:g} once {listed(names)} {have} liquefied."
+        yield from _cases_are(results.given)
     else:
         yield f"{question}. No layer is said to liquefy, so no slide was computed."
 
@@ -117,7 +119,6 @@ def _slides(results: Results) -> Iterator[str]:
             why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
-    yield from _cases_are(results, list(cases))
     yield f"How far it slides was computed with {SPRINGS.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
@@ -175,13 +176,11 @@ APART = {
 }
 
 
-def _cases_are(results: Results, numbers: list[int]) -> Iterator[str]:
+def _cases_are(given: Input) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
-    given = results.given
-    cases = [dict(given.cases[number - 1]) for number in numbers if number <= len(given.cases)]
-    if not cases:
-        return
-    layers = [stratum.name for stratum in given.strata if set(stratum.liquefies_in) & set(numbers)]
+    numbers = sorted({number for stratum in given.strata for number in stratum.liquefies_in})
+    cases = [dict(given.cases[number - 1]) for number in numbers]
+    layers = [stratum.name for stratum in given.strata if stratum.liquefies_in]
     told, lost = [], []
     for name in [name for name in cases[0] if name != "name"]:
         values = [factor(case[name]) for case in cases]
