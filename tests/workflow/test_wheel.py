@@ -31,7 +31,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_wheel_holds_every_file_of_the_packages(installed: Path) -> None:
-    kinds = (".py", ".csv", ".toml", ".jinja")
+    kinds = (".py", ".csv", ".toml", ".jinja", ".js")
     for package in ("meshes", "fem", "dem", "workflow"):
         files = {str(path.relative_to(TOP)) for path in (TOP / package).rglob("*") if path.suffix in kinds}
         assert files <= {str(path.relative_to(installed)) for path in (installed / package).rglob("*")}
