@@ -13,7 +13,8 @@ def in_short(answer: LiquefiedAnswer | None) -> Iterator[str]:
         if one.stands == "flows":
             yield f"After liquefaction, in {which}, the continuum does not stand without shaking: {one.reason}."
         else:
-            bears = f", and bears Kh of about {coefficient(one.kc)}" if one.kc is not None else ""
+            most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
+            bears = f", and bears Kh of about {coefficient(most)}" if most is not None else ""
             yield f"After liquefaction, in {which}, the continuum still stands without shaking{bears}: {one.reason}."
 
 
