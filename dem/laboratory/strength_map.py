@@ -57,8 +57,8 @@ class StrengthMap:
         Half the deviator over the confining pressure, after the peak and there; mean over the seeds.
     scatter : (m, k)
         Standard deviation of `after` from seed to seed.
-    modulus : float
-        E of the soil as stiff in plane strain over kn, median over all patches; see `normal_stiffness`.
+    modulus : (2,)
+        E of the soil as stiff in plane strain over kn, without and with cohesion of contacts; see `normal_stiffness`.
     seeds : int
         How many patches each mean stands for.
     """
@@ -68,16 +68,16 @@ class StrengthMap:
     after: np.ndarray
     peak: np.ndarray
     scatter: np.ndarray
-    modulus: float
+    modulus: tuple[float, float]
     seeds: int
 
     def strongest(self, cohesive: bool) -> float:
         """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
         return float(self.after.max() if cohesive else self.after[:, 0].max())
 
-    def normal_stiffness(self, youngs_modulus: float, pressure: float) -> float:
+    def normal_stiffness(self, youngs_modulus: float, pressure: float, cohesive: bool = True) -> float:
         """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa)."""
-        stiff = youngs_modulus / self.modulus / (KAPPA * pressure) ** LOOSENS
+        stiff = youngs_modulus / self.modulus[cohesive] / (KAPPA * pressure) ** LOOSENS
         return float(stiff ** (1.0 / (1.0 - LOOSENS)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
@@ -130,5 +130,5 @@ def strength_map() -> StrengthMap:
     modulus = table("modulus")
     return StrengthMap(
         friction, cohesion, table("after"), table("peak"), table("scatter"),
-        float(np.median(modulus)), int(rows[0]["seeds"]),
+        (float(np.median(modulus[1:, 0])), float(np.median(modulus[:, 1:]))), int(rows[0]["seeds"]),
     )  # fmt: skip
