@@ -19,7 +19,7 @@ from meshes.errors import InputError
 from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
-OUTSIDE = 0.05  # of the width: few discs are large, and come to lie that far above or below the ground
+OUTSIDE = 0.02  # of the width: how far discs may come to lie above or below the ground
 
 
 @dataclass(frozen=True)

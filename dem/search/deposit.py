@@ -127,7 +127,8 @@ def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:
 
     def stratum_at(x: np.ndarray, z: np.ndarray) -> np.ndarray:
         low, high = np.interp(x, *base.T), np.interp(x, *surface.T)
-        return in_stratum(section, x, low + (z - low) * (high - low) / (high + lift - low))
+        share = np.clip((z - low) / (high + lift - low), 0.0, 1.0)  # what lies in the rim is held, and of no stratum
+        return in_stratum(section, x, low + share * (high - low))
 
     last: ValueError | None = None
     for more in LOOSER:
