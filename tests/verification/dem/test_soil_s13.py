@@ -55,7 +55,7 @@ def slides(run: Input, ground: Deposit) -> list[Slide]:
 
 
 def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
-    """E within 20 %, friction angle within 2 degrees, on average; E of single layers scatters by 10 %, strength by 7 %."""
+    """On average E within 20 %, the angle within 2 degrees; E of one layer scatters by 10 %, its strength by 7 %."""
     sands = [check for check in checks.values() if check.c_soil_Pa == 0.0]
     assert len(sands) == 7
     for check in sands:
