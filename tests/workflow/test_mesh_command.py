@@ -26,7 +26,14 @@ from workflow.settings import Input
 
 FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
-LEFT_BEHIND = ["figures/mesh.png", "figures/section.png", "mesh/section.msh", "mesh/section.vtu", "section.toml"]
+LEFT_BEHIND = [
+    "figures/mesh.png",
+    "figures/section.png",
+    "figures/weights.png",
+    "mesh/section.msh",
+    "mesh/section.vtu",
+    "section.toml",
+]
 
 
 def files(folder: Path) -> list[str]:
