@@ -3,7 +3,12 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from fem.direct_limit import direct_limit
+from fem.gravity import under_weight
+from fem.settings import FemSettings
+from meshes.quad_mesh import QuadMesh
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.section import Section
 
@@ -12,6 +17,7 @@ from meshes.section.section import Section
 UNDRAINED = 0.49
 # Of the vertical effective stress: what is left of ground that is said to keep nothing, for a strength there must be.
 LEAST = 1e-3
+LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
 
 
 @dataclass(frozen=True)
@@ -40,3 +46,12 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
         }
         strata[k] = strata[k].model_copy(update=change)
     return section.model_copy(update={"strata": tuple(strata)})
+
+
+def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
+    """How many times its weight a mesh bears with its sides held, by its limit load; below 1 it flows.
+
+    The flow is associated. Raises what ``direct_limit`` does.
+    """
+    problem, weight = under_weight(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
+    return LITTLE + direct_limit(problem, mesh, LITTLE * weight, weight).multiplier

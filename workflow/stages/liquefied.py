@@ -76,16 +76,25 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
     from mpi4py import MPI
 
-    from fem.critical import critical_coefficient
+    from fem.critical import AtOnce, CriticalResult, critical_at_once, critical_coefficient
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
+    from fem.liquefied_ground import weight_borne
+    from fem.strength import is_associated
     from fem.strength_reduction import safety_factor
 
     direction = "uphill" if given.fem.direction == "uphill" else "downhill"
     fem = given.fem.model_copy(update={"direction": direction, "kh": (), "rigid_box": False})
     asked = given.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []
-    critical = _tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
+    critical: AtOnce | CriticalResult | None = None
+    at_once = is_associated(section.strata, fem.flow)
+    borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF)) if at_once else None
+    if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
+        notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
+    else:
+        find = critical_at_once if at_once else critical_coefficient
+        critical = _tried("finite elements", notes, lambda: find(section, mesh, fem, MPI.COMM_SELF))
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
     safety = strict = bracket = None
     if nothing:

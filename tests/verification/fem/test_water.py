@@ -208,6 +208,7 @@ def test_no_weight_is_lost(ground):
     assert reaction == pytest.approx(weight, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_load_on_weightless_ground_is_prandtls():
     """5.14 c on clay: the factor of safety of a strip load of that size is 1 (Prandtl 1920). Measured: 0.98."""
     clay = soil(density="1 N/m^3", density_saturated=None, friction_angle="0 deg")
