@@ -322,7 +322,7 @@ def test_ctrl_c(section: Path, out: Path) -> None:
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=60)
-    assert process.returncode == 130
+    assert process.returncode == 130, told
     assert told == "Stopped.\n"
     assert files(out) == []
 
