@@ -5,6 +5,7 @@ import traceback
 from collections.abc import Callable
 
 from meshes.errors import InputError, NoAnswerError
+from workflow.run.interrupts import remembered
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
@@ -12,7 +13,8 @@ DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 def ended(call: Callable[[], object]) -> None:
     """Call what may fail; leave the program with an exit code where it does."""
     try:
-        call()
+        with remembered():
+            call()
     except InputError as error:
         _complain(str(error))
         sys.exit(BAD_INPUT)

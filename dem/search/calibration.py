@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from threading import Event, Lock
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -78,33 +78,6 @@ class Calibration:
     search: Search
     sensitivity: tuple[tuple[str, float, Search], ...]
     trials: tuple[tuple[float, Search], ...]
-
-    def as_json(self) -> dict[str, Any]:
-        """The answer, how sensitive the critical Kh is to what, and every trial."""
-        return {
-            "target_kc": self.target,
-            "tolerance": self.tolerance,
-            "parameter": self.parameter,
-            "value": self.value,
-            "range": list(self.range),
-            **{key: value for key, value in self.search.as_json().items() if key in ("kc", "kc_lower", "kc_upper")},
-            "verdict": self.verdict,
-            "reason": self.reason,
-            "sensitivity": [
-                {"parameter": name, "value": v, **brief(s)}
-                for name in ONE_AT_A_TIME
-                for p, v, s in sorted(self.sensitivity, key=lambda row: row[1])
-                if p in ("", name)
-            ],
-            "trials": [{"value": v, **brief(s)} for v, s in self.trials],
-        }
-
-
-def brief(search: Search) -> dict[str, Any]:
-    """The bracket and the verdict of a search, and the seconds of model time it took."""
-    whole = search.as_json()
-    kept = {key: whole[key] for key in ("kc", "kc_lower", "kc_upper", "verdict", "reason")}
-    return {**kept, "seconds": round(sum(trial.seconds for trial in search.trials), 3)}
 
 
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:

@@ -4,7 +4,7 @@ they do not.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -55,27 +55,6 @@ class Search:
     def kc(self) -> float | None:
         """The middle of the bracket; None without one."""
         return None if self.upper is None or self.verdict != "bracketed" else 0.5 * (self.lower + self.upper)
-
-    def as_json(self) -> dict[str, Any]:
-        """The answer first, then what it rests on."""
-        return {
-            "kc": self.kc,
-            "kc_lower": self.lower,
-            "kc_upper": self.upper,
-            "verdict": self.verdict,
-            "reason": self.reason,
-            "flexibility_m": self.flexibility,
-            "trials": [trial.as_json() for trial in self.trials],
-            "curve": [list(point) for point in self.curve],
-        }
-
-    @classmethod
-    def from_json(cls, data: dict[str, Any]) -> "Search":
-        """The search that `as_json` wrote."""
-        return cls(
-            data["kc_lower"], data["kc_upper"], data["verdict"], data["reason"], data["flexibility_m"],
-            [Trial.from_json(trial) for trial in data["trials"]], [(kh, d) for kh, d in data["curve"]],
-        )  # fmt: skip
 
 
 def critical_kh(

@@ -7,8 +7,8 @@ the seismic force works on.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -102,17 +102,6 @@ class Trial:
     displacement_m: float
     elastic_displacement_m: float
     seconds: float
-
-    def as_json(self) -> dict[str, Any]:
-        """What JSON can hold: None for a number that is not finite."""
-        whole = asdict(self)
-        return {key: None if isinstance(v, float) and not np.isfinite(v) else v for key, v in whole.items()}
-
-    @classmethod
-    def from_json(cls, data: dict[str, Any]) -> "Trial":
-        """The trial that `as_json` wrote."""
-        values: dict[str, Any] = {key: float("inf") if value is None else value for key, value in data.items()}
-        return cls(**values)
 
 
 def unbalanced_ratio(model: DiscModel) -> float:

@@ -9,18 +9,16 @@ elastic-plastic body of the same E to have the same strength: patches of them ha
 compression, where an elastic body would have it at 0.3 to 1 %.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
-from dem.search.equilibrium import STEP, Trial, displacement, kinetic_ratio, period, unbalanced_ratio
+from dem.search.equilibrium import Trial, displacement, kinetic_ratio, period, step_on, unbalanced_ratio
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError
 
@@ -47,32 +45,19 @@ class Continuum(NamedTuple):
     yielding: float
 
 
-@dataclass
-class Curve:
-    """What was measured on the way.
+class Machine(NamedTuple):
+    """The spring that pushes.
 
     Attributes
     ----------
-    displacement, kh : list of float
-        Mean displacement (m) and seismic coefficient, point by point.
-    trials : list of Trial
-        The same with what tells how far from rest the discs were.
+    reach : float
+        How far the discs are pushed, but for a little (m).
+    stiffness : float
+        Kh over its shortening (1/m).
     """
 
-    displacement: list[float] = field(default_factory=list)
-    kh: list[float] = field(default_factory=list)
-    trials: list[Trial] = field(default_factory=list)
-
-    def critical(self) -> tuple[float, float, int]:
-        """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
-
-        The width is the standard error of the mean over the window: loose ground gives way by jerks.
-        """
-        kh = np.array(self.kh)
-        size = min(WINDOW, len(kh))
-        windows = np.lib.stride_tricks.sliding_window_view(kh, size)
-        best = int(np.argmax(windows.mean(axis=1)))
-        return float(windows[best].mean()), float(windows[best].std() / np.sqrt(size)), best + size - 1
+    reach: float
+    stiffness: float
 
 
 def push_over(
@@ -87,76 +72,76 @@ def push_over(
 ) -> Search:
     """The critical Kh of settled discs, which stay as they are, and the curve that leads to it.
 
-    on_trial hears of every point of the
-    curve. stopped: asked at every look; raises StoppedError once it says so. Undecided where a DemError stopped the
-    discs before the end.
+    on_trial hears of every point of the curve. stopped: asked at every look; raises StoppedError once it says so.
+    Undecided where a DemError stopped the discs before the end.
     """
     if min(continuum) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
-    search = Search()
+    search, model = Search(), settled.copy()
     reach = settings.growth * continuum.yielding
-    curve = Curve()
     try:
-        _push(settled.copy(), settled, ground, reach, MACHINE * continuum.kc / reach, threads, curve, on_trial, stopped)
+        for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads, stopped):
+            search.trials.append(trial)
+            if on_trial is not None:
+                on_trial(trial, model)
     except DemError as error:
-        search.reason = f"after {max(curve.displacement, default=0.0):.3g} m: {type(error).__name__}: {error}"
+        came = max((trial.displacement_m for trial in search.trials), default=0.0)
+        search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
     else:
-        search.verdict, search.reason = (
-            "bracketed",
-            f"the largest Kh borne up to {reach:.3g} m, {settings.growth:g} times the continuum's",
-        )
-    if curve.kh:
-        kc, half, last = curve.critical()
+        search.verdict = "bracketed"
+        search.reason = f"the largest Kh borne up to {reach:.3g} m, {settings.growth:g} times the continuum's"
+    if search.trials:
+        kc, half, last = critical_point(search.trials)
         search.lower, search.upper = kc - half, kc + half
         search.flexibility = continuum.yielding / kc if kc > 0.0 else 0.0
-        search.trials = curve.trials
-        search.curve = list(zip(curve.kh[: last + 1], curve.displacement[: last + 1], strict=True))
+        search.curve = [(trial.kh, trial.displacement_m) for trial in search.trials[: last + 1]]
         if kc <= 0.0:
             search.verdict, search.upper = "fails under its own weight", 0.0
     return search
 
 
-def _push(
-    model: DiscModel,
-    before: DiscModel,
-    ground: Ground,
-    reach: float,
-    stiffness: float,
-    threads: int,
-    curve: Curve,
-    on_trial: OnTrial | None,
-    stopped: Callable[[], bool],
-) -> None:
-    """Moves one end of a spring on and takes the discs along, until they have moved a little beyond the reach.
+def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
+    """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
 
-    Between two looks Kh is what the spring then carries, its stiffness (Kh per m) times its shortening.
+    The width is the standard error of the mean over the window: loose ground gives way by jerks.
+    """
+    size = min(WINDOW, len(points))
+    windows = np.lib.stride_tricks.sliding_window_view([point.kh for point in points], size)
+    best = int(np.argmax(windows.mean(axis=1)))
+    return float(windows[best].mean()), float(windows[best].std() / np.sqrt(size)), best + size - 1
+
+
+def _points(
+    model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int, stopped: Callable[[], bool]
+) -> Iterator[Trial]:
+    """Moves one end of the spring on and takes the discs along, until they have moved a little beyond the reach; each
+    point of the curve is the mean of what was measured since the last.
+
+    Between two looks Kh is what the spring then carries.
     """
     cycle, start = period(model, ground), model.time
     pulse = cycle / PULSES
     moved, end = 0.0, 0.0
+    most, count = 0.0, 0
     since: list[tuple[float, float]] = []
-    while moved < BEYOND * reach:
+    while moved < BEYOND * machine.reach:
         if stopped():
             raise StoppedError
-        end += reach * float(np.clip(0.15 * moved / reach, SLOWEST, QUICKEST)) / PULSES
-        kh = stiffness * (end - moved)
+        end += machine.reach * float(np.clip(0.15 * moved / machine.reach, SLOWEST, QUICKEST)) / PULSES
+        kh = machine.stiffness * (end - moved)
         model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
-        Engine(dt=STEP * largest_step(model).seconds, ledger=False, threads=threads).run(model, pulse)
+        step_on(model, pulse, threads)
         moved = displacement(model, before, ground)
         since.append((moved, kh))
-        if moved >= BLOCK * reach * (len(curve.kh) + 1):
-            _note(curve, model, np.array(since), model.time - start)
-            since = []
-            if on_trial is not None:
-                on_trial(curve.trials[-1], model)
+        if moved >= BLOCK * machine.reach * (count + 1):
+            there, borne = (float(value) for value in np.mean(since, axis=0))
+            yield _point(model, there, borne, most, model.time - start)
+            most, count, since = max(most, borne), count + 1, []
 
 
-def _note(curve: Curve, model: DiscModel, since: np.ndarray, seconds: float) -> None:
-    """One more point of the curve: the mean of what was measured since the last."""
-    moved, kh = (float(value) for value in since.mean(axis=0))
-    more = kh > max(curve.kh, default=0.0)
+def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
+    """A point of the curve, beside the most that the discs have borne so far."""
+    more = kh > most
     reason = "more than they have borne so far" if more else "they have borne more on the way"
-    curve.displacement.append(moved)
-    curve.kh.append(kh)
     ratios = unbalanced_ratio(model), kinetic_ratio(model)
-    curve.trials.append(Trial(kh, "stands" if more else "fails", reason, *ratios, moved, np.inf, seconds))
+    return Trial(kh, "stands" if more else "fails", reason, *ratios, moved, np.inf, seconds)

@@ -97,7 +97,7 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     ends = mesh.edges[inner]
     jumps = [0.0]
     wanted = np.zeros((len(mesh.edges), 2, 2))
-    wanted[problem.jumps.edges] = problem.jumps.dead
+    wanted[problem.jumps.edges] = problem.jumps.traction
     normal = _unit_normals(problem, one, ends)
     for end in (0, 1):
         here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (one, other))
@@ -187,7 +187,9 @@ def _work_at_jumps(problem: LimitProblem, velocity: np.ndarray) -> float:
     first, last = (velocity[cells, np.argmax(mesh.cells[cells] == end[:, None], axis=1)] for end in jumps.ends.T)
     middle = velocity[cells, 3 + np.argmax(mesh.cell_edges[cells] == jumps.edges[:, None], axis=1)]
     length = np.hypot(*(mesh.points[jumps.ends[:, 1]] - mesh.points[jumps.ends[:, 0]]).T)
-    pressed = np.sum(jumps.dead[:, 0] * (first + 2.0 * middle) + jumps.dead[:, 1] * (last + 2.0 * middle), axis=1)
+    pressed = np.sum(
+        jumps.traction[:, 0] * (first + 2.0 * middle) + jumps.traction[:, 1] * (last + 2.0 * middle), axis=1
+    )
     return float(np.sum(length * pressed)) / 6.0
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from meshes.bisection import split_at_middle
-from meshes.pore_loads import SAME_PRESSURE, Pressure, at_ends, corner_pressure, edge_jumps, outward_normals
+from meshes.pore_loads import SAME_PRESSURE, EdgeJumps, Pressure, at_ends, corner_pressure, edge_jumps, outward_normals
 from meshes.triangles import TriMesh
 
 
@@ -141,25 +141,6 @@ class Outline:
 
 
 @dataclass(frozen=True, eq=False)
-class Jumps:
-    """The k inner edges across which the pore pressure jumps, and the traction on the skeleton with it, dimensionless.
-
-    Attributes
-    ----------
-    edges : ndarray (k,)
-        Numbers of the edges in the mesh.
-    ends : ndarray (k, 2)
-        Numbers of their end points.
-    dead : ndarray (k, 2 ends, 2)
-        What the traction of the first cell (``TriMesh.edge_cells``) exceeds that of the second one by, at both ends.
-    """
-
-    edges: np.ndarray
-    ends: np.ndarray
-    dead: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class LimitProblem:
     """A rigid-plastic body on a mesh of m triangles, dimensionless.
 
@@ -179,7 +160,7 @@ class LimitProblem:
         Body force that the multiplier acts on, in the same unit.
     outline : Outline
         The edges of the boundary.
-    jumps : Jumps
+    jumps : EdgeJumps
         The edges between different pore pressures.
     """
 
@@ -190,7 +171,7 @@ class LimitProblem:
     dead_force: np.ndarray
     live_force: np.ndarray
     outline: Outline
-    jumps: Jumps
+    jumps: EdgeJumps
 
     @property
     def points(self) -> np.ndarray:
@@ -234,7 +215,7 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,
         outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
-        jumps=Jumps(jumps.edges, jumps.ends, jumps.traction / units.stress),
+        jumps=jumps._replace(traction=jumps.traction / units.stress),
     )
 
 

@@ -154,7 +154,7 @@ def _balance(problem: LimitProblem) -> Equations:
 
 
 def _continuity(problem: LimitProblem) -> Equations:
-    """Tractions on both sides of inner edges, the same but for the ``Jumps``, at both ends, times half their length."""
+    """Tractions on both sides of inner edges, equal but for the ``EdgeJumps``, at both ends, times half its length."""
     mesh = problem.mesh
     inner = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[inner]
@@ -162,7 +162,7 @@ def _continuity(problem: LimitProblem) -> Equations:
     normal = _normals(problem, one, ends)
     zero = np.zeros(4 * len(inner))
     jump = np.zeros((len(inner), 2, 2))
-    jump[np.searchsorted(inner, problem.jumps.edges)] = problem.jumps.dead
+    jump[np.searchsorted(inner, problem.jumps.edges)] = problem.jumps.traction
     dead = (np.hypot(*normal.T)[:, None, None] * jump).ravel()
     matrix = _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal)
     return matrix, dead, zero, np.repeat(ends.ravel(), 2)

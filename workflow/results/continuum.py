@@ -164,22 +164,26 @@ class FemAnswer(Answer):
     )
 
     @property
+    def _for_discs(self) -> "RigidBox | FemAnswer":
+        """What discs in their rigid box are held against: the same between fixed sides where that has an answer."""
+        return self.rigid_box if self.rigid_box is not None and self.rigid_box.has_kc else self
+
+    @property
     def kc_for_discs(self) -> float:
         """The critical Kh that discs in their rigid box are held against."""
-        return self.rigid_box.kc if self.rigid_box is not None and self.rigid_box.has_kc else self.kc
+        return self._for_discs.kc
 
     @property
     def yielding_for_discs(self) -> float:
         """The mean displacement (m) at which the continuum of `kc_for_discs` has come to it but for a hundredth."""
-        box = self.rigid_box
-        kc, curve = (box.kc, box.curve) if box is not None and box.has_kc else (self.kc, self.curve)
-        near = (step.displacement for step in curve if step.factor >= YIELDED * kc)
+        curve = self._for_discs.curve
+        near = (step.displacement for step in curve if step.factor >= YIELDED * self.kc_for_discs)
         return min(near, default=curve[-1].displacement)
 
     @property
     def sides_for_discs(self) -> str:
         """The sides that this critical Kh is for."""
-        return "fixed" if self.rigid_box is not None and self.rigid_box.has_kc else self.settings.sides
+        return self.settings.sides if self._for_discs is self else "fixed"
 
     @property
     def has_kc(self) -> bool:

@@ -7,32 +7,43 @@ from contextlib import contextmanager
 from types import FrameType
 
 
+class _Memory:
+    """What SIGINT calls in a block of `remembered`."""
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        self.came = True
+        if not _importing(frame):
+            raise KeyboardInterrupt
+
+    def check(self) -> None:
+        """Raises KeyboardInterrupt if there was a Ctrl-C."""
+        if self.came:
+            raise KeyboardInterrupt
+
+
 @contextmanager
 def remembered() -> Iterator[Callable[[], None]]:
     """Remember every Ctrl-C in this block, so that one which a library swallows can be raised again.
 
     Yields a function to be called now and then: it raises KeyboardInterrupt if there was a Ctrl-C and the program has
     gone on all the same. Ctrl-C still raises KeyboardInterrupt at once, except in the middle of an import, where Python
-    would print the exception and go on. A program that was told to ignore Ctrl-C (as by nohup) keeps ignoring it.
+    would print the exception and go on. A block within a block shares its memory. A program that was told to ignore
+    Ctrl-C (as by nohup) keeps ignoring it.
     """
     before = signal.getsignal(signal.SIGINT)
+    if isinstance(before, _Memory):
+        yield before.check
+        return
     if before is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
         yield lambda: None
         return
-    came: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        came.append(number)
-        if not _importing(frame):
-            raise KeyboardInterrupt
-
-    def check() -> None:
-        if came:
-            raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, note)
+    memory = _Memory()
+    signal.signal(signal.SIGINT, memory)
     try:
-        yield check
+        yield memory.check
     finally:
         signal.signal(signal.SIGINT, before)
 

@@ -26,6 +26,16 @@ def test_a_swallowed_interrupt_comes_again() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_a_block_within_a_block_shares_its_memory() -> None:
+    with remembered() as outer:
+        swallow()
+        with remembered() as inner, pytest.raises(KeyboardInterrupt):
+            inner()
+        with pytest.raises(KeyboardInterrupt):
+            outer()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
 def test_where_it_is_ignored_it_stays_ignored() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
