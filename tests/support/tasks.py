@@ -1,0 +1,70 @@
+"""Tasks of which the answer is known beforehand; workers import them from here."""
+
+import math
+import os
+import signal
+import time
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from meshes.errors import NoAnswerError
+
+
+class Numbers(BaseModel):
+    """Some numbers, and a folder for those who leave traces."""
+
+    values: tuple[float, ...]
+    folder: str = ""
+
+
+class Number(BaseModel):
+    """One number."""
+
+    value: float
+
+
+def total(given: Numbers) -> Number:
+    """Their sum; none where one is negative."""
+    if min(given.values) < 0.0:
+        raise NoAnswerError("a number is negative", "take its absolute value")
+    return Number(value=sum(given.values))
+
+
+def ishigami(given: Numbers) -> Number:
+    """Ishigami and Homma (1990): sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1."""
+    x1, x2, x3 = given.values
+    return Number(value=math.sin(x1) + 7.0 * math.sin(x2) ** 2 + 0.1 * x3**4 * math.sin(x1))
+
+
+def slow_total(given: Numbers) -> Number:
+    """Their sum after a twentieth of a second; leaves a line for every time that it was begun."""
+    with (Path(given.folder) / f"{given.values}").open("a") as file:
+        file.write("begun\n")
+    time.sleep(0.05)
+    return total(given)
+
+
+def dies_once(given: Numbers) -> Number:
+    """Their sum; the first worker that tries is killed."""
+    return _dies(given, times=1)
+
+
+def dies_always(given: Numbers) -> Number:
+    """Nobody who tries survives."""
+    return _dies(given, times=1000)
+
+
+def _dies(given: Numbers, times: int) -> Number:
+    traces = Path(given.folder) / "tries"
+    traces.mkdir(exist_ok=True)
+    tried = len(list(traces.iterdir()))
+    (traces / str(tried)).touch()
+    if tried < times:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return total(given)
+
+
+def breaks(given: Numbers) -> Number:
+    """A fault of the program."""
+    raise ZeroDivisionError("what no one expected")

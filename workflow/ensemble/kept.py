@@ -1,0 +1,87 @@
+"""The folder that keeps what tasks came to: one file each, there whole or not at all, found by its fingerprint."""
+
+import errno
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from meshes.errors import InputError
+from meshes.files import whole
+
+FOLDER = "tasks"
+
+
+class Outcome(BaseModel):
+    """How a task ended."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    task: str = Field(description="the function")
+    given: dict[str, Any] = Field(description="its input")
+    answer: dict[str, Any] | None = Field(default=None, description="None where it failed")
+    reason: str = Field(default="", description="why it failed")
+    seconds: float = Field(default=0.0, description="that it took")
+    host: str = Field(default="", description="that it ran on")
+    lasting: bool = Field(default=True, description="whether it would end the same way again")
+
+
+class Kept:
+    """What is kept in a folder, which machines may share.
+
+    A claim is a lock of the kernel's on a file of its own, so that a task is computed once however many workers, of one
+    machine or several, look for something to do, and one that dies leaves nothing claimed. Where a file system has no
+    locks a task may be computed twice, with the same answer.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder / FOLDER
+
+    def path(self, fingerprint: str) -> Path:
+        """Where the outcome of a task is."""
+        return self.folder / f"{fingerprint}.json"
+
+    def read(self, fingerprint: str) -> Outcome | None:
+        """How a task ended; None where it has not yet, or where what stands there is none of ours."""
+        try:
+            return Outcome.model_validate_json(self.path(fingerprint).read_bytes())
+        except (OSError, ValidationError):
+            return None
+
+    def write(self, fingerprint: str, outcome: Outcome) -> None:
+        """Keep an outcome; raises InputError if it cannot be written."""
+        path = self.path(fingerprint)
+        try:
+            with whole(path) as beside:
+                beside.write_text(outcome.model_dump_json(indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error
+
+    @contextmanager
+    def claimed(self, fingerprint: str) -> Iterator[bool]:
+        """Whether the task is this process's to compute until the end of the block; else another one is at it."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / f".{fingerprint}.claim"
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        try:
+            mine = _locked(descriptor)
+            yield mine
+            if mine:
+                # its outcome is written by now, or the task is free for anybody: a late claim on the old file does
+                # no harm, since who holds one looks for an outcome first
+                with suppress(OSError):
+                    path.unlink()
+        finally:
+            os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno in (errno.ENOLCK, errno.ENOTSUP, errno.EINVAL)
+    return True
