@@ -119,8 +119,14 @@ def _discs(dem: DiscsAnswer) -> Iterator[tuple[str, str]]:
         )
     yield "Packing", told
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
+        deeper = ""
+        if surfaces.excess_above is not None:
+            deeper = (
+                f" Discs fail higher up: to fail no deeper than they do, the continuum would want "
+                f"{100 * surfaces.excess_above:.0f} % more Kh."
+            )
         yield (
             "Slip surface",
             f"Discs and continuum fail {surfaces.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * surfaces.same_stratum_share:.0f} % of the length.",
+            f"{100 * surfaces.same_stratum_share:.0f} % of the length." + deeper,
         )

@@ -112,6 +112,11 @@ class SlipSurfaces(Part):
     mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
     same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
     columns: int | None = Field(default=None, description="columns of discs that were compared")
+    excess_above: float | None = Field(
+        default=None,
+        description="where that of the discs is the higher one: by which share the continuum bears more Kh if it may "
+        "fail no deeper than that",
+    )
 
 
 class PaperDiscs(Part):

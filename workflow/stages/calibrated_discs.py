@@ -20,7 +20,7 @@ from dem.search.equilibrium import Rest, Rise, Trial, try_kh, unbalanced_ratio
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.side_by_side import StoppedError, side_by_side
-from dem.slides.slip import compare, cracked_shares, slip_surface
+from dem.slides.slip import cracked_shares, slip_surface
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -42,10 +42,12 @@ from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
+from workflow.stages.slip_surfaces import slip_surfaces
 
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 CALIBRATED = "dem/calibrated.h5"
+NO_LINE = np.zeros((0, 2))
 NARROWING = 5  # searches that finding the factor takes, more or less
 
 
@@ -57,7 +59,8 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
     calibrator = _calibrator(given, store, discs, continuum, progress)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
-        discs_answer(given, discs, (base, base), {}, Kept(), fem).write(store)
+        none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
+        discs_answer(given, discs, (base, base), {}, Kept(), none).write(store)
         CalibrationAnswer.not_asked_for(base, given.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
@@ -77,7 +80,10 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
         paper, sets["paper"] = _paper(given, store, progress)
     kept = _keep_states(given, store, sets)
     factor = {parameter: value} if found else {}
-    discs_answer(given, discs, (base, after), factor, kept, fem).model_copy(update={"paper": paper}).write(store)
+    progress("slip surfaces", None)
+    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
+    answer = discs_answer(given, discs, (base, after), factor, kept, surfaces)
+    answer.model_copy(update={"paper": paper}).write(store)
     _write_calibration(given, store, progress, discs, base, found)
     calibrate_pictures(given, store)
     if found is not None and found.verdict != "calibrated" and given.dem.out_of_reach == "stop":
@@ -196,7 +202,7 @@ class Kept:
 
     def surface(self, which: SetOfSprings) -> np.ndarray:
         """The slip surface of one set; without points where there is none."""
-        return self.surfaces.get(which, np.zeros((0, 2)))
+        return self.surfaces.get(which, NO_LINE)
 
 
 def _keep_states(given: Input, store: Store, sets: Sets) -> Kept:
@@ -243,7 +249,7 @@ def discs_answer(
     searches: tuple[Search, Search],
     factor: dict[str, float],
     kept: Kept,
-    fem: FemAnswer,
+    surfaces: SlipSurfaces,
 ) -> DiscsAnswer:
     """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""
     base, after = searches
@@ -253,7 +259,7 @@ def discs_answer(
         before=DiscSearch.of(base, _parameters(given.dem, {})),
         after=DiscSearch.of(after, _parameters(given.dem, factor)),
         states=kept.states,
-        slip_surface=_slip_surfaces(given, kept, fem),
+        slip_surface=surfaces,
     )
 
 
@@ -279,25 +285,6 @@ def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnsw
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
         pore_springs=int((settled.pore_length != 0.0).sum()),
-    )
-
-
-def _slip_surfaces(given: Input, kept: Kept, fem: FemAnswer) -> SlipSurfaces:
-    """The slip surfaces of the discs, and of the continuum at the last state of its path, with the sides of the discs'
-    box where it was computed with these.
-    """
-    of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
-    if given.dem.model == "soil" and fem.rigid_box is not None and fem.rigid_box.has_kc:
-        of_fem.append(fem.rigid_box.slip_surface)
-    continuum = np.array(of_fem[-1] if of_fem else ()).reshape(-1, 2)
-    agreement = compare(given, kept.surface("after"), continuum)
-    return SlipSurfaces(
-        dem=line(kept.surface("after")),
-        dem_before=line(kept.surface("before")),
-        fem=line(continuum),
-        mean_distance_m=agreement.mean_distance_m if agreement else None,
-        same_stratum_share=agreement.same_stratum_share if agreement else None,
-        columns=agreement.columns if agreement else None,
     )
 
 

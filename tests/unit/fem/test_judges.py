@@ -109,12 +109,12 @@ def test_narrow_cells_are_told_with_their_place():
     assert list(of_cells(MESH)) == []
 
 
-def test_slip_surface_is_the_ridge_of_plastic_strain_and_ends_with_it():
+def test_slip_surface_lies_in_the_band_of_strain_and_ends_with_what_moves():
     line = slip_surface(MESH, failing())
     inside = np.abs(line[:, 0] - 10.0) < 5.0
     assert np.abs(line[inside, 1] - arc(line[inside, 0])).max() < 1.0, "within a cell"
-    assert 3.0 < line[0, 0] < 5.5
-    assert 14.5 < line[-1, 0] < 17.0
+    assert 5.0 < line[0, 0] < 6.0
+    assert 14.0 < line[-1, 0] < 15.0
 
 
 def test_without_a_mechanism_there_is_no_slip_surface():

@@ -10,6 +10,7 @@ from mpi4py import MPI
 from fem.adaptive import adapted_answer
 from fem.critical import critical_at_once, critical_coefficient, seismic_load, seismic_path
 from fem.fields import touched_sides
+from fem.given_surface import critical_above
 from fem.gravity import gravity_equilibrium
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
@@ -29,10 +30,10 @@ def strip(beta, c, phi, psi):
     return section([[0.0, fall], [20.0, 0.0]], DEPTH + ROCK, layer, soil("rock", E=2e8, c=1e7, phi=0.0))
 
 
-def infinite_slope(beta, c, friction):
+def infinite_slope(beta, c, friction, depth=DEPTH):
     """kc of sliding on the bottom of the layer, ``friction`` being tan φ on it and c the cohesion there (Pa)."""
     cos, sin = math.cos(math.radians(beta)), math.sin(math.radians(beta))
-    up = c / (2000.0 * GRAVITY * DEPTH) + cos**2 * friction - sin * cos
+    up = c / (2000.0 * GRAVITY * depth) + cos**2 * friction - sin * cos
     return up / (cos**2 + sin * cos * friction)
 
 
@@ -59,6 +60,27 @@ def test_infinite_slope_fails_at_its_closed_form(element, beta, c, phi):
     assert found.verdict == "plateau"
     assert found.kc == pytest.approx(exact, rel=0.006)
     assert found.upper >= 0.997 * exact
+
+
+def test_ground_that_may_fail_no_deeper_than_a_line_slides_along_it():
+    """Clay slides at c/(γ d) where its points lie deepest: above its bottom, or above the line, by (1 - 1/√3)/2 of a
+    cell. Measured: within 0.1 %."""
+    ground, line = strip(10.0, 6e4, 0.0, 0.0), 0.5 * DEPTH
+    mesh = generate(ground, MeshSettings(columns=4, rows=24))
+    wish = FemSettings(sides="tied", direction="downhill")
+    found = critical_above(ground, mesh, wish, ground.ground - [0.0, line], MPI.COMM_SELF)
+    lift = 0.5 * (1.0 - 1.0 / math.sqrt(3.0)) * (DEPTH + ROCK) / 24
+    assert found.kc == pytest.approx(infinite_slope(10.0, 6e4, 0.0, DEPTH - lift), rel=0.002)
+    assert found.kc_above == pytest.approx(infinite_slope(10.0, 6e4, 0.0, line - lift), rel=0.002)
+    assert found.excess == pytest.approx(found.kc_above / found.kc - 1.0)
+
+
+def test_a_line_below_its_own_slip_surface_changes_nothing():
+    ground = strip(10.0, 6e4, 0.0, 0.0)
+    mesh = generate(ground, MeshSettings(columns=4, rows=24))
+    line = ground.ground - [0.0, DEPTH + 0.5 * ROCK]
+    found = critical_above(ground, mesh, FemSettings(sides="tied", direction="downhill"), line, MPI.COMM_SELF)
+    assert found.kc_above == pytest.approx(found.kc, rel=1e-3)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])

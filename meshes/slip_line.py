@@ -1,0 +1,48 @@
+"""The slip surface of ground that moves, defined alike for finite elements and discs: in the middle of the shear."""
+
+import numpy as np
+
+
+def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Where moving ground meets ground at rest, (k, 2) in m; empty where nothing moves.
+
+    x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
+    fast the ground there moves, not a number where there is none. Moving is what exceeds the mean of the means of what
+    moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630): half of the jump across a
+    thin band of shear, half of the way across a thick one. Counted are columns that move from the ground downwards, and
+    of these the longest row without a gap.
+    """
+    limit = _threshold(moved[np.isfinite(moved)])
+    depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
+    found = np.isfinite(depths)
+    if not found.any():
+        return np.zeros((0, 2))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], found, [False]]).astype(int)))
+    starts, ends = edges[0::2], edges[1::2]
+    longest = int(np.argmax(ends - starts))
+    row = slice(starts[longest], ends[longest])
+    return np.column_stack([x[row], np.array(depths)[row]])
+
+
+def _threshold(moved: np.ndarray) -> float:
+    """What tells moving from resting ground; infinite where all is alike."""
+    if not len(moved) or np.ptp(moved) <= 1e-12 * np.abs(moved).max():
+        return np.inf
+    limit, before = 0.5 * (moved.min() + moved.max()), np.nan
+    while limit != before:
+        before, limit = limit, 0.5 * (moved[moved >= limit].mean() + moved[moved < limit].mean())
+    return float(limit)
+
+
+def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
+    """The height at which a column begins to move, seen from its top; not a number where the top is at rest."""
+    ground = np.isfinite(moved)
+    z, moved = z[ground], moved[ground]
+    if not len(z) or moved[-1] < limit:
+        return np.nan
+    still = np.flatnonzero(moved < limit)
+    if not len(still):
+        return float(z[0])
+    below = int(still[-1])
+    share = (limit - moved[below]) / (moved[below + 1] - moved[below])
+    return float(z[below] + share * (z[below + 1] - z[below]))

@@ -1,0 +1,35 @@
+"""The slip surface lies in the middle of the shear, whether this is a jump or a thick zone."""
+
+import numpy as np
+import pytest
+
+from meshes.slip_line import slip_line
+
+X = np.linspace(0.0, 10.0, 11)
+Z = np.broadcast_to(np.linspace(0.0, 5.0, 51), (11, 51))
+
+
+def test_a_jump_is_found_where_it_is() -> None:
+    line = slip_line(X, Z, np.where(Z > 2.04, 1.0, 0.0))
+    np.testing.assert_allclose(line, np.column_stack([X, np.full(11, 2.05)]))
+
+
+def test_a_thick_zone_is_cut_half_way() -> None:
+    line = slip_line(X, Z, np.clip((Z - 1.0) / 2.0, 0.0, 1.0))
+    np.testing.assert_allclose(line[:, 1], 2.0, atol=0.15)
+
+
+def test_it_ends_where_the_ground_above_is_at_rest_and_the_longest_row_counts() -> None:
+    moved = np.where((Z > 2.04) & np.isin(np.arange(11), (0, 1, 4, 5, 6, 7, 10))[:, None], 1.0, 0.0)
+    assert slip_line(X, Z, moved)[:, 0].tolist() == [4.0, 5.0, 6.0, 7.0]
+
+
+def test_ground_below_that_moves_and_places_without_ground_do_not_count() -> None:
+    moved = np.where((Z > 2.04) | (Z < 0.5), 1.0, 0.0)
+    moved[:, 40:] = np.nan
+    np.testing.assert_allclose(slip_line(X, Z, moved)[:, 1], 2.05)
+
+
+@pytest.mark.parametrize("moved", [0.0, 0.3, np.nan])
+def test_where_all_moves_alike_there_is_none(moved: float) -> None:
+    assert slip_line(X, Z, np.full(Z.shape, moved)).shape == (0, 2)
