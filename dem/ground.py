@@ -14,7 +14,7 @@ from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
-from dem.water import drift
+from dem.water import excess, still_water, swing
 from meshes.errors import InputError
 from meshes.section.section import Section
 
@@ -70,10 +70,26 @@ class Ground:
         gravity, soil = tilted_gravity(self.tilt), settings.model == "soil"
         model = self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
         if self.section is not None:
-            c, s = np.cos(self.tilt), np.sin(self.tilt)
-            ax, az = drift(self.section, *self.to_section(model.x, model.z), model)
-            model.drift_x, model.drift_z = c * ax - s * az, s * ax + c * az
+            places = self.to_section(model.x, model.z)
+            model.drift_x, model.drift_z = self._own(still_water(self.section, places, model))
+            shaken = swing(self.section, places, model)
+            if shaken is not None:
+                model.swing_x, model.swing_z = self._own(shaken)
         return model
+
+    def weaken(self, model: DiscModel) -> bool:
+        """Lets discs at rest feel the pore pressure that shaking adds; False where it adds none."""
+        added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
+        if added is None:
+            return False
+        ax, az = self._own(added)
+        model.drift_x, model.drift_z = model.drift_x + ax, model.drift_z + az
+        return True
+
+    def _own(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Vectors (n, 2) of the section's frame in the discs' own."""
+        c, s = np.cos(self.tilt), np.sin(self.tilt)
+        return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
     def held(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
         """Kh that comes on in `rise` seconds from `start` (s), is held, and goes again in a second; + is downhill.

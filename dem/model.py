@@ -89,7 +89,7 @@ class DiscModel(DiscState):
         }
         model = cls(
             x=x, z=z, **motion, radius=radii, mass=np.pi * radii**2 * density, weight=effective / density,
-            drift_x=np.zeros(n), drift_z=np.zeros(n),
+            drift_x=np.zeros(n), drift_z=np.zeros(n), swing_x=np.zeros(n), swing_z=np.zeros(n),
             inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), **contacts,
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),

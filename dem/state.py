@@ -39,6 +39,8 @@ class DiscState:
         Effective over full density.
     drift_x, drift_z : (n,)
         Acceleration by pore pressure, and by what presses on the ground (m/s2); it goes with the disc.
+    swing_x, swing_z : (n,)
+        Acceleration by what else shakes, surcharges and free water, over that of the frame across gravity.
     inertia_ratio : (n,)
         m r^2/I: 2 for a disc, 0 for one that cannot turn.
     layer : (n,) int32
@@ -102,6 +104,8 @@ class DiscState:
     weight: np.ndarray
     drift_x: np.ndarray
     drift_z: np.ndarray
+    swing_x: np.ndarray
+    swing_z: np.ndarray
     inertia_ratio: np.ndarray
     layer: np.ndarray
     fixed: np.ndarray

@@ -1,15 +1,17 @@
-"""What water does to discs: the slope of the pore pressure on each, and on those at the ground what presses there.
+"""What water and loads on the ground do to discs, by the same fields that finite elements and bounds take.
 
-The force of a disc is that of its share of the soil, where it lies when the discs are made; it goes with the disc from
-then on, and so do the forces at the ground, and between strata with different pore pressures, which the nearest discs
-take. Pore pressure that shaking adds is left out: of discs, strata liquefy.
+The force of a disc is that of its share of the soil, where it lies when it is asked; forces at the ground, and between
+strata with different pore pressures, go to the nearest discs. All of them go with the disc from then on.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from dem.state import DiscState
-from meshes.pore_loads import at_ends, corner_pressure, edge_jumps, outward_normals
+from meshes.pore_loads import Pressure, at_ends, corner_pressure, edge_jumps, outward_normals
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate
 
@@ -18,43 +20,88 @@ STEP = 1e-3
 # Edges of the triangles, in mean radii.
 EDGE = 2.0
 
+Places = tuple[np.ndarray, np.ndarray]  # x and z (n,) of all discs in the section (m)
+# Traction (k, 2) in Pa on the skeleton at the middles (k, 2) of edges of the ground, whose outward normals are (k, 2).
+Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
+# Pressure (k,) in Pa of the water at points (k, 2) of the ground, with points near them.
+Outside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
-def drift(section: Section, x: np.ndarray, z: np.ndarray, discs: DiscState) -> tuple[np.ndarray, np.ndarray]:
-    """Acceleration (m/s2) of discs at x and z (m) of a section by its water and by what presses on its ground."""
-    found = np.zeros((len(x), 2))
-    water = section.water_pressure
-    free = np.flatnonzero(~discs.fixed)
+
+def still_water(section: Section, places: Places, discs: DiscState) -> np.ndarray:
+    """Acceleration (n, 2) in m/s2 of discs by pore pressure at rest and by what presses on the ground."""
+    found = np.zeros((len(discs), 2))
+    water, size = section.water_pressure, EDGE * float(discs.radius.mean())
     if water.present:
-        places, layer = np.column_stack([x, z])[free], discs.layer[free].astype(int)
-        step = STEP * float(discs.radius.mean())
-        density = np.array([s.density_seismic for s in section.strata])[layer]
-        for axis in (0, 1):
-            away = step * np.eye(2)[axis]
-            rise = water.at_rest(places + away, places, layer) - water.at_rest(places - away, places, layer)
-            found[free, axis] = -rise / (2.0 * step) / density
-    if water.present or section.surcharges:
-        tree = cKDTree(np.column_stack([x, z])[free])
-        at, force = _edge_forces(section, EDGE * float(discs.radius.mean()))
-        nearest = free[tree.query(at)[1]]
-        np.add.at(found, nearest, force / discs.mass[nearest, None])
-    return found[:, 0], found[:, 1]
+        found += _of_pores(section, places, discs, water.at_rest, water.on_ground)
+    if section.surcharges:
+        mesh = triangulate(section, size)
+        found += _at_nearest(discs, places, *_on_ground(mesh, lambda at, out: section.surface_loads.dead(at, at, out)))
+    return found
 
 
-def _edge_forces(section: Section, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where (k, 2) in m the skeleton is pressed at the ground and between strata, and by what force (k, 2) in N/m."""
-    mesh, water = triangulate(section, size), section.water_pressure
-    pressure = corner_pressure(mesh, water.at_rest)
-    jumps = edge_jumps(mesh, pressure)
+def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
+    """Acceleration (n, 2) in m/s2 of discs by the pore pressure that shaking adds; None without any."""
+    if not any(s.excess_pore_pressure_ratio for s in section.strata):
+        return None
+    return _of_pores(section, places, discs, section.water_pressure.shaken, None)
+
+
+def swing(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
+    """Acceleration (n, 2) of discs by the inertia of surcharges and of free water, over that of the frame along x.
+
+    None where there is nothing that shakes with the ground.
+    """
+    surface = section.surface_loads
+    if not surface.present:
+        return None
+    mesh = triangulate(section, EDGE * float(discs.radius.mean()))
+    at, force = _on_ground(mesh, lambda middle, out: surface.shaken(1, middle, middle, out))
+    return _at_nearest(discs, places, at, force / GRAVITY)
+
+
+def _of_pores(
+    section: Section, places: Places, discs: DiscState, pressure: Pressure, outside: Outside | None
+) -> np.ndarray:
+    """Acceleration (n, 2) by one pore pressure: its slope, its jumps, and what of it no water on the ground holds."""
+    free = np.flatnonzero(~discs.fixed)
+    at, layer = np.column_stack(places)[free], discs.layer[free].astype(int)
+    step = STEP * float(discs.radius.mean())
+    density = np.array([s.density_seismic for s in section.strata])[layer]
+    found = np.zeros((len(discs), 2))
+    for axis in (0, 1):
+        away = step * np.eye(2)[axis]
+        rise = pressure(at + away, at, layer) - pressure(at - away, at, layer)
+        found[free, axis] = -rise / (2.0 * step) / density
+    mesh = triangulate(section, EDGE * float(discs.radius.mean()))
+    corners = corner_pressure(mesh, pressure)
     ends = mesh.boundaries["surface"]
-    cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
-    normal, middle = outward_normals(mesh, cells, ends), mesh.points[ends].mean(axis=1)
-    inside = at_ends(mesh, pressure, cells, ends).mean(axis=1)
-    outside = 0.5 * sum(water.on_ground(mesh.points[ends[:, end]], middle) for end in (0, 1))
-    pressed = (inside - outside)[:, None] * normal + section.surface_loads.dead(middle, middle, normal)
-    return (
-        np.vstack([middle, mesh.points[jumps.ends].mean(axis=1)]),
-        np.vstack([_length(mesh, ends) * pressed, _length(mesh, jumps.ends) * jumps.traction.mean(axis=1)]),
-    )
+    inside = at_ends(mesh, corners, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends).mean(axis=1)
+
+    def pressed(middle: np.ndarray, out: np.ndarray) -> np.ndarray:
+        water = 0.0 if outside is None else 0.5 * sum(outside(mesh.points[ends[:, k]], middle) for k in (0, 1))
+        return (inside - water)[:, None] * out
+
+    jumps = edge_jumps(mesh, corners)
+    between = _length(mesh, jumps.ends) * jumps.traction.mean(axis=1)
+    found += _at_nearest(discs, places, *_on_ground(mesh, pressed))
+    return found + _at_nearest(discs, places, mesh.points[jumps.ends].mean(axis=1), between)
+
+
+def _on_ground(mesh: TriMesh, traction: Traction) -> tuple[np.ndarray, np.ndarray]:
+    """Middles (k, 2) in m of the edges of the ground, and the forces (k, 2) in N/m of a traction on them."""
+    ends = mesh.boundaries["surface"]
+    normal = outward_normals(mesh, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends)
+    middle = mesh.points[ends].mean(axis=1)
+    return middle, _length(mesh, ends) * traction(middle, normal)
+
+
+def _at_nearest(discs: DiscState, places: Places, at: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Acceleration (n, 2) in m/s2 of discs, of which the nearest to places (k, 2) in m take forces (k, 2) in N/m."""
+    free = np.flatnonzero(~discs.fixed)
+    nearest = free[cKDTree(np.column_stack(places)[free]).query(at)[1]]
+    found = np.zeros((len(discs), 2))
+    np.add.at(found, nearest, force / discs.mass[nearest, None])
+    return found
 
 
 def _length(mesh: TriMesh, ends: np.ndarray) -> np.ndarray:

@@ -182,9 +182,8 @@ class Engine:
         return ledger
 
     def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
-        series = model.acceleration
-        now = np.array([[np.interp(model.time, series.times, values)] for values in (series.x, series.z)])
-        loads = Loads(np.array([model.time]), now)
+        now = model.acceleration.at(model.time)
+        loads = Loads(now.times, now.with_level(model.gravity))
         found = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
         return Ledger.of(found, model.energy_sums, model.energy_edited, model.turnover)
 
@@ -292,11 +291,10 @@ class Run:
         model, engine = self.model, self.engine
         barrier = new_barrier(self.threads)
         stops = np.zeros((2, self.threads), np.int64)
-        series = model.acceleration
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time)
         springs, law = springs_of(model), engine.law_of(model)
-        loads = Loads(series.times, np.array([series.x, series.z]))
+        loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
         entries = Entries(engine.ledger, model.energy_sums)
 
         def work(thread: int) -> tuple[int, float, int]:

@@ -81,19 +81,17 @@ def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
 
 
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Force (x, z) and moment on each disc from contacts, weight, water and the frame (N, N m per metre)."""
+    """Force (x, z) and moment on each disc from contacts, weight, water, loads and the frame (N, N m per metre)."""
     n = len(model)
 
     def total(on_j: np.ndarray, on_i: np.ndarray, lines: np.ndarray) -> np.ndarray:
         pairs = np.bincount(model.pair_j, on_j, n) + np.bincount(model.pair_i, on_i, n)
         return pairs + np.bincount(model.line_disc, lines, n)
 
-    series = model.acceleration
-    ax = np.interp(model.time, series.times, series.x)
-    az = np.interp(model.time, series.times, series.z)
+    ax, az, level = model.acceleration.at(model.time).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
-    fx = total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + ax)
-    fz = total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + az)
+    fx = total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.swing_x * level + ax)
+    fz = total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.swing_z * level + az)
     return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)
 
 

@@ -75,6 +75,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
         line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
+        **_swings(model, slices),
     )  # fmt: skip
 
 
@@ -101,6 +102,18 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     for field in (0, 1, 11, 12):
         discs[-1, field, empty] = FAR * (1.0 + empty)
     return discs.reshape(-1)
+
+
+def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
+    """Those fields of the layout that belong to discs which carry what shakes with the ground."""
+    order = model.order
+    there = np.flatnonzero((model.swing_x[order] != 0.0) | (model.swing_z[order] != 0.0))
+    fields = (*model.pull, model.swing_x, model.swing_z)
+    return {
+        "swing_disc": there // LANES * (DISC_FIELDS * LANES) + there % LANES,
+        "swing": np.column_stack([values[order][there] for values in fields]),
+        "swing_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
+    }
 
 
 def unpack(layout: Layout, model: DiscModel) -> None:

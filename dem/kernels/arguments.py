@@ -70,8 +70,8 @@ class Loads(NamedTuple):
     ----------
     times : (n,)
         Instants (s) at which the external acceleration is given.
-    acceleration : (2, n)
-        x and z components there (m/s2).
+    acceleration : (3, n)
+        x and z components there, and the one across gravity (m/s2).
     """
 
     times: np.ndarray
@@ -140,9 +140,9 @@ class Step(NamedTuple):
     ----------
     kick, dt, slip_time : float
         Time between the velocities kept and the new ones; to the new positions; since the last positions (s).
-    ax, az : float
-        External acceleration at the beginning of the step (m/s2).
-    mean_x, mean_z : float
+    ax, az, level : float
+        External acceleration at the beginning of the step: along x, along z, across gravity (m/s2).
+    mean_x, mean_z, mean_level : float
         Its mean over the step (m/s2), for the ledger.
     reach : float
         Square of the way (m2) after which a disc wants a new neighbour list.
@@ -153,6 +153,8 @@ class Step(NamedTuple):
     slip_time: float
     ax: float
     az: float
+    level: float
     mean_x: float
     mean_z: float
+    mean_level: float
     reach: float

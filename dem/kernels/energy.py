@@ -28,6 +28,7 @@ from dem.kernels.layout import (
     disc_at,
 )
 from dem.kernels.scratch import ROW, SCRATCH, load_constants, load_partners
+from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
 TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS = range(5)
@@ -82,6 +83,7 @@ def kinetic(layout: Layout, force: np.ndarray, loads: Loads, dt: float, out: np.
     discs = layout.discs
     ax, az = loads.acceleration[0, 0], loads.acceleration[1, 0]
     for p in range(len(layout.chunk_start) - 1):
+        swing_slice(p, layout, loads.acceleration[2, 0])
         b = np.uint64(p) * DISC
         for lane in range(LANES):
             q = np.uint64(lane)

@@ -18,7 +18,7 @@ LANES = 64
 
 # Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
 # extrapolated to the end of the step, the others stand half a step behind.
-# PULL is the acceleration by weight and water.
+# PULL is the acceleration by weight and water, and by what else shakes with the ground.
 DISC_FIELDS = 15
 X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, PULL_X, X0, Z0, ROLL, PULL_Z = (
     np.uint64(k * LANES) for k in range(DISC_FIELDS)
@@ -69,6 +69,12 @@ class Layout(NamedTuple):
         The disc's radius (m).
     line_start : (slices + 1,)
         First contact with a line of each slice.
+    swing_disc : (discs that carry what shakes,)
+        Where their x lies in `discs`.
+    swing : (discs that carry what shakes, 4)
+        Their PULL_X and PULL_Z without it, and what it adds over the acceleration of the frame across gravity.
+    swing_start : (slices + 1,)
+        First of them in each slice.
     """
 
     discs: np.ndarray
@@ -87,6 +93,9 @@ class Layout(NamedTuple):
     line_kind: np.ndarray
     line_radius: np.ndarray
     line_start: np.ndarray
+    swing_disc: np.ndarray
+    swing: np.ndarray
+    swing_start: np.ndarray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -48,6 +48,7 @@ from dem.kernels.layout import (
 )
 from dem.kernels.prefetch import LINE, fetch
 from dem.kernels.scratch import ROW, SCRATCH, SUM_R, SUM_X, SUM_Z, load_constants, load_partners
+from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
@@ -196,11 +197,13 @@ def contacts_of_slice(
 def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
+    swing_slice(p, layout, step.level)
     moved = move(p, layout.discs, scratch, step)
     if entries.kept:
         by_weight, by_external, by_boundary = work(p, layout.discs, scratch, step)
-        entries.sums[p, WORK_WEIGHT] += by_weight
-        entries.sums[p, WORK_EXTERNAL] += by_external
+        swings = momentum_of_swings(p, layout) * step.dt
+        entries.sums[p, WORK_WEIGHT] += by_weight - swings * step.level
+        entries.sums[p, WORK_EXTERNAL] += by_external + swings * step.mean_level
         entries.sums[p, WORK_BOUNDARY] += by_boundary
     return moved
 
@@ -260,9 +263,11 @@ def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, re
     """The step that begins at `time`; a new length follows the old one without a jump of the velocities."""
     ax = interpolate(time, loads.times, loads.acceleration[0], place)
     az = interpolate(time, loads.times, loads.acceleration[1], place)
+    level = interpolate(time, loads.times, loads.acceleration[2], place)
     mean_x = 0.5 * (ax + interpolate(time + dt, loads.times, loads.acceleration[0], place))
     mean_z = 0.5 * (az + interpolate(time + dt, loads.times, loads.acceleration[1], place))
-    return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, mean_x, mean_z, reach)
+    mean_level = 0.5 * (level + interpolate(time + dt, loads.times, loads.acceleration[2], place))
+    return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, level, mean_x, mean_z, mean_level, reach)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

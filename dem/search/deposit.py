@@ -65,11 +65,11 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
     radius = settings.radius or radius_for(section, settings.elements)
     ground = _filled(section, settings, radius)
     layers = list(layers_of(radius, FIRST_VOIDS))
-    settled = settle(ground, layers, settings)
-    for _ in range(ROUNDS):
+    settled = settle(ground, layers, settings, shaken=False)
+    for left in reversed(range(ROUNDS)):
         ground = replace(ground, packing=cut(section, settled, ground))
         layers = list(layers_of(radius, void_ratio(section, ground.packing)))
-        settled = settle(ground, layers, settings)
+        settled = settle(ground, layers, settings, shaken=left == 0)
     return Deposit(ground, layers, settled, void_ratio(section, ground.packing))
 
 

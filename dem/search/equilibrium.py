@@ -145,31 +145,45 @@ def period(model: DiscModel, ground: Ground) -> float:
 
 
 def settle(
-    ground: Ground, layers: list[LayerSprings], settings: DemSettings, model: DiscModel | None = None
+    ground: Ground,
+    layers: list[LayerSprings],
+    settings: DemSettings,
+    model: DiscModel | None = None,
+    shaken: bool = True,
 ) -> DiscModel:
     """The discs at rest under their weight, with pore springs set: the start of everything.
 
-    model: discs to go on from instead of the packing, whose pore springs are taken away. Until the unbalanced force
-    ratio is below `SETTLED`, velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping,
-    Cundall 1976). Raises NotSettledError.
+    model: discs to go on from instead of the packing, whose pore springs are taken away. The pore pressure that shaking
+    adds comes once they are at rest, if the ground is `shaken`; discs to go on from have it. Raises NotSettledError.
     """
+    fresh = model is None
     if model is None:
         model = ground.model(layers, settings)
     else:
         model.cut_pore_springs()
         model.set_springs(layers)
-    cycle = period(model, ground)
-    limit = model.time + 40.0 * cycle
+    _rest(model, ground, "under its weight")
+    if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
+        model.set_pore_springs()
+    if fresh and shaken and ground.weaken(model):
+        _rest(model, ground, "once shaking has added its pore pressure")
+    return model
+
+
+def _rest(model: DiscModel, ground: Ground, under: str) -> None:
+    """Takes discs on until the unbalanced force ratio is below `SETTLED`.
+
+    Velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1976).
+    """
+    cycle, start = period(model, ground), model.time
     last = 0.0
-    while model.time < limit:
+    while model.time < start + 40.0 * cycle:
         last, _ = calm(model, LOOK * cycle, last)
         if unbalanced_ratio(model) < SETTLED:
             stop(model)
-            if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
-                model.set_pore_springs()
-            return model
+            return
     raise NotSettledError(
-        f"after {limit:.3g} s under its weight the ground is not at rest: unbalanced force ratio "
+        f"after {model.time - start:.3g} s {under} the ground is not at rest: unbalanced force ratio "
         f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is asked for. Take stiffer springs or smaller discs."
     )
 

@@ -48,7 +48,8 @@ def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], c
     free = ~model.fixed
     x, z = ground.to_section(model.x[free], model.z[free])
     column = ((x - x.min()) / (8.0 * ground.radius)).astype(int)
-    weight = (model.mass * np.hypot(*model.pull))[free] / (8.0 * ground.radius)
+    down = np.array(model.gravity) / np.hypot(*model.gravity)
+    weight = (model.mass * (down @ np.array(model.pull)))[free] / (8.0 * ground.radius)
     layer = model.layer[free]
     found = {}
     for k in strata:

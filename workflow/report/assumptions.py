@@ -39,7 +39,7 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
     )
     yield "Water", _water(given)
     if given.surcharges:
-        yield "Loads", "Surcharges are vertical; the discs carry their weight, and not their inertia."
+        yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
     yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
     if any(stratum.liquefies_in for stratum in given.strata):
         yield (
@@ -65,7 +65,7 @@ def _water(given: Input) -> str:
         "of the saturated mass. No pore pressure comes with strain."
     )
     if any(s.excess_pore_pressure_ratio for s in given.strata):
-        told += " Shaking adds the excess pore pressure given, in the continuum and not in the discs."
+        told += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
     if given.water is not None and given.water.after_drawdown is not None:
         told += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
     return told

@@ -1,4 +1,4 @@
-"""Water and loads of discs: buoyancy, seepage down a slope, and what presses on the ground."""
+"""Water and loads of discs: buoyancy, seepage down a slope, what presses on the ground, and what of it shakes."""
 
 from dataclasses import replace
 
@@ -7,16 +7,20 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine
+from dem.engine.forces import contact_forces, resultants
 from dem.ground import ground_of
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
+from dem.search.equilibrium import settle
 from dem.settings import DemSettings
 from meshes.section.quantity import GRAVITY
 from tests.support.dem_cases import FLOOR, KN, MASS, RADIUS, SOIL
 from tests.support.water import WATER, section, soil
 
 DISCS = DemSettings(elements=500, packing="random")
+SMALL = DemSettings(elements=150, packing="random")
+FRICTION = 0.8
 PAIR = {"density": None, "density_saturated": None}
 
 
@@ -55,47 +59,109 @@ def test_a_surcharge_and_a_jump_of_pore_pressure_reach_the_discs_whole():
     assert lifted + pushed == pytest.approx(60.0 * (7.0 + 6.0) * WATER, rel=0.05)
 
 
-@pytest.mark.parametrize("head", ["vertical", "normal"])
-def test_a_row_that_repeats_slides_down_with_seepage_at_its_closed_form(head):
+def smooth_row(tilt, **changes):
+    """A row of discs that do not turn on a rough plane, its sides tied: a uniform slope one disc deep."""
+    rough = replace(
+        SOIL, friction=FRICTION, contact_cohesion=0.0, rolling_friction=np.inf, cn=np.sqrt(MASS * KN),
+        ct=np.sqrt(MASS * KN),
+    )  # fmt: skip
+    return DiscModel.create(
+        2.0 * RADIUS * np.arange(16), np.full(16, RADIUS), RADIUS, [rough], lines=FLOOR, law="soil",
+        gravity=tilted_gravity(tilt, GRAVITY), period=(32.0 * RADIUS, 0.0), **changes,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("head", "excess"), [("vertical", 0.0), ("normal", 0.0), ("normal", 0.15)])
+def test_a_row_that_repeats_slides_down_with_seepage_at_its_closed_form(head, excess):
     """Kh = (γ cos² - u/h) tan φ - γ sin cos over γ (cos² + sin cos tan φ), of a layer that water flows through along
-    the slope; 1 % less than that it stays, 1 % more and it goes."""
-    slope, friction, density = np.arctan(1.0 / 3.0), 0.8, 20e3 / GRAVITY
+    the slope, u/h with what shaking adds; 1 % less than that it stays, 1 % more and it goes."""
+    slope, density = np.arctan(0.2), 20e3 / GRAVITY
     cosine, sine = np.cos(slope), np.sin(slope)
     strip = section(
-        soil(cohesion=0.0), surface=[[0.0, 20.0], [60.0, 0.0]], base={"depth": 4.0},
+        soil(cohesion=0.0, excess_pore_pressure_ratio=excess), surface=[[0.0, 12.0], [60.0, 0.0]], base={"depth": 4.0},
         water={"table": {"depth": 0.0}, "head": head},
     )  # fmt: skip
-    at, up = np.array([[30.0, 8.0]]), np.array([0.0, 1e-3])
-    along = np.array([1e-3, 0.0])
-    rise = [
-        float((strip.water_pressure.at_rest(at + d, at, [0]) - strip.water_pressure.at_rest(at - d, at, [0]))[0] / 2e-3)
-        for d in (along, up)
-    ]
+    water, at = strip.water_pressure, np.array([[30.0, 4.0]])
+
+    def pressure(place):
+        return float((water.at_rest(place, at, [0]) + water.shaken(place, at, [0]))[0])
+
+    rise = [(pressure(at + d) - pressure(at - d)) / 2e-3 for d in 1e-3 * np.eye(2)]
     pore = WATER * (cosine**2 if head == "normal" else 1.0)
-    more = (20e3 * cosine**2 - pore) * friction - 20e3 * sine * cosine
-    kc = more / (20e3 * (cosine**2 + sine * cosine * friction))
-    row = replace(
-        SOIL,
-        friction=friction,
-        contact_cohesion=0.0,
-        rolling_friction=np.inf,
-        cn=np.sqrt(MASS * KN),
-        ct=np.sqrt(MASS * KN),
-    )
+    pore += excess * (20e3 - pore)
+    more = (20e3 * cosine**2 - pore) * FRICTION - 20e3 * sine * cosine
+    kc = more / (20e3 * (cosine**2 + sine * cosine * FRICTION))
     moved = []
     for share in (0.99, 1.01):
-        x = 2.0 * RADIUS * np.arange(16)
-        model = DiscModel.create(
-            x, np.full(16, RADIUS), RADIUS, [row], lines=FLOOR, law="soil",
-            gravity=tilted_gravity(slope, GRAVITY), period=(32.0 * RADIUS, 0.0),
-            acceleration=Acceleration.seismic(share * kc, tilt=slope, ramp=(0.0, 2.0)),
-        )  # fmt: skip
+        model = smooth_row(slope, acceleration=Acceleration.seismic(share * kc, tilt=slope, ramp=(0.0, 2.0)))
         ax, az = -np.array(rise) / density
         model.drift_x[:], model.drift_z[:] = cosine * ax - sine * az, sine * ax + cosine * az
+        begin = model.x.copy()
         Engine(dt=1e-4, balance=np.inf).run(model, 6.0)
-        moved.append(float(np.mean(model.x - x)))
+        moved.append(float(np.mean(model.x - begin)))
     assert abs(moved[0]) < 0.005
     assert moved[1] > 0.02
+
+
+@pytest.mark.parametrize(("tilt", "share"), [(0.0, 1.0), (0.3, 0.0), (0.3, 0.5)])
+def test_a_loaded_row_slides_at_its_closed_form(tilt, share):
+    """Kh = tan(φ - β) (W + Q)/(W + s Q) of discs that weigh W and carry Q, of which the share s shakes with them."""
+    load = 0.7
+    kc = np.tan(np.arctan(FRICTION) - tilt) * (1.0 + load) / (1.0 + share * load)
+    moved = []
+    for part in (0.99, 1.01):
+        model = smooth_row(tilt, acceleration=Acceleration.seismic(part * kc, tilt=tilt, ramp=(0.0, 2.0)))
+        model.drift_x[:], model.drift_z[:] = load * np.array(model.gravity)[:, None]
+        model.swing_x[:], model.swing_z[:] = share * load * np.cos(tilt), share * load * np.sin(tilt)
+        begin = model.x.copy()
+        Engine(dt=1e-4, balance=np.inf).run(model, 6.0)
+        moved.append(float(np.mean(model.x - begin)))
+    assert abs(moved[0]) < 0.005
+    assert moved[1] > 0.02
+
+
+def test_what_shakes_does_its_work_and_comes_to_the_same_with_any_number_of_threads():
+    ends = []
+    for threads in (1, 2):
+        model = smooth_row(0.1, acceleration=Acceleration.seismic(1.2, tilt=0.1, ramp=(0.0, 1.0)))
+        model.swing_x[::2], model.swing_z[::2] = 0.5, -0.1
+        begin = np.array([model.x, model.z])
+        ledger = Engine(dt=1e-4, threads=threads).run(model, 3.0)  # its energies balance, or it raises
+        ends.append((model.x, model.z, ledger.external, ledger.weight))
+    by_weight = float(np.sum(model.mass * (np.array(model.gravity) @ (np.array([model.x, model.z]) - begin))))
+    assert ledger.weight == pytest.approx(by_weight, rel=1e-6)
+    assert ledger.external > ledger.weight
+    for one, other in zip(*ends, strict=True):
+        assert np.array_equal(one, other)
+
+
+def test_surcharges_and_free_water_push_with_their_inertia():
+    """Westergaard's pressure on a face at an angle b comes to 7/12 γw H² Kh sin b along x, times cos b upwards; H is
+    the depth of the water, 5 m here. Of a surcharge of 200 kN/m half shakes."""
+    load = {"from": 4, "to": 14, "pressure": ["10 kPa", "30 kPa"], "seismic_share": 0.5}
+    model = discs(section(surcharges=[load]))
+    np.testing.assert_allclose(GRAVITY * np.sum(model.mass * model.swing_x), 100e3, rtol=1e-9)
+    assert not model.swing_z.any()
+    model = discs(section(water={"table": 7.0, "westergaard": True}))
+    whole, face = 7.0 / 12.0 * WATER * 5.0**2, np.arctan(0.4)
+    along, up = (GRAVITY * np.sum(model.mass * values) for values in (model.swing_x, model.swing_z))
+    np.testing.assert_allclose([along, up], [whole * np.sin(face), whole * np.cos(face)], rtol=0.01)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.4])
+def test_what_carries_the_ground_is_what_excess_pore_pressure_leaves(ratio):
+    """Discs at rest under still water press on their box with 1 - r of their buoyant weight."""
+    given = section(
+        soil(excess_pore_pressure_ratio=ratio), surface=[[0.0, 5.0], [20.0, 5.0]], base={"elevation": 0.0},
+        water={"table": 8.0},
+    )  # fmt: skip
+    layers = [layer.springs(0.5, 0.25) for layer in soil_layers(given)]
+    model = settle(ground_of(given, SMALL), layers, SMALL)
+    forces, free = contact_forces(model), ~model.fixed
+    buoyant = np.sum(model.mass[free]) * GRAVITY * (20e3 - WATER) / 20e3
+    _, up, _ = resultants(model, forces)
+    carried = -np.sum(up[model.fixed]) + np.sum(forces.line_fz)
+    np.testing.assert_allclose(carried, (1.0 - ratio) * buoyant, rtol=1e-3)
 
 
 def test_strength_of_discs_goes_by_effective_stress():
