@@ -26,10 +26,10 @@ lint: setup ## style, types, and who may import whom
 	$(BIN)/lint-imports
 
 test: lint browser ## what every change must pass
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 test-all: lint browser ## and the long studies
-	$(BIN)/python -m pytest -m ''
+	$(BIN)/python -m pytest -n auto --dist loadfile -m ''
 
 browser:    ## Chromium and a Japanese font, with which the tests look at the report
 	@.ci/setup browser

@@ -18,7 +18,7 @@ Kind = Literal["biaxial", "simple shear"]
 AT_REST = 1e-3  # of the pressure, and of the mean contact force
 PATIENCE = 20_000.0  # time units until a patch must have come to rest
 FASTEST = 1e-3  # strain per time unit while confined
-PROBE = 1e-3  # stress of a probe over the pressure, about
+PROBE = 1e-2  # stress of a probe over the pressure, about: well above what is left of unrest, and nothing slips yet
 PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
 INTERVALS = 160  # of a test: the servo corrects as often
 GROWTH = 40.0  # intervals until one is twice as long as the first: a stiff patch is strong early, a soft one late
@@ -114,7 +114,8 @@ def confine(patch: Patch, pressure: float) -> None:
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     """Tangent stiffness of a confined patch from three small strains, each held until at rest; and M_xx / M_zz - 1.
 
-    What a copy does that is only held is taken off: no state of rest is perfect.
+    What a copy does that is only held is taken off: no state of rest is perfect. Raises ConfinementError where what is
+    found is not the stiffness of a stable body: the patch still rearranges.
     """
     size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
     ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
@@ -132,6 +133,11 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
         M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
         G=0.5 * float(shear[0, 1] + shear[1, 0]),
     )  # fmt: skip
+    if not (stiffness.M > abs(stiffness.lame) and stiffness.G > 0.0):
+        raise ConfinementError(
+            f"the patch still rearranges at {pressure:g} Pa and has no stiffness: M = {stiffness.M:.3g}, lame = "
+            f"{stiffness.lame:.3g}, G = {stiffness.G:.3g} Pa. Take another seed or a larger patch."
+        )
     return stiffness, float(x[0, 0] / z[1, 1]) - 1.0
 
 

@@ -189,7 +189,7 @@ def test_no_weight_is_lost(ground):
     ground_edges = np.isin(problem.outline.edges, mesh_of.edge_numbers(mesh_of.boundaries["surface"]))
     for ends, dead in (
         (problem.outline.ends[ground_edges], problem.outline.dead[ground_edges]),
-        (problem.jumps.ends, problem.jumps.dead),
+        (problem.jumps.ends, problem.jumps.traction),
     ):
         length = np.hypot(*(mesh_of.points[ends[:, 1]] - mesh_of.points[ends[:, 0]]).T)
         force += float(length @ dead[..., 1].mean(axis=1))
