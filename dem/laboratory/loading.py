@@ -133,7 +133,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
         M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
         G=0.5 * float(shear[0, 1] + shear[1, 0]),
     )  # fmt: skip
-    if not (stiffness.M > abs(stiffness.lame) and stiffness.G > 0.0):
+    if not (abs(stiffness.lame) < stiffness.M and stiffness.G > 0.0):
         raise ConfinementError(
             f"the patch still rearranges at {pressure:g} Pa and has no stiffness: M = {stiffness.M:.3g}, lame = "
             f"{stiffness.lame:.3g}, G = {stiffness.G:.3g} Pa. Take another seed or a larger patch."
