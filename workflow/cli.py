@@ -24,7 +24,9 @@ from workflow.options import (
     Set,
     Size,
     Verbose,
+    Version,
 )
+from workflow.study.command import study
 from workflow.verify.command import verify
 
 if TYPE_CHECKING:
@@ -40,20 +42,8 @@ app = typer.Typer(
 STAGES = ", ".join(stages.NAMES)
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
-        from importlib.metadata import version
-
-        typer.echo(f"noshiro {version('noshiro')}")
-        raise typer.Exit
-
-
 @app.callback()
-def root(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which version this is.")
-    ] = False,
-) -> None:
+def root(version: Version = False) -> None:
     """What holds for all commands."""
 
 
@@ -376,7 +366,8 @@ def slide(
     _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
-app.command()(verify)
+for command in (study, verify):
+    app.command()(command)
 
 
 def _up_to(stage: str, request: "Request", force: bool, voice: "Voice", **more: Any) -> None:

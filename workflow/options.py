@@ -5,6 +5,18 @@ from typing import Annotated
 
 import typer
 
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"noshiro {version('noshiro')}")
+        raise typer.Exit
+
+
+Version = Annotated[
+    bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which version this is.")
+]
 SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
 Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
 Out = Annotated[
@@ -24,3 +36,12 @@ Force = Annotated[bool, typer.Option("--force", help="Run again even where nothi
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but what went wrong.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]
+Workers = Annotated[
+    int | None, typer.Option(help="Processes of this machine. [default: dem.workers]", show_default=False)
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        help="Address of a Dask scheduler whose workers are taken, such as tcp://host:8786.", show_default=False
+    ),
+]

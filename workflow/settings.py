@@ -22,6 +22,8 @@ from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSetting
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left
 from workflow.triggering.settings import TriggeringSettings
+from workflow.uncertain.path import changed
+from workflow.uncertain.settings import StudySettings, UncertainSettings
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
@@ -106,6 +108,13 @@ class Input(Section):
     triggering: TriggeringSettings = Field(
         default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"
     )
+    uncertain: UncertainSettings = Field(
+        default=UncertainSettings(),
+        description="a table [uncertain] of numbers that have a distribution, by their paths",
+    )
+    study: StudySettings = Field(
+        default=StudySettings(), description="a table [study] of how `noshiro study` samples what is uncertain"
+    )
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
     report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
 
@@ -119,9 +128,18 @@ class Input(Section):
             for k, s in enumerate(self.strata, start=1)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]
+        problems = problems or self.uncertain.problems(self.with_drawn)
         if problems:
             raise ValueError("\n".join(problems))
         return self
+
+    def with_drawn(self, drawn: Mapping[str, Any]) -> "Input":
+        """The input with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
+
+        Raises ValueError for a path that leads nowhere, InputError for values that do not fit.
+        """
+        data = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude={"uncertain", "study"})
+        return Input.parse(changed(data, drawn, self.uncertain.numbers), self.name)
 
     @property
     def notices(self) -> list[str]:

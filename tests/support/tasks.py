@@ -68,3 +68,14 @@ def _dies(given: Numbers, times: int) -> Number:
 def breaks(given: Numbers) -> Number:
     """A fault of the program."""
     raise ZeroDivisionError("what no one expected")
+
+
+def infinite_slope(given: Numbers) -> Number:
+    """Critical Kh of a dry infinite slope of 20 degrees, 5 m deep, 18 kN/m³; values are c (kPa) and φ (degrees).
+
+    Limit equilibrium on a plane parallel to the ground: kc = (c / (γ z cos² β) + tan φ - tan β) / (1 + tan β tan φ).
+    """
+    cohesion, friction = given.values
+    slope, strength = math.tan(math.radians(20.0)), math.tan(math.radians(friction))
+    held = cohesion / (18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2)
+    return Number(value=(held + strength - slope) / (1.0 + slope * strength))

@@ -85,7 +85,7 @@ def _cluster(count: int) -> Iterator[Any]:
 
     with TemporaryDirectory(prefix="noshiro-") as folder:
         cluster = LocalCluster(
-            n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None,
+            n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
             memory_limit=0, local_directory=folder, env=ONE_THREAD, silence_logs=logging.CRITICAL,
         )  # fmt: skip
         try:

@@ -68,6 +68,12 @@ CAPTIONS = (
     Caption(r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
     Caption(r"dem_.*", "dem", "The discs."),
     Caption(r"displacements", "comparison", "Displacements by all methods that gave one.", True),
+    Caption(
+        r"study_fails", "study", "The critical Kh of all samples, and the probability that it is below a Kh.", True
+    ),
+    Caption(r"study_effects", "study", "What each uncertain number does to the results: rank correlations.", True),
+    Caption(r"study_fragility", "study", "Probability that a slide exceeds a length.", True),
+    Caption(r"study_samples", "study", "Every sample: the first result over each uncertain number."),
     Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways.", True),
 )
 

@@ -1,0 +1,106 @@
+"""Studies against exact distributions and published indices."""
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.integrate import quad
+
+from tests.support.tasks import Numbers, infinite_slope, ishigami
+from workflow.ensemble.ensemble import Ensemble
+from workflow.ensemble.task import Task
+from workflow.study import sample
+from workflow.study.statistics import effects, probability
+from workflow.study.table import SampleRow, Table
+from workflow.uncertain.distribution import Distribution
+from workflow.uncertain.sampling import chances
+
+COHESION, FRICTION = Distribution(lognormal=(12.0, 4.0)), Distribution(normal=(30.0, 3.0))
+
+
+def exact(kh: float) -> float:
+    """P(kc < kh) of the infinite slope: for every φ the chance that c is too small, integrated."""
+    sigma = math.sqrt(math.log(1.0 + (4.0 / 12.0) ** 2))
+    slope, held = math.tan(math.radians(20.0)), 18.0 * 5.0 * math.cos(math.radians(20.0)) ** 2
+
+    def chance(friction: float) -> float:
+        strength = math.tan(math.radians(friction))
+        needed = (kh * (1.0 + slope * strength) - strength + slope) * held
+        return float(stats.lognorm.cdf(needed, sigma, scale=12.0 * math.exp(-0.5 * sigma**2)))
+
+    return float(quad(lambda f: chance(f) * stats.norm.pdf(f, 30.0, 3.0), 12.0, 48.0, limit=200)[0])
+
+
+@pytest.mark.parametrize(("method", "furthest"), [("sobol", 0.01), ("latin", 0.043)])
+def test_a_thousand_infinite_slopes_have_the_exact_distribution(method: str, furthest: float, tmp_path: Path) -> None:
+    """In Kolmogorov's sense; 1.36 / sqrt(n) = 0.043 is what 95 % of independent samples keep within."""
+    drawn = chances(2, 1000, method, 0)  # type: ignore[arg-type]
+    tasks = [Task(infinite_slope, Numbers(values=(COHESION.at(c), FRICTION.at(f)))) for c, f in drawn]
+    rows = Ensemble(tmp_path, 2).rows(tasks)
+    kc = np.array([row.answer.value for row in rows if row.answer is not None])
+    assert len(kc) == 1000
+    over = np.quantile(kc, np.linspace(0.02, 0.98, 25))
+    curve = probability("kc < Kh", over, kc[:, None] < over)
+    truth = np.array([exact(kh) for kh in over])
+    assert np.abs(np.array(curve.chance) - truth).max() < furthest
+    assert np.all((np.array(curve.low) <= truth) & (truth <= np.array(curve.high)))
+
+
+def test_sobol_indices_of_the_ishigami_function() -> None:
+    """T. Ishigami & T. Homma (1990) with a = 7, b = 0.1: S = 0.3139, 0.4424, 0; S_T = 0.5576, 0.4424, 0.2437."""
+    points = (2.0 * chances(3, 4096, "saltelli", 0) - 1.0) * math.pi
+    rows = []
+    for point in points:
+        values = tuple(float(value) for value in point)
+        found = sample.Numbers(numbers={"y": ishigami(Numbers(values=values)).value})
+        rows.append(SampleRow(dict(zip(("x1", "x2", "x3"), values, strict=True)), found))
+    found = {one.path: one for one in effects(Table({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)}
+    assert [found[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+    assert [found[x].total for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
+    for one in found.values():
+        assert one.total_ci95 is not None
+        assert one.total is not None
+        assert one.total_ci95[0] < one.total < one.total_ci95[1]
+
+
+def table_of(values: list[float | None], **drawn: list[object]) -> Table:
+    rows = [
+        SampleRow({path: column[k] for path, column in drawn.items()}, sample.Numbers(numbers={"kc": value}),
+                  "" if value is not None else "no answer")
+        for k, value in enumerate(values)
+    ]  # fmt: skip
+    return Table(dict.fromkeys(drawn, ""), rows)
+
+
+def test_rank_correlation_and_words() -> None:
+    x, sides = [1.0, 2.0, 3.0, 4.0, 9.0], ["roller", "fixed", "roller", "fixed", "roller"]
+    table = table_of([1.0, 4.0, 9.0, 16.0, None], x=x, sides=sides)
+    found = {one.path: one.correlation for one in effects(table, "kc", ["sides"], indices=False)}
+    assert found["x"] == pytest.approx(1.0)
+    # between groups: means 5 and 10 of values 1, 9 and 4, 16
+    assert found["sides"] == pytest.approx(np.std([5.0, 10.0, 5.0, 10.0]) / np.std([1.0, 4.0, 9.0, 16.0]))
+    assert table.failed == 1
+
+
+def test_a_table_keeps_all_digits_and_the_order_of_samples() -> None:
+    table = table_of([0.1 + 0.2, None], x=[1e-17, 3.0])
+    read = list(csv.DictReader(io.StringIO(table.text())))
+    assert [row["sample"] for row in read] == ["1", "2"]
+    assert float(read[0]["kc"]) == 0.1 + 0.2
+    assert float(read[0]["x"]) == 1e-17
+    assert (read[1]["kc"], read[1]["failed"]) == ("", "no answer")
+
+
+@pytest.mark.parametrize("n", [10, 100, 1000])
+def test_intervals_of_a_probability_hold_it_19_times_in_20(n: int) -> None:
+    truth = np.array([0.1, 0.5, 0.9])
+    drawn = np.random.default_rng(0).random((400, n))
+    held = 0
+    for one in drawn:
+        curve = probability("p", truth, one[:, None] < truth)
+        held += int(np.sum((np.array(curve.low) <= truth) & (truth <= np.array(curve.high))))
+    assert held / (3 * 400) == pytest.approx(0.95, abs=0.02)

@@ -1,0 +1,103 @@
+"""Pictures of a study: the distribution of the critical Kh, what matters most, fragility, and all samples."""
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH
+from workflow.results.study import Curve, Result
+
+HEIGHT = 3.4  # inches of a row of frames
+ACROSS = 4  # frames of a row, of single samples
+SHOWN = 12  # uncertain numbers at most in one picture, the strongest
+PALE = "#d7dde2"
+
+
+def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
+    """Histogram of the critical Kh (samples,), and the probability of failure over Kh with its interval."""
+    figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
+    left, right = figure.subplots(1, 2)
+    left.hist(values, bins=max(8, round(np.sqrt(len(values)))), color=CONTINUUM, edgecolor="white", linewidth=0.5)
+    _label(left, "critical Kh", "samples")
+    _band(right, curve, CONTINUUM, "")
+    _label(right, "Kh", "probability that the ground fails")
+    right.set_ylim(0.0, 1.0)
+    figure.savefig(path, format="png")
+
+
+def effects(results: Sequence[Result], title: str, path: Path) -> None:
+    """Bars for every uncertain number: rank correlations, or total Sobol' indices with intervals where there are."""
+    shown = [result for result in results if any(one.correlation is not None for one in result.effects)][:ACROSS]
+    figure = _figure(1, f"{title}: what matters most")
+    for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
+        bars = result.effects[:SHOWN]
+        indices = all(one.total is not None for one in bars)
+        lengths = [(one.total if indices else one.correlation) or 0.0 for one in bars]
+        places = -np.arange(len(bars))
+        axes.barh(places, lengths, color=[CONTINUUM if length >= 0.0 else CRITICAL for length in lengths])
+        if indices:
+            ends = np.array([one.total_ci95 for one in bars], dtype=float).T
+            axes.hlines(places, *ends, color=INK, linewidth=1.0)
+        axes.set_yticks(places, ["\n".join(textwrap.wrap(one.path, 26)) for one in bars])
+        axes.axvline(0.0, color=INK, linewidth=0.7)
+        _label(axes, "total Sobol' index" if indices else "rank correlation", "")
+        axes.set_title(result.name, fontsize=9, loc="left", color=INK, parse_math=False)
+    figure.savefig(path, format="png")
+
+
+def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
+    """Families of curves side by side: those whose names begin alike."""
+    families: dict[str, list[Curve]] = {}
+    for curve in curves:
+        families.setdefault(curve.name.split(": ")[0], []).append(curve)
+    figure = _figure(1, f"{title}: fragility")
+    for axes, (name, family) in zip(np.ravel([figure.subplots(1, len(families))]), families.items(), strict=True):
+        for curve, colour in zip(family, (CONTINUUM, DISCS, CRITICAL, INK, "#1f6fb2") * len(family), strict=False):
+            _band(axes, curve, colour, curve.name.split(": ")[-1])
+        _label(axes, "d (m)" if name.startswith("discs") else "Kh, or PGA / g", "probability")
+        axes.set_title(name, fontsize=9, loc="left", color=INK, parse_math=False)
+        axes.set_ylim(0.0, 1.0)
+        axes.legend(fontsize=7, frameon=False)
+    figure.savefig(path, format="png")
+
+
+def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
+    """A result over every uncertain number, a point for each sample; words stand side by side."""
+    shown = list(drawn)[:SHOWN]
+    rows = -(-len(shown) // ACROSS)
+    figure = _figure(rows, f"{title}: {name} of every sample")
+    frames = np.ravel([figure.subplots(rows, ACROSS, sharey=True, squeeze=False)])
+    for axes in frames[len(shown) :]:
+        axes.set_visible(False)
+    for axes, path_of in zip(frames, shown, strict=False):
+        axes.plot(drawn[path_of], values, "o", color=CONTINUUM, markersize=2.0, alpha=0.6)
+        _label(axes, "\n".join(textwrap.wrap(path_of, 34)), "")
+    for first in frames[::ACROSS]:
+        first.set_ylabel(name, fontsize=8, color=INK, parse_math=False)
+    figure.savefig(path, format="png")
+
+
+def _figure(rows: int, title: str) -> Figure:
+    figure = Figure(figsize=(WIDTH / DPI, HEIGHT * rows), dpi=DPI, facecolor="white", layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+    return figure
+
+
+def _band(axes: Axes, curve: Curve, colour: str, label: str) -> None:
+    axes.fill_between(curve.over, curve.low, curve.high, color=colour, alpha=0.18, linewidth=0)
+    axes.plot(curve.over, curve.chance, color=colour, linewidth=1.4, label=label)
+
+
+def _label(axes: Axes, across: str, up: str) -> None:
+    axes.set_xlabel(across, fontsize=8, color=INK, parse_math=False)
+    axes.set_ylabel(up, fontsize=8, color=INK, parse_math=False)
+    axes.tick_params(labelsize=7, colors=INK)
+    axes.grid(color=PALE, linewidth=0.5)
+    axes.set_axisbelow(True)

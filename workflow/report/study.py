@@ -1,0 +1,93 @@
+"""The page of a study: what was drawn, what was found, and what that hangs on, with the pictures."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from workflow.report.captions import collect
+from workflow.report.numbers import number
+from workflow.results.cases import Spread
+from workflow.results.study import Result, StudyAnswer
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.uncertain.distribution import Distribution
+
+FILE = "study.html"
+METHODS = {
+    "sobol": "a scrambled Sobol' sequence",
+    "latin": "a Latin hypercube",
+    "saltelli": "Saltelli's design for Sobol' indices",
+}
+RANDOM_FIELDS = (
+    "A stratum has one strength in every sample: fields of strength that vary at random within a stratum are not part "
+    "of this program."
+)
+
+
+def write_page(given: Input, answer: StudyAnswer, store: Store) -> Path:
+    """Write study.html, one file with all pictures in it."""
+    environment = Environment(
+        loader=PackageLoader("workflow.report", "."),
+        autoescape=select_autoescape(default_for_string=True, default=True),
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    text = environment.get_template("study.html.jinja").render(
+        title=given.title or given.name,
+        given=given,
+        answer=answer,
+        sentences=list(sentences(given, answer)),
+        numbers=[(path, in_words(one)) for path, one in given.uncertain.numbers.items()],
+        results=[_row(result) for result in answer.results],
+        heads=("result", "samples with it", "mean", "95 % of the mean", "median", "5 %", "95 %", "standard deviation"),
+        pictures=collect(store.matching(["figures/study_*.png"]), store.folder, given.figures.report_width),
+        assumption=RANDOM_FIELDS,
+    )
+    return store.write_text(FILE, text)
+
+
+def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
+    """What was found, in plain sentences."""
+    drawn = f"{answer.samples} samples of {len(given.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
+    without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
+    yield f"{drawn}, seed {answer.seed}{without}."
+    for result in answer.results:
+        spread = result.spread
+        if spread.median is None:
+            continue
+        yield f"{result.name}: {_where(spread)}{_strongest(result)}."
+        for group in result.groups:
+            if group.samples:
+                yield f"{result.name} where {group.path} is {group.value} ({group.samples}): {_where(group.spread)}."
+    for failure in answer.failures:
+        yield f"{failure.samples} without an answer: {failure.reason}."
+
+
+def _where(spread: Spread) -> str:
+    told = f"half of the samples are below {number(spread.median)}"
+    if spread.low is not None:
+        told += f", nine of ten between {number(spread.low)} and {number(spread.high)}"
+    return told
+
+
+def _strongest(result: Result) -> str:
+    first = next((one for one in result.effects if one.correlation is not None), None)
+    if first is None:
+        return ""
+    if first.total is not None:
+        return f"; most of it hangs on {first.path} (total Sobol' index {first.total:.2f})"
+    return f"; most of it hangs on {first.path} (correlation {first.correlation:+.2f})"
+
+
+def in_words(one: Distribution) -> str:
+    """A distribution as people write it."""
+    values = ", ".join(str(value) for value in getattr(one, one.kind))
+    told = f"{one.kind} {values}" + ("" if one.does == "value" else f", as a {one.does}")
+    return told + (f", between {one.between[0]} and {one.between[1]}" if one.between else "")
+
+
+def _row(result: Result) -> list[str]:
+    s = result.spread
+    interval = "–" if s.mean_ci95 is None else f"{s.mean_ci95[0]:.4f} to {s.mean_ci95[1]:.4f}"
+    rest = (s.median, s.low, s.high, s.spread)
+    return [result.name, str(result.samples), number(s.mean, 4), interval, *(number(value, 4) for value in rest)]

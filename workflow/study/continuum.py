@@ -1,0 +1,67 @@
+"""The continuum of a sample: critical Kh by finite elements, and its strict bounds."""
+
+from typing import TYPE_CHECKING
+
+from fem.errors import UnstableError
+from meshes.errors import NoAnswerError
+from workflow.settings import Input
+from workflow.study.sample import Numbers, Sample
+
+if TYPE_CHECKING:
+    from fem.critical import AtOnce, CriticalResult
+    from meshes.quad_mesh import QuadMesh
+
+
+def continuum(given: Sample) -> Numbers:
+    """The critical Kh by finite elements; 0 for ground that does not stand without shaking.
+
+    Where the flow is associated, as Davis's substitute is, the limit load of meshes made for the mechanism; else the
+    end of the path.
+    """
+    from meshes.gmsh_model import generate
+
+    read = Input.parse(given.data)
+    first = generate(read, read.mesh)
+    try:
+        found, used = _critical(read, first)
+    except UnstableError:
+        return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
+    if found.verdict == "undecided":
+        raise NoAnswerError(f"the path ended undecided: {found.reason}")
+    words: dict[str, str] = {"verdict": found.verdict, "direction": found.direction}
+    return Numbers(numbers={"kc": found.kc, "cells": len(used.cells)}, words=words)
+
+
+def _critical(read: Input, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
+    from mpi4py import MPI
+
+    from fem.adaptive import adapted_answer
+    from fem.critical import critical_coefficient
+    from fem.strength import is_associated
+
+    if is_associated(read.strata, read.fem.flow):
+        try:
+            found = adapted_answer(read, read.mesh, first, read.fem, MPI.COMM_SELF, lambda words: None)
+            return found.result, found.mesh
+        except UnstableError:
+            raise
+        except NoAnswerError:  # the solver left none: a path has to do
+            pass
+    return critical_coefficient(read, first, read.fem, MPI.COMM_SELF), first
+
+
+def bounds(given: Sample) -> Numbers:
+    """Strict lower and upper bound of the critical Kh, ψ = φ."""
+    from fem.limit.bounds import kh_bounds
+
+    read = Input.parse(given.data)
+    one_way = "downhill" if read.fem.direction == "both" else read.fem.direction
+    asked = read.bounds.in_a_run.model_copy(update={"davis": False})
+    try:
+        found = kh_bounds(read, read.fem.model_copy(update={"direction": one_way}), asked)
+    except UnstableError:
+        return Numbers(numbers={"kc_lower_bound": 0.0, "kc_upper_bound": 0.0})
+    return Numbers(numbers={
+        "kc_lower_bound": found.stress.multiplier if found.stress else None,
+        "kc_upper_bound": found.mechanism.multiplier if found.mechanism else None,
+    })  # fmt: skip

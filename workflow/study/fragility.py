@@ -1,0 +1,81 @@
+"""Fragility: the probability of failure, and that of a slide beyond a length, over what shakes the ground."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+from workflow.estimates import accelerogram
+from workflow.estimates.comparison import constant_kh
+from workflow.estimates.sliding_block import newmark, rectangular_pulse
+from workflow.results.study import Curve
+from workflow.settings import Input
+from workflow.study.statistics import probability
+from workflow.study.table import Table
+
+POINTS = 41  # of a curve
+BEYOND = 1.5  # times the largest critical Kh, where the curves of the block end
+LEAST = 1e-3  # kc of a block that would never stop otherwise
+
+
+def failure(table: Table) -> Curve | None:
+    """P(kc < Kh); None without a critical Kh."""
+    kc = _known(table, "kc")
+    if len(kc) < 2:
+        return None
+    over = np.linspace(0.0, 1.1 * kc.max(), 10 * POINTS)
+    return probability("kc < Kh", over, kc[:, None] < over)
+
+
+def fragility(given: Input, table: Table) -> Iterator[Curve]:
+    """P(slide > d): of the rigid block over Kh, over the peak acceleration of the record where there is one; and of the
+    discs at the Kh of their slides, over d.
+    """
+    kc = _known(table, "kc")
+    if len(kc) >= 2:
+        yield from _blocks(given, np.maximum(kc, LEAST))
+    for name in table.names:
+        if name.endswith("slide_max_m"):
+            slides = _known(table, name)
+            over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(given.study.exceeds)), POINTS)
+            if len(slides):
+                yield probability(f"discs, {name.split('_')[0]}: slide > d (m), Kh = {given.slide.kh:g}", over,
+                                  slides[:, None] > over)  # fmt: skip
+
+
+def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:
+    seconds = given.sliding_block.seconds
+    over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
+    slides = np.array([[rectangular_pulse(own, kh, seconds) for kh in over] for own in kc])
+    for far in given.study.exceeds:
+        yield probability(f"block, Kh for {seconds:g} s: slide > {far:g} m", over, slides > far)
+    if not given.sliding_block.accelerogram:
+        return
+    record = accelerogram.of_input(given)
+    peaks = np.linspace(0.0, 4.0 * float(np.median(kc)), POINTS)
+    slides = np.array([[_under(record, peak, own) for peak in peaks] for own in kc])
+    for far in given.study.exceeds:
+        yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
+
+
+def _under(record: accelerogram.Accelerogram, peak: float, kc: float) -> float:
+    """The slide (m) under the record scaled to a peak (g), the larger of both ways."""
+    if peak <= kc:
+        return 0.0
+    pushed = record.acceleration * (peak * GRAVITY / record.peak)
+    return max(newmark(record.time, sign * pushed, kc).permanent for sign in (1.0, -1.0))
+
+
+def block(given: Input, kc: float | None) -> float | None:
+    """The slide (m) of the rigid block of one sample, under its record or its constant Kh; None without kc."""
+    if kc is None:
+        return None
+    if not given.sliding_block.accelerogram:
+        return rectangular_pulse(max(kc, LEAST), constant_kh(given), given.sliding_block.seconds)
+    record = accelerogram.of_input(given)
+    return _under(record, record.peak / GRAVITY, max(kc, LEAST))
+
+
+def _known(table: Table, name: str) -> np.ndarray:
+    values = table.column(name)
+    return values[np.isfinite(values)]

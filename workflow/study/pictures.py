@@ -1,0 +1,31 @@
+"""The pictures of a study, from its table and its answer."""
+
+import numpy as np
+
+from workflow.results.study import StudyAnswer
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.study.table import Table
+
+
+def draw_all(given: Input, table: Table, answer: StudyAnswer, store: Store) -> None:
+    """Leave figures/study_*.png; those of which there is nothing to show are left out."""
+    from workflow.figures import study as figures
+
+    title = given.title or given.name
+    store.remove(["figures/study_*.png"])
+    if answer.fails is not None:
+        kc = table.column("kc")
+        with store.writing("figures/study_fails.png") as path:
+            figures.fails(kc[np.isfinite(kc)], answer.fails, title, path)
+    if any(one.correlation is not None for result in answer.results for one in result.effects):
+        with store.writing("figures/study_effects.png") as path:
+            figures.effects(answer.results, title, path)
+    if answer.fragility:
+        with store.writing("figures/study_fragility.png") as path:
+            figures.fragility(answer.fragility, title, path)
+    if answer.results:
+        first = answer.results[0]
+        drawn = {one.path: table.drawn(one.path) for one in first.effects}
+        with store.writing("figures/study_samples.png") as path:
+            figures.single(first.name, table.column(first.name), drawn, title, path)

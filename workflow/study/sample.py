@@ -1,0 +1,24 @@
+"""A sample as a task takes it, and the numbers that a task leaves."""
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Sample(BaseModel):
+    """The input of a task: the section, and those of its settings that matter to the task.
+
+    ``folder`` keeps what a long task goes on from after a stop; it is no part of the input.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    data: dict[str, Any]
+    folder: str = Field(default="", exclude=True)
+
+
+class Numbers(BaseModel):
+    """What a task found, by the names of columns; words say how it ended."""
+
+    numbers: dict[str, float | None]
+    words: dict[str, str] = {}

@@ -1,0 +1,100 @@
+"""What a table of samples says: probabilities with their intervals, and what each uncertain number does."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from workflow.results.study import Curve, Effect
+from workflow.study.table import Table
+
+Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
+BOOTSTRAP_SEED, RESAMPLES = 0, 400
+
+
+def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Curve:
+    """How often something happens: ``happens`` (samples, len(over)) of true and false; at each ``over`` its share.
+
+    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212; samples of a Sobol' sequence
+    or a Latin hypercube lie closer to the truth than the independent ones that it is for.
+    """
+    n = len(happens)
+    share = happens.mean(axis=0)
+    middle = (share + Z95**2 / (2 * n)) / (1.0 + Z95**2 / n)
+    half = Z95 / (1.0 + Z95**2 / n) * np.sqrt(share * (1.0 - share) / n + Z95**2 / (4 * n**2))
+    return Curve(
+        name=name,
+        over=tuple(map(float, over)),
+        chance=tuple(map(float, share)),
+        low=tuple(map(float, np.clip(middle - half, 0.0, 1.0))),
+        high=tuple(map(float, np.clip(middle + half, 0.0, 1.0))),
+    )
+
+
+def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tuple[Effect, ...]:
+    """What every uncertain number does to a result, the strongest first.
+
+    ``words`` are the paths whose values have no order. With ``indices`` the samples are of the method "saltelli";
+    Sobol' indices are then found if no sample is missing.
+    """
+    values = table.column(name)
+    there = np.isfinite(values)
+    paths = list(table.units)
+    found = _sobol(values, len(paths)) if indices and there.all() else {}
+    several = there.sum() > 2 and np.ptp(values[there]) > 0.0
+    all_of_them = [
+        Effect(
+            path=path,
+            correlation=_correlation(table.drawn(path), values, there, path in words) if several else None,
+            **found.get(place, {}),
+        )
+        for place, path in enumerate(paths)
+    ]
+    return tuple(
+        sorted(all_of_them, key=lambda one: -abs(one.total if one.total is not None else one.correlation or 0))
+    )
+
+
+def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
+    """Spearman's rank correlation; of words the correlation ratio, the root of the share of variance between them."""
+    from scipy.stats import spearmanr
+
+    kept = [value for value, use in zip(drawn, there, strict=True) if use]
+    if len(set(map(str, kept))) < 2:
+        return None
+    if not words:
+        return float(spearmanr(np.array(kept, dtype=float), values[there]).statistic)
+    groups = np.unique(list(map(str, kept)), return_inverse=True)[1]
+    means = np.array([values[there][groups == k].mean() for k in range(groups.max() + 1)])[groups]
+    return float(np.std(means) / np.std(values[there]))
+
+
+def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
+    """Sobol' indices of first order and total, with intervals by bootstrap, from samples of the method "saltelli".
+
+    scipy.stats.sobol_indices with the estimators of Saltelli et al., Comput. Phys. Commun. 181 (2010) 259-270.
+    """
+    if np.ptp(values) == 0.0:
+        return {}
+    count = len(values) // (dimensions + 2)
+    parts = values.reshape(dimensions + 2, 1, count)
+    first, total = _indices(parts, np.arange(count))
+    drawn = np.random.default_rng(BOOTSTRAP_SEED).integers(count, size=(RESAMPLES, count))
+    again = np.array([_indices(parts, chosen) for chosen in drawn])
+    (first_low, total_low), (first_high, total_high) = np.quantile(again, (0.025, 0.975), axis=0)
+    return {
+        k: {
+            "first": float(first[k]), "first_ci95": (float(first_low[k]), float(first_high[k])),
+            "total": float(total[k]), "total_ci95": (float(total_low[k]), float(total_high[k])),
+        }
+        for k in range(dimensions)
+    }  # fmt: skip
+
+
+def _indices(parts: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """First-order and total indices (d,) by some of the samples; scipy's own bootstrap cannot be given a seed."""
+    from scipy.stats import sobol_indices
+
+    some = parts[:, :, chosen]
+    found = sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=len(chosen))
+    return np.ravel(found.first_order), np.ravel(found.total_order)

@@ -1,0 +1,153 @@
+"""A study: samples of what is uncertain, each computed once, and what they say together."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from meshes.errors import InputError
+from workflow.ensemble.ensemble import Ensemble, OnRow, Row
+from workflow.ensemble.task import Task
+from workflow.results.answer import SectionLabel
+from workflow.results.cases import Spread
+from workflow.results.study import Failure, Group, Result, StudyAnswer
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.study.fragility import block, failure, fragility
+from workflow.study.parts import PARTS, Part
+from workflow.study.sample import Numbers, Sample
+from workflow.study.statistics import effects
+from workflow.study.table import FILE, SampleRow, Table
+from workflow.uncertain.sampling import samples
+
+BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh
+
+
+@dataclass(frozen=True)
+class Study:
+    """The samples of a study, and what they say together."""
+
+    table: Table
+    answer: StudyAnswer
+
+
+def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
+    """The parts by their names, and whether the block slides too; raises InputError for a name that there is not."""
+    names = [*(part.name for part in PARTS), BLOCK]
+    if unknown := [name for name in only if name not in names]:
+        raise InputError("--only", [f"{name!r}: expected one of {', '.join(names)}" for name in unknown])
+    wanted = {*only, *(["fem"] if BLOCK in only else [])}
+    return [part for part in PARTS if part.name in wanted], BLOCK in only
+
+
+def run(given: Input, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
+    """Compute what is missing of a study, and leave section.toml, samples.csv and study.json in its folder.
+
+    Raises InputError where nothing is uncertain, for an unknown part, and where what is drawn never fits.
+    """
+    if not given.uncertain.numbers:
+        raise InputError(given.name, ['[uncertain]: expected a number at least, such as "strata.1.friction_angle"'])
+    parts, with_block = parts_of(only)
+    store.write_text("section.toml", given.to_toml())
+    table = computed(given, store, parts, with_block, ensemble, on_row)
+    store.write_text(FILE, table.text())
+    answer = told(given, table, only)
+    answer.write(store)
+    return Study(table, answer)
+
+
+def computed(
+    given: Input, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
+) -> Table:
+    """The table of all samples, of those that fail with the reason."""
+    drawn = samples(given.uncertain, given.study)
+    inputs = [_input(given, one) for one in drawn]
+    wanted = [(place, part) for part in parts for place, one in enumerate(inputs) if isinstance(one, Input)]
+    tasks = [_task(inputs[place], part, store) for place, part in wanted]
+    found: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
+    for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
+        found[place].append((part, row))
+    units = {path: distribution.unit for path, distribution in given.uncertain.numbers.items()}
+    rows = [_row(drawn[place], inputs[place], found[place], with_block) for place in range(len(drawn))]
+    return Table(units, rows)
+
+
+def _input(given: Input, drawn: Mapping[str, Any]) -> Input | str:
+    """The input of a sample, or why there is none."""
+    try:
+        return given.with_drawn(drawn)
+    except InputError as error:
+        return "; ".join(error.problems)
+
+
+def _task(read: Input | str, part: Part, store: Store) -> Task[Sample, Numbers]:
+    """The task of one part of a sample: it knows the section, and those settings only that matter to it."""
+    assert isinstance(read, Input)
+    others = set(read.tables()) - set(part.tables)
+    data = read.model_dump(mode="json", exclude_none=True, by_alias=True, exclude=others)
+    task = Task(part.function, Sample(data={**data, "name": "sample"}))
+    if not part.keeps:
+        return task
+    folder = store.folder.absolute() / "running" / task.fingerprint
+    return Task(part.function, task.given.model_copy(update={"folder": str(folder)}))
+
+
+def _row(
+    drawn: dict[str, Any], read: Input | str, found: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
+) -> SampleRow:
+    if isinstance(read, str):
+        return SampleRow(drawn, Numbers(numbers={}), read)
+    numbers: dict[str, float | None] = {}
+    words: dict[str, str] = {}
+    for _, row in found:
+        if row.answer is not None:
+            numbers |= row.answer.numbers
+            words |= row.answer.words
+    if with_block:
+        numbers["block_slide_m"] = block(read, numbers.get("kc"))
+    reasons = [f"{part.name}: {row.reason}" for part, row in found if row.answer is None]
+    return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons))
+
+
+def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
+    """What the samples say together."""
+    words = [path for path, distribution in given.uncertain.numbers.items() if distribution.is_words]
+    indices = given.study.method == "saltelli"
+    names = [name for name in table.names if name != "cells"]
+    reasons = Counter(row.reason for row in table.rows if row.reason)
+    return StudyAnswer(
+        section=SectionLabel.of(given),
+        parts=tuple(only),
+        method=given.study.method,
+        seed=given.study.seed,
+        samples=len(table.rows),
+        failed=table.failed,
+        failures=tuple(Failure(reason=reason, samples=count) for reason, count in reasons.most_common()),
+        results=tuple(
+            Result(
+                name=name,
+                samples=int(np.isfinite(table.column(name)).sum()),
+                spread=_spread(table.column(name)),
+                effects=effects(table, name, words, indices),
+                groups=tuple(group for path in words for group in _groups(table, name, path)),
+            )
+            for name in names
+        ),
+        fails=failure(table),
+        fragility=tuple(fragility(given, table)),
+    )
+
+
+def _spread(values: np.ndarray) -> Spread:
+    """The spread of a column; the single values stand in samples.csv."""
+    known = [float(value) for value in values[np.isfinite(values)]]
+    return Spread.of(known).model_copy(update={"values": ()})
+
+
+def _groups(table: Table, name: str, path: str) -> Iterator[Group]:
+    column, drawn = table.column(name), [str(value) for value in table.drawn(path)]
+    for value in dict.fromkeys(drawn):
+        mine = column[[own == value for own in drawn]]
+        yield Group(path=path, value=value, samples=int(np.isfinite(mine).sum()), spread=_spread(mine))

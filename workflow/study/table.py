@@ -1,0 +1,67 @@
+"""The samples of a study as one table, samples.csv, in the order of their numbers whoever computed them when."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from workflow.study.sample import Numbers
+
+FILE = "samples.csv"
+
+
+@dataclass(frozen=True)
+class SampleRow:
+    """One sample: what was drawn, by paths; what was found, by names; and why something is missing."""
+
+    drawn: dict[str, Any]
+    found: Numbers
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """All samples; ``units`` are those of the numbers drawn."""
+
+    units: dict[str, str]
+    rows: Sequence[SampleRow]
+
+    @property
+    def names(self) -> list[str]:
+        """The results, in the order in which they first appear."""
+        return list(dict.fromkeys(name for row in self.rows for name in row.found.numbers))
+
+    @property
+    def failed(self) -> int:
+        """Samples of which a part has no answer."""
+        return sum(bool(row.reason) for row in self.rows)
+
+    def column(self, name: str) -> np.ndarray:
+        """A result over all samples (n,), NaN where it is missing."""
+        values = [row.found.numbers.get(name) for row in self.rows]
+        return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+    def drawn(self, path: str) -> list[Any]:
+        """What was drawn for a path, of all samples."""
+        return [row.drawn[path] for row in self.rows]
+
+    def text(self) -> str:
+        """The table as CSV; numbers with all their digits."""
+        words = list(dict.fromkeys(name for row in self.rows for name in row.found.words))
+        heads = [f"{path} ({unit})" if unit else path for path, unit in self.units.items()]
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(["sample", *heads, *self.names, *words, "failed"])
+        for number, row in enumerate(self.rows, start=1):
+            numbers = _written(row.found.numbers.get(name) for name in self.names)
+            said = [row.found.words.get(name, "") for name in words]
+            drawn = _written(row.drawn[path] for path in self.units)
+            writer.writerow([number, *drawn, *numbers, *said, row.reason])
+        return out.getvalue()
+
+
+def _written(values: Iterable[Any]) -> list[Any]:
+    return ["" if value is None else repr(value) if isinstance(value, float) else value for value in values]

@@ -1,0 +1,42 @@
+"""How a study is shown while it goes on: how many samples are done, how many failed, and the time left."""
+
+import time
+
+from workflow.run.progress import TimeLeft
+
+EVERY = 10.0  # s between two lines where there is no terminal
+AT_ONCE = 0.2  # s on a terminal, where the line changes in place
+
+
+class Counted:
+    """Hears how many tasks are done; to be used as a context."""
+
+    def __init__(self, silent: bool = False) -> None:
+        from workflow.terminal import err
+
+        self.silent, self.console = silent, err
+        self.start = self.last = time.monotonic()
+        self.left = TimeLeft(self.start)
+        self.before: int | None = None
+
+    def __enter__(self) -> "Counted":
+        return self
+
+    def __exit__(self, *what: object) -> None:
+        if self.console.is_terminal and not self.silent:
+            self.console.print()
+
+    def __call__(self, done: int, failed: int, total: int) -> None:
+        """One more is done."""
+        if self.before is None:
+            self.before = done  # there already when it began: they say nothing of the time left
+        now = time.monotonic()
+        every = AT_ONCE if self.console.is_terminal else EVERY
+        if self.silent or (done < total and now - self.last < every):
+            return
+        self.last = now
+        missing = total - self.before
+        left = self.left.words(now, (done - self.before) / missing if missing else None)
+        told = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
+        end = "\r" if self.console.is_terminal else "\n"
+        self.console.print(f"{told:<70}" if end == "\r" else told, end=end, markup=False, soft_wrap=True)

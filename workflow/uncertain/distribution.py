@@ -1,0 +1,183 @@
+"""Distributions of one number, each given by its quantile function."""
+
+import math
+from statistics import NormalDist
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from meshes.section.model import Model
+from meshes.section.quantity import COMMON_UNITS, NUMBER_AND_UNIT, unit_registry
+
+Number = float | str  # plain, or with a unit
+STANDARD = NormalDist()
+KINDS = ("normal", "lognormal", "uniform", "triangular", "list")
+
+
+class Distribution(Model):
+    """The distribution of one number; its parameters carry the unit, such as ["35 deg", "2 deg"]."""
+
+    normal: tuple[Number, Number] | None = Field(default=None, description="[mean, standard deviation]")
+    lognormal: tuple[Number, Number] | None = Field(
+        default=None, description="[mean, standard deviation] of the number itself, not of its logarithm"
+    )
+    uniform: tuple[Number, Number] | None = Field(default=None, description="[least, greatest]")
+    triangular: tuple[Number, Number, Number] | None = Field(default=None, description="[least, most likely, greatest]")
+    list: tuple[Any, ...] | None = Field(default=None, min_length=1, description="values, also words, of equal chance")
+    chances: tuple[float, ...] | None = Field(default=None, description="the chances of the values of a list")
+    between: tuple[Number, Number] | None = Field(
+        default=None, description="[least, greatest] that a normal or lognormal number may have"
+    )
+    does: Literal["value", "shift", "factor"] = Field(
+        default="value",
+        description='what is drawn is the "value", a "shift" added to what the file says, or a "factor" on it',
+    )
+
+    @property
+    def kind(self) -> str:
+        """Which of the kinds it is."""
+        return next(kind for kind in KINDS if getattr(self, kind) is not None)
+
+    @property
+    def unit(self) -> str:
+        """The unit in which it is drawn: that of its first parameter; empty for plain numbers and words."""
+        first = getattr(self, self.kind)[0]
+        return "" if self.kind == "list" else measured(first)[1]
+
+    @property
+    def is_words(self) -> bool:
+        """Whether what is drawn has no order: a list with something that is no number."""
+        return self.list is not None and not all(_is_number(value) for value in self.list)
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        given = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected one of {', '.join(KINDS)}, there are {len(given)}")
+        if problem := self._problem():
+            raise ValueError(problem)
+        return self
+
+    def _problem(self) -> str:
+        """What is wrong with the parameters; empty where nothing is."""
+        if self.kind == "list":
+            if self.chances is None:
+                return ""
+            right = len(self.chances) == len(self.list or ()) and min(self.chances) >= 0.0 and sum(self.chances) > 0.0
+            return "" if right else "chances: expected one of 0 or more for each value of the list"
+        if self.chances is not None:
+            return "chances: expected with a list only"
+        if self.between is not None and self.kind not in ("normal", "lognormal"):
+            return "between: expected with normal and lognormal only"
+        try:
+            parameters, bounds = self._parameters(), self._bounds()
+        except ValueError as error:
+            return str(error)
+        if self.does == "factor" and self.unit:
+            return f"a factor has no unit, this has {self.unit}"
+        if self.kind in ("normal", "lognormal") and not parameters[1] > 0.0:
+            return f"{self.kind}: expected a standard deviation above 0"
+        if self.kind == "lognormal" and not parameters[0] > 0.0:
+            return "lognormal: expected a mean above 0"
+        if self.kind in ("uniform", "triangular") and (
+            list_(parameters) != sorted(parameters) or parameters[0] == parameters[-1]
+        ):
+            return f"{self.kind}: expected rising numbers"
+        return "" if bounds[0] < bounds[1] else "between: expected rising numbers"
+
+    def _parameters(self) -> tuple[float, ...]:
+        return tuple(in_unit(value, self.unit) for value in getattr(self, self.kind))
+
+    def _bounds(self) -> tuple[float, float]:
+        if self.between is None:
+            return (-math.inf, math.inf)
+        return in_unit(self.between[0], self.unit), in_unit(self.between[1], self.unit)
+
+    def at(self, chance: float) -> Any:
+        """The value that is not exceeded with this chance (0 to 1): a number in `unit`, or an entry of the list."""
+        if self.list is not None:
+            weights = self.chances or (1.0,) * len(self.list)
+            reached = 0.0
+            for value, weight in zip(self.list, weights, strict=True):
+                reached += weight / sum(weights)
+                if chance < reached:
+                    return value
+            return self.list[-1]
+        p = self._parameters()
+        if self.kind == "uniform":
+            return p[0] + chance * (p[1] - p[0])
+        if self.kind == "triangular":
+            turn = (p[1] - p[0]) / (p[2] - p[0])
+            if chance <= turn:
+                return p[0] + math.sqrt(chance * (p[2] - p[0]) * (p[1] - p[0]))
+            return p[2] - math.sqrt((1.0 - chance) * (p[2] - p[0]) * (p[2] - p[1]))
+        return self._normal_at(chance, *p)
+
+    def _normal_at(self, chance: float, mean: float, deviation: float) -> float:
+        """Of the normal or lognormal distribution, cut off at its bounds."""
+        logarithmic = self.kind == "lognormal"
+        if logarithmic:
+            variance = math.log1p((deviation / mean) ** 2)
+            mean, deviation = math.log(mean) - 0.5 * variance, math.sqrt(variance)
+
+        def standard(value: float) -> float:
+            if logarithmic:
+                value = math.log(value) if value > 0.0 else -math.inf
+            return (value - mean) / deviation
+
+        low, high = (STANDARD.cdf(standard(value)) for value in self._bounds())
+        drawn = mean + deviation * STANDARD.inv_cdf(low + chance * (high - low))
+        return math.exp(drawn) if logarithmic else drawn
+
+    def written(self, value: Any) -> Any:
+        """What was drawn as it would stand in a file, with its unit."""
+        return f"{value!r} {self.unit}" if self.unit else value
+
+
+def list_(values: tuple[float, ...]) -> "list[float]":
+    """The values as a list, whose name a field has taken."""
+    return [*values]
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        measured(value)
+    except ValueError:
+        return False
+    return not isinstance(value, bool)
+
+
+def measured(value: Any) -> tuple[float, str]:
+    """Number and unit of what was written; raises ValueError."""
+    if isinstance(value, int | float):
+        return float(value), ""
+    parts = NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    if parts is None:
+        raise ValueError(f'"{value}": expected a number, such as 0.3, or one with its unit, such as "35 deg"')
+    return float(parts[1]), parts[2]
+
+
+def in_unit(value: Any, unit: str) -> float:
+    """The number that something written is in a unit; without a unit in SI. Raises ValueError where it is none."""
+    number, own = measured(value)
+    if own == unit:
+        return number
+    if not own or not unit:
+        factor = _si(own) / _si(unit)
+        return number * factor
+    try:
+        return float(unit_registry().Quantity(number, own).to(unit).magnitude)
+    except Exception as error:  # pint raises what its tokenizer raises
+        raise ValueError(f'"{value}": expected a number in {unit}') from error
+
+
+def _si(unit: str) -> float:
+    """How many SI units one of these is; 1 for none."""
+    if not unit:
+        return 1.0
+    if unit in COMMON_UNITS:
+        return COMMON_UNITS[unit][1]
+    try:
+        return float(unit_registry().Quantity(1.0, unit).to_base_units().magnitude)
+    except Exception as error:
+        raise ValueError(f'"{unit}": not understood as a unit') from error

@@ -1,0 +1,97 @@
+"""Where an uncertain number stands in an input, by a path such as "strata.5 Asd.bottom.depth.2", and how it changes.
+
+A path goes from table to table; of a list it names the entry, by its name or its number from 1. The last point of a
+line is its depth or elevation, so that ".2" is that of the second point. "*" stands for every entry that has the key.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from workflow.uncertain.distribution import Distribution, in_unit, measured
+
+Change = Callable[[Any], Any]
+
+
+def plain(data: Any) -> Any:
+    """A copy of nested tables that can be changed."""
+    if isinstance(data, Mapping):
+        return {key: plain(value) for key, value in data.items()}
+    return [plain(value) for value in data] if isinstance(data, list | tuple) else data
+
+
+def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
+    """Nested tables with what was drawn put where it belongs; raises ValueError for a path that leads nowhere."""
+    new: dict[str, Any] = plain(data)
+    for path, value in drawn.items():
+        distribution = numbers[path]
+        for holder, key in list(_places(new, path)):
+            before = holder.get(key) if isinstance(holder, dict) else holder[key]
+            holder[key] = _changed(before, distribution, value)
+    return new
+
+
+def _places(data: Any, path: str) -> Iterator[tuple[Any, Any]]:
+    """What holds the values that a path names, and under which key or index."""
+    entries = _entries(data)
+    if path.startswith("*.") and isinstance(data, list):
+        for entry in data:
+            if _head(_entries(entry), path[2:]) is not None:
+                yield from _places(entry, path[2:])
+        return
+    name = _head(entries, path)
+    if name is None and isinstance(data, dict) and "." not in path:
+        yield data, path  # not set so far; whether there is such a key is found out as for a file
+    elif name is None:
+        there = ", ".join(dict.fromkeys(entries)) or "nothing"
+        raise ValueError(f'"{path}" leads nowhere; there is {there}')
+    elif path == name:
+        yield data, entries[name]
+    else:
+        yield from _places(data[entries[name]], path[len(name) + 1 :])
+
+
+def _entries(data: Any) -> dict[str, Any]:
+    """The keys of a table, or the names and numbers of the entries of a list, as paths call them."""
+    if isinstance(data, dict):
+        return {str(key): key for key in data}
+    if not isinstance(data, list):
+        return {}
+    named = {entry["name"]: place for place, entry in enumerate(data) if isinstance(entry, dict) and "name" in entry}
+    return {**named, **{str(place + 1): place for place in range(len(data))}}
+
+
+def _head(entries: Mapping[str, Any], path: str) -> str | None:
+    """The entry with which a path begins; names may have dots in them."""
+    return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
+
+
+def _changed(before: Any, distribution: Distribution, value: Any) -> Any:
+    if distribution.does == "value":
+        if _is_point(before):
+            return [before[0], distribution.written(value)]
+        if isinstance(before, dict | list):
+            raise ValueError('holds more than one number; expected the path of one, or does = "shift" or "factor"')
+        return distribution.written(value)
+    return _moved(before, distribution, value)
+
+
+def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
+    """A number, a line or what holds one, shifted or times a factor."""
+    if isinstance(before, dict):
+        return {key: _moved(inside, distribution, value) for key, inside in before.items()}
+    if _is_point(before):
+        return [before[0], _moved(before[1], distribution, value)]
+    if isinstance(before, list):
+        return [_moved(inside, distribution, value) for inside in before]
+    if before is None:
+        raise ValueError("is not set in the file; expected a number there to shift or to multiply")
+    number, unit = measured(before)
+    if distribution.does == "factor":
+        number *= float(value)
+    else:
+        number += in_unit(distribution.written(value), unit)
+    return f"{number!r} {unit}" if unit else number
+
+
+def _is_point(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and not any(isinstance(one, list | dict) for one in value)

@@ -1,0 +1,57 @@
+"""Samples of the uncertain numbers: the same for the same seed, however many computers draw them."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from workflow.uncertain.settings import Method, StudySettings, UncertainSettings
+
+SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
+
+
+def chances(dimensions: int, count: int, method: Method, seed: int) -> np.ndarray:
+    """Points (n, dimensions) in the unit cube.
+
+    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), so that a longer study goes on from a shorter one.
+    "latin": a Latin hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A,
+    as many B, and for each dimension A with that column taken from B (Saltelli et al. 2010).
+    """
+    from scipy.stats import qmc
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of counts that are no power of two
+        if method == "latin":
+            drawn = qmc.LatinHypercube(dimensions, seed=seed).random(count)
+        elif method == "sobol":
+            drawn = qmc.Sobol(dimensions, bits=53, seed=seed).random(count)
+        else:
+            both = qmc.Sobol(2 * dimensions, bits=53, seed=seed).random(count)
+            a, b = both[:, :dimensions], both[:, dimensions:]
+            mixed = [np.where(np.arange(dimensions) == k, b, a) for k in range(dimensions)]
+            drawn = np.concatenate([a, b, *mixed])
+    return np.clip(drawn, SMALLEST, 1.0 - SMALLEST)
+
+
+def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+    """The same chances (n, d) with a Gaussian copula: each stays uniform, together they are correlated."""
+    from scipy.special import ndtr, ndtri
+
+    if np.array_equal(correlation, np.eye(len(correlation))):
+        return points
+    normal = ndtri(points) @ np.linalg.cholesky(correlation).T
+    return np.clip(np.asarray(ndtr(normal)), SMALLEST, 1.0 - SMALLEST)
+
+
+def samples(uncertain: UncertainSettings, study: StudySettings) -> list[dict[str, Any]]:
+    """What is drawn for every sample, by the paths of the numbers."""
+    numbers = uncertain.numbers
+    points = chances(len(numbers), study.samples, study.method, study.seed)
+    points = correlated(points, uncertain.correlation())
+    return [
+        {
+            path: distribution.at(float(chance))
+            for (path, distribution), chance in zip(numbers.items(), row, strict=True)
+        }
+        for row in points
+    ]

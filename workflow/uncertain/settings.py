@@ -1,0 +1,101 @@
+"""What is uncertain in an input, a table [uncertain], and how a study samples it, a table [study]."""
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import ConfigDict, Field, model_validator
+
+from meshes.section.model import Model
+from workflow.uncertain.distribution import Distribution
+
+Method = Literal["sobol", "latin", "saltelli"]
+
+
+class Correlation(Model):
+    """Two uncertain numbers that go together."""
+
+    of: tuple[str, str] = Field(description="two of the paths in this table")
+    coefficient: float = Field(
+        gt=-1.0, lt=1.0, description="correlation of the normal variables behind both (Gaussian copula), such as -0.5"
+    )
+
+
+class UncertainSettings(Model):
+    """Which numbers of the input have a distribution, by their paths, such as "strata.5 Asd.friction_angle"."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
+    __pydantic_extra__: dict[str, Distribution] = Field(init=False)
+
+    correlated: tuple[Correlation, ...] = Field(
+        default=(), description="pairs that go together, { of = [path, path], coefficient = 0.5 }; others do not"
+    )
+
+    @property
+    def numbers(self) -> dict[str, Distribution]:
+        """Every uncertain number by its path, in the order of the file."""
+        return dict(self.__pydantic_extra__ or {})
+
+    def correlation(self) -> np.ndarray:
+        """The matrix (n, n) of correlations of the normal variables, in the order of `numbers`."""
+        places = {path: place for place, path in enumerate(self.numbers)}
+        matrix = np.eye(len(places))
+        for pair in self.correlated:
+            i, j = (places[path] for path in pair.of)
+            matrix[i, j] = matrix[j, i] = pair.coefficient
+        return matrix
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        problems = []
+        for number, pair in enumerate(self.correlated, start=1):
+            unknown = [path for path in pair.of if path not in self.numbers]
+            problems += [f'correlated {number}, of = "{path}": expected a path of this table' for path in unknown]
+            if pair.of[0] == pair.of[1]:
+                problems.append(f"correlated {number}, of: expected two different paths")
+        if not problems and self.correlated and np.linalg.eigvalsh(self.correlation()).min() <= 0.0:
+            problems.append("correlated: no numbers can go together like that; expected smaller coefficients")
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def problems(self, check: Callable[[Mapping[str, Any]], object]) -> list[str]:
+        """What is wrong with any of them; ``check`` takes medians by their paths, and raises ValueError."""
+        medians = {path: distribution.at(0.5) for path, distribution in self.numbers.items()}
+        found: list[str] = []
+        with suppress(ValueError):  # all at once where nothing is wrong, which is quick
+            if medians:
+                check(medians)
+            return found
+        for path, median in medians.items():
+            try:
+                check({path: median})
+            except ValueError as error:
+                told = getattr(error, "problems", None) or str(error).splitlines()
+                found += [f'uncertain, "{path}": {text}' for text in told]
+        return found or ["uncertain: each number fits at its median, all together they do not"]
+
+
+Length = Annotated[float, Field(gt=0.0)]
+
+
+class StudySettings(Model):
+    """How many samples a study draws, how, and what it tells of them."""
+
+    samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
+    method: Method = Field(
+        default="sobol",
+        description='"sobol" (scrambled sequence; more samples go on from fewer), "latin" (Latin hypercube), or '
+        '"saltelli" (Sobol\' indices, which takes 2 more sets of samples and one for each uncertain number)',
+    )
+    seed: int = Field(default=0, ge=0, description="seed of the samples")
+    exceeds: tuple[Length, ...] = Field(
+        default=(0.1, 0.5, 1.0), min_length=1, description="slides (m) whose probability of being exceeded is told"
+    )
+
+    @model_validator(mode="after")
+    def _power_of_two(self) -> Self:
+        if self.method == "saltelli" and self.samples & (self.samples - 1):
+            raise ValueError(f"samples = {self.samples}: expected a power of two, which Sobol' indices take")
+        return self
