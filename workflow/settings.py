@@ -20,7 +20,7 @@ from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
 from workflow.triggering.assessment import Assessment, assess
-from workflow.triggering.consequences import left
+from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.settings import TriggeringSettings
 from workflow.uncertain.path import changed
 from workflow.uncertain.settings import StudySettings, UncertainSettings
@@ -153,7 +153,8 @@ class Input(Section):
         Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
         """
         given = super().parse(data, source)
-        if not given.triggering.cases and not any(stratum.liquefies_in.triggered for stratum in given.strata):
+        asked = given.triggering.cases or given.triggering.pore_pressure
+        if not asked and not any(stratum.liquefies_in.triggered for stratum in given.strata):
             return given
         try:
             return given._triggered(given.assessment())
@@ -200,7 +201,16 @@ class Input(Section):
             else own
             for own, its in pairs
         ]
-        return self.model_copy(update={"strata": tuple(strata)})
+        if self.triggering.pore_pressure:
+            strata = [
+                own.model_copy(update={"excess_pore_pressure_ratio": own.excess_pore_pressure_ratio or ratio})
+                if not own.liquefies_in
+                else own
+                for own, ratio in zip(strata, pore_pressures(found, len(strata)), strict=True)
+            ]
+        changed = self.model_copy(update={"strata": tuple(strata)})
+        changed.__dict__.pop("water_pressure", None)  # it was made of the strata before
+        return changed
 
     @classmethod
     def tables(cls) -> list[str]:

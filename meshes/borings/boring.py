@@ -1,11 +1,11 @@
-"""A boring on the line of a section, with the blow counts that were measured in it."""
+"""A boring or sounding on the line of a section, with the blow counts or cone resistances measured in it."""
 
 from itertools import pairwise
 from typing import Self
 
 from pydantic import Field, model_validator
 
-from meshes.section.quantity import Coordinate, Length
+from meshes.section.quantity import Coordinate, Length, Strength
 from meshes.section.section import Model
 
 
@@ -21,19 +21,35 @@ class Sample(Model):
     plasticity: float | None = Field(default=None, ge=0.0, le=500.0, description="the plasticity index in percent")
 
 
+class Cone(Model):
+    """What a cone penetration test found at one depth."""
+
+    depth: Length = Field(description='the depth below the ground, such as "3.3 m"')
+    qc: Strength = Field(description='the cone resistance, corrected for pore pressure (qt), such as "4.2 MPa"')
+    fs: Strength = Field(description='the sleeve friction, such as "25 kPa"')
+    fines: float | None = Field(
+        default=None, ge=0.0, le=100.0, description="the fines content in percent, from 0 to 100; by default from Ic"
+    )
+
+
 class Boring(Model):
     """A boring: its name, where it stands along the section, and its tests from the top down."""
 
     name: str = Field(min_length=1, description="the name of the boring, such as B-1")
     x: Coordinate = Field(description="where it stands along the section, a coordinate in m")
     spt: tuple[Sample, ...] = Field(
-        min_length=1, description="its tests, such as [{ depth = 1.3, N = 4, fines = 10 }, ...]"
+        default=(), description="its blow counts, such as [{ depth = 1.3, N = 4, fines = 10 }, ...]"
+    )
+    cpt: tuple[Cone, ...] = Field(
+        default=(), description='its cone resistances, such as [{ depth = 1.3, qc = "4 MPa", fs = "25 kPa" }, ...]'
     )
 
     @model_validator(mode="after")
     def _from_the_top_down(self) -> Self:
-        depths = [float(sample.depth) for sample in self.spt]
-        falls = [f"{a:g} m, then {b:g} m" for a, b in pairwise(depths) if b <= a]
-        if falls:
-            raise ValueError(f"spt: the depths are {'; '.join(falls)}; expected every test below the one before")
+        if not self.spt and not self.cpt:
+            raise ValueError("spt, cpt: missing; expected tests of one kind at least")
+        for kind, tests in (("spt", self.spt), ("cpt", self.cpt)):
+            falls = [f"{a:g} m, then {b:g} m" for a, b in pairwise(float(test.depth) for test in tests) if b <= a]
+            if falls:
+                raise ValueError(f"{kind}: the depths are {'; '.join(falls)}; expected every test below the one before")
         return self

@@ -48,7 +48,7 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
         total += unit_weight * max(0.0, water - float(levels[0]))
         pressure = unit_weight * max(0.0, water - here)
     stratum, below_water = int(section.stratum_at(np.array([x]), np.array([here]))[0]), pressure > 0.0
-    if section.water_pressure.present:  # levels and ratios of the strata are in it
+    if section.water_pressure.still:  # levels and ratios of the strata are in it
         place = np.array([[x, here]])
         pressure = float(section.water_pressure.at_rest(place, place, np.array([stratum]))[0])
     return Overburden(stratum, total, total - pressure, below_water)

@@ -51,8 +51,13 @@ class WaterPressure:
     @cached_property
     def present(self) -> bool:
         """Whether there is any pore pressure, or any water on the ground."""
-        ratios = [s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata]
-        return any(level is not None for level in self.levels) or self.after is not None or any(ratios)
+        return self.still or any(s.excess_pore_pressure_ratio for s in self.strata)
+
+    @cached_property
+    def still(self) -> bool:
+        """The same without what shaking adds."""
+        levels = any(level is not None for level in self.levels)
+        return levels or self.after is not None or any(s.pore_pressure_ratio for s in self.strata)
 
     def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Pore pressure (n,) without shaking."""

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from meshes.borings.boring import Sample
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.attenuation import Motion
@@ -35,8 +36,7 @@ from workflow.estimates.slope_displacement import (
     bray_travasarou,
 )
 from workflow.settings import Input
-from workflow.triggering.assessment import Judged, blow_count
-from workflow.triggering.idriss_boulanger import normalised
+from workflow.triggering.assessment import Judged, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
 YOUD_RANGE = (
@@ -120,8 +120,9 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
     distance, magnitude = given.earthquake.distance, given.earthquake.magnitude
     if magnitude is None or distance is None:
         return
-    loose = [test for test in tests if test.found is not None and _counts(given, test)[0] < LOOSE]
-    known = [test for test in loose if test.sample.fines is not None and test.sample.d50 is not None]
+    loose = [test for test in tests if test.found is not None and normalised_counts(test, given.triggering)[0] < LOOSE]
+    known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
+    known = [(test, one) for test, one in known if one.fines is not None and one.d50 is not None]
     if not known:
         words = "not computed: no blow count below 15 comes with both fines and D50"
         yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None, words, YOUD, YOUD_RANGE)
@@ -131,8 +132,8 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
         distance / 1000.0,
         slope,
         _mean_of_borings(tests, lambda its: sum(t.bottom - t.top for t in its if t in loose)),
-        _weighted(known, [float(test.sample.fines or 0.0) for test in known]),
-        _weighted(known, [1000.0 * float(test.sample.d50 or 0.0) for test in known]),
+        _weighted([test for test, _ in known], [float(one.fines or 0.0) for _, one in known]),
+        _weighted([test for test, _ in known], [1000.0 * float(one.d50 or 0.0) for _, one in known]),
     )
     outside = why_not_youd(site)
     words = f"outside its range: {outside}" if outside else (
@@ -146,7 +147,7 @@ def _zhang(given: Input, tests: Sequence[Judged], slope: float) -> Estimate:
     def index(its: Sequence[Judged]) -> float:
         return displacement_index(
             [
-                (t.top, t.bottom, maximum_shear_strain(t.factor, _counts(given, t)[1]))
+                (t.top, t.bottom, maximum_shear_strain(t.factor, normalised_counts(t, given.triggering)[1]))
                 for t in its
                 if t.factor is not None
             ]
@@ -158,12 +159,6 @@ def _zhang(given: Input, tests: Sequence[Judged], slope: float) -> Estimate:
     words += f": outside its range: {outside}" if outside else ""
     slide = None if outside else zhang(ldi, slope)
     return Estimate("spread", "Zhang, Robertson & Brachman (2004)", slide, words, ZHANG, ZHANG_RANGE)
-
-
-def _counts(given: Input, test: Judged) -> tuple[float, float]:
-    """(N1)60 and (N1)60cs of a test."""
-    settings = given.triggering
-    return normalised(blow_count(test.sample, test.where), settings.energy_ratio, settings.rods_above)
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:

@@ -1,4 +1,4 @@
-"""The borings of a section side by side: strata, blow counts, and F_L with depth."""
+"""The borings of a section side by side: strata, blow counts or cone resistances, and F_L with depth."""
 
 from pathlib import Path
 
@@ -15,12 +15,12 @@ from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 
 ABREAST = 4  # borings in a row of the picture
-MOST_BLOWS, MOST_FACTOR = 50.0, 2.0
+MOST_BLOWS, MOST_RESISTANCE, MOST_FACTOR = 50.0, 30.0, 2.0  # MPa is the unit of the second
 ROW = 4.4  # inches
 
 
 def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
-    """Every boring in two frames: N in the strata, F_L beside it."""
+    """Every boring in two frames: N or qc in the strata, F_L beside it."""
     names = [boring.name for boring in answer.borings]
     rows = -(-len(names) // ABREAST)
     figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
@@ -60,9 +60,12 @@ def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, p
         axes.tick_params(labelsize=7, colors=INK)
         axes.grid(color="white", linewidth=0.5)
     at = [test.depth_m for test in tests]
-    blows.plot([min(test.N, MOST_BLOWS) for test in tests], at, color=CONTINUUM, marker="o", markersize=3.5)
-    blows.set_xlim(0.0, MOST_BLOWS)
-    blows.set_xlabel("N", fontsize=8, color=INK)
+    cone = any(test.qc_Pa is not None for test in tests)
+    most = MOST_RESISTANCE if cone else MOST_BLOWS
+    found = [(test.qc_Pa or 0.0) / 1e6 if cone else test.N or 0.0 for test in tests]
+    blows.plot(np.minimum(found, most), at, color=CONTINUUM, marker="" if cone else "o", markersize=3.5)
+    blows.set_xlim(0.0, most)
+    blows.set_xlabel("qc (MPa)" if cone else "N", fontsize=8, color=INK, parse_math=False)
     blows.set_ylabel("depth (m)", fontsize=8, color=INK)
     potential = next(boring.potential for boring in answer.borings if boring.name == tests[0].boring)
     blows.set_title(f"{tests[0].boring}, x = {x:g} m", fontsize=8.5, loc="left", color=INK, parse_math=False)
@@ -80,7 +83,9 @@ def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, p
 
 def _handles() -> list[Line2D]:
     return [
-        Line2D([], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="N, and F_L of 1 or more"),
+        Line2D(
+            [], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="measured, and F_L of 1 or more"
+        ),
         Line2D([], [], color=CRITICAL, marker="o", markersize=3.5, linewidth=1.0, label="F_L below 1"),
         Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"),
     ]

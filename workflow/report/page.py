@@ -28,6 +28,7 @@ from workflow.run.progress import duration
 from workflow.settings import ReportSettings
 
 # Parts of the page with a template of their own.
+MOST_TESTS = 60  # in a table
 PARTS = {"triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja"}
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
@@ -76,6 +77,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "pictures": _pictures(results),
         "films": films(results) if given.figures.report_animations else [],
         "Notes": Notes,
+        "most_tests": MOST_TESTS,
         "fonts": fonts.notice(tables.texts(given)),
         "lies_still": lies_still,
         "stages": results.stages,

@@ -4,6 +4,7 @@ from typing import ClassVar, Self
 
 from pydantic import Field
 
+from meshes.borings.boring import Cone, Sample
 from workflow.earthquake.attenuation import GAL, Motion
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 from workflow.settings import Input
@@ -40,7 +41,7 @@ class MotionPart(Part):
 
 
 class TestPart(Part):
-    """One blow count: where, the stresses there, and F_L; None where it was not judged, for the reason given."""
+    """One test: where, the stresses there, and F_L; None where it was not judged, for the reason given."""
 
     __test__ = False  # no test of pytest's
 
@@ -50,12 +51,13 @@ class TestPart(Part):
     top_m: float = Field(description="depth from which on the test stands for its stratum")
     bottom_m: float = Field(description="depth to which it does")
     stratum: str
-    N: float
+    N: float | None = Field(description="the blow count; None of a cone")
+    qc_Pa: float | None = Field(default=None, description="the cone resistance; None of a blow count")  # noqa: N815
     fines_percent: float | None = Field(description="None: not known, taken as clean sand")
     total_Pa: float  # noqa: N815
     effective_Pa: float  # noqa: N815
-    normalised: Known = Field(description="(N1)60 or N1")
-    corrected: Known = Field(description="(N1)60cs or Na")
+    normalised: Known = Field(description="(N1)60, N1 or qc1N")
+    corrected: Known = Field(description="(N1)60cs, Na or qc1Ncs")
     load: Known = Field(description="cyclic stress ratio of the earthquake")
     resistance: Known = Field(description="cyclic stress ratio that the soil bears; None: more than is known")
     factor: Known = Field(description="F_L, at most 2")
@@ -72,7 +74,8 @@ class TestPart(Part):
             top_m=test.top,
             bottom_m=test.bottom,
             stratum=stratum,
-            N=test.sample.N,
+            N=test.sample.N if isinstance(test.sample, Sample) else None,
+            qc_Pa=test.sample.qc if isinstance(test.sample, Cone) else None,
             fines_percent=test.sample.fines,
             total_Pa=test.where.total,
             effective_Pa=test.where.effective,
@@ -133,7 +136,7 @@ class RelationPart(Part):
 
 
 class TriggeringAnswer(Answer):
-    """What the blow counts say of an earthquake."""
+    """What the borings say of an earthquake."""
 
     FILE: ClassVar[str] = "triggering.json"
 

@@ -6,14 +6,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from meshes.borings.boring import Boring, Sample
+from meshes.borings.boring import Boring, Cone, Sample
 from meshes.errors import InputError
 from meshes.section.overburden import Overburden, outside, overburden, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.earthquake.attenuation import Motion, Range
 from workflow.earthquake.settings import EarthquakeSettings
+from workflow.triggering import boulanger_idriss, idriss_boulanger
 from workflow.triggering.blow_count import KPA, BlowCount, Resistance, Shaking
+from workflow.triggering.boulanger_idriss import ConeTest
 from workflow.triggering.methods import RELATIONS, Relation
 from workflow.triggering.potential import potential
 from workflow.triggering.settings import TriggeringSettings
@@ -35,7 +37,7 @@ class Judged:
 
     boring: str
     x: float
-    sample: Sample
+    sample: Sample | Cone
     top: float
     bottom: float
     length: float
@@ -101,10 +103,13 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         raise InputError(section.name, problems)
     shaking = Shaking(motion.median / GRAVITY, earthquake.magnitude or math.nan)
     tests: list[Judged] = []
-    lengths = _stretches(section, sorted({float(boring.x) for boring in settings.borings}))
-    for boring in settings.borings:
-        for sample, (top, bottom, where) in zip(boring.spt, _pieces(section, boring), strict=True):
-            point = blow_count(sample, where)
+    borings = [boring for boring in settings.borings if getattr(boring, relation.kind)]
+    lengths = _stretches(section, sorted({float(boring.x) for boring in borings}))
+    for boring in borings:
+        samples: tuple[Sample | Cone, ...] = getattr(boring, relation.kind)
+        pieces = _pieces(section, boring, [float(sample.depth) for sample in samples])
+        for sample, (top, bottom, where) in zip(samples, pieces, strict=True):
+            point = point_of(sample, where)
             reason = relation.why_not(point) if where.below_water else "above the water table"
             try:
                 found = None if reason else relation.find(point, shaking, settings)
@@ -116,7 +121,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     if problems:
         raise InputError(section.name, problems)
     strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
-    layers = {boring.name: [t for t in tests if t.boring == boring.name] for boring in settings.borings}
+    layers = {boring.name: [t for t in tests if t.boring == boring.name] for boring in borings}
     potentials = {name: potential([(t.top, t.bottom, t.factor) for t in its]) for name, its in layers.items()}
     return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
 
@@ -137,6 +142,8 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     except InputError as error:
         problems += [f"earthquake, {text}" for text in error.problems]
     relation = RELATIONS[settings.method]
+    if settings.borings and not any(getattr(boring, relation.kind) for boring in settings.borings):
+        problems.append(f"triggering, borings: none has {relation.kind}, which {relation.title} judges by")
     if relation.magnitudes is not None and earthquake.magnitude is None:
         problems.append(f"earthquake, magnitude: missing; {relation.title} asks for it")
     elif relation.magnitudes is not None and earthquake.magnitude is not None:
@@ -146,12 +153,17 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:
-    told = {outside(section, boring.x, sample.depth): None for sample in boring.spt}
+    depths = [*(one.depth for one in boring.spt), *(one.depth for one in boring.cpt)]
+    told = {outside(section, boring.x, depth): None for depth in depths}
     return [f"triggering, boring {boring.name}: {text}" for text in told if text]
 
 
-def blow_count(sample: Sample, where: Overburden) -> BlowCount:
-    """A test as the methods see it; without a fines content it counts as clean sand, which is on the safe side."""
+def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
+    """A test as the methods see it; a blow count without fines counts as clean sand, which is on the safe side."""
+    if isinstance(sample, Cone):
+        return ConeTest(
+            sample.depth, sample.qc / KPA, sample.fs / KPA, where.total / KPA, where.effective / KPA, sample.fines
+        )
     return BlowCount(
         sample.depth,
         sample.N,
@@ -163,12 +175,28 @@ def blow_count(sample: Sample, where: Overburden) -> BlowCount:
     )
 
 
-def _pieces(section: Section, boring: Boring) -> list[tuple[float, float, Overburden]]:
+def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
+    """(N1)60 and (N1)60cs of a test, by which goes what follows; of a cone those of the same relative density."""
+    point = point_of(test.sample, test.where)
+    if isinstance(point, ConeTest):
+        resistance, clean = boulanger_idriss.normalised(point)
+        return boulanger_idriss.equivalent_count(resistance), boulanger_idriss.equivalent_count(clean)
+    return idriss_boulanger.normalised(point, settings.energy_ratio, settings.rods_above)
+
+
+def fines_of(test: Judged) -> float:
+    """Fines (%) of what was tested: measured, by the index of a cone, or none."""
+    point = point_of(test.sample, test.where)
+    if isinstance(point, ConeTest):
+        return boulanger_idriss.fines_of(point.index) if point.fines is None else point.fines
+    return point.fines
+
+
+def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple[float, float, Overburden]]:
     """For every test the depths for which it stands: half-way to the next ones, not beyond its stratum or the water."""
     levels = section.layering.interfaces(np.array([boring.x]))[0]
     depth_of = levels[0] - levels
     water = water_level(section, boring.x)
-    depths = [float(sample.depth) for sample in boring.spt]
     stresses = [overburden(section, boring.x, depth) for depth in depths]
     found = []
     for number, (depth, where) in enumerate(zip(depths, stresses, strict=True)):

@@ -4,8 +4,8 @@ import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from workflow.triggering.assessment import Assessment, Judged, blow_count
-from workflow.triggering.idriss_boulanger import normalised
+from workflow.triggering.assessment import Assessment, Judged, fines_of, normalised_counts
+from workflow.triggering.blow_count import KPA
 from workflow.triggering.residual import RELATIONS, Penetration
 from workflow.triggering.settings import CaseName, TriggeringSettings
 from workflow.triggering.strains import pore_pressure_ratio, volumetric_strain
@@ -57,13 +57,12 @@ def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
 
 def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSettings) -> Left:
     tests = [test for test in assessment.tests if test.liquefies and test.where.stratum == number]
-    points = [blow_count(test.sample, test.where) for test in tests]
-    counts = [normalised(point, settings.energy_ratio, settings.rods_above) for point in points]
+    counts = [normalised_counts(test, settings) for test in tests]
     ratios = {}
     for relation in RELATIONS:
         found = [
-            relation.ratio(Penetration(n1, point.fines, point.effective))
-            for point, (n1, _) in zip(points, counts, strict=True)
+            relation.ratio(Penetration(n1, fines_of(test), test.where.effective / KPA))
+            for test, (n1, _) in zip(tests, counts, strict=True)
         ]
         holds = [(test, ratio) for test, ratio in zip(tests, found, strict=True) if ratio is not None]
         if holds:

@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
-from workflow.triggering import highway_code, idriss_boulanger
+from workflow.triggering import boulanger_idriss, highway_code, idriss_boulanger
 from workflow.triggering.blow_count import BlowCount, Resistance, Shaking
+from workflow.triggering.boulanger_idriss import ConeTest
 from workflow.triggering.settings import Method, TriggeringSettings
 
 
@@ -18,21 +19,27 @@ class Relation:
     ----------
     title : as people call it
     source, validity : where it was published, and what it holds for
-    find : what it finds at a test; raises ValueError where it lacks something
+    find : what it finds at a test, a BlowCount or a ConeTest; raises ValueError where it lacks something
     why_not : why it does not judge a soil; empty where it does
     magnitudes : the smallest and the largest magnitude; None where it asks for none
+    kind : which tests of a boring it judges
     """
 
     title: str
     source: str
     validity: str
-    find: Callable[[BlowCount, Shaking, TriggeringSettings], Resistance]
-    why_not: Callable[[BlowCount], str]
+    find: Callable[[Any, Shaking, TriggeringSettings], Resistance]
+    why_not: Callable[[Any], str]
     magnitudes: tuple[float, float] | None
+    kind: Literal["spt", "cpt"] = "spt"
 
 
 def _idriss_boulanger(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
     return idriss_boulanger.assess(point, shaking, settings.energy_ratio, settings.rods_above)
+
+
+def _boulanger_idriss(point: ConeTest, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
+    return boulanger_idriss.assess(point, shaking)
 
 
 def _highway_1990(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
@@ -58,6 +65,15 @@ RELATIONS: dict[Method, Relation] = {
         _idriss_boulanger,
         idriss_boulanger.why_not,
         idriss_boulanger.MAGNITUDES,
+    ),
+    "boulanger_idriss_2014": Relation(
+        "Boulanger & Idriss (2014)",
+        boulanger_idriss.SOURCE,
+        boulanger_idriss.VALIDITY,
+        _boulanger_idriss,
+        boulanger_idriss.why_not,
+        boulanger_idriss.MAGNITUDES,
+        "cpt",
     ),
     "highway_1990": _highway("1990", _highway_1990),
     "highway_2012": _highway("2012", partial(_highway_later, "2012")),

@@ -2,14 +2,14 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from meshes.borings.boring import Boring
 from meshes.section.quantity import Length
 from meshes.section.section import Model
 from workflow.triggering.highway_code import MotionType
 
-Method = Literal["idriss_boulanger_2008", "highway_1990", "highway_2012", "highway_2017"]
+Method = Literal["idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"]
 
 CaseName = Literal["median", "low strength", "high strength"]
 
@@ -20,7 +20,7 @@ class TriggeringSettings(Model):
     method: Method = Field(
         default="idriss_boulanger_2008",
         description='"idriss_boulanger_2008", or a form of the Japanese highway code: "highway_1990" (that behind the '
-        'paper), "highway_2012", "highway_2017"',
+        'paper), "highway_2012", "highway_2017"; "boulanger_idriss_2014" for cone penetration tests',
     )
     energy_ratio: float = Field(
         default=60.0,
@@ -41,5 +41,10 @@ class TriggeringSettings(Model):
         default=(),
         description='cases of the slide that follow from the blow counts, after those of [slide]: "median", '
         '"low strength", "high strength", by the residual strengths of three relations',
+    )
+    pore_pressure: StrictBool = Field(
+        default=False,
+        description="true if strata that do not liquefy, and have no excess_pore_pressure_ratio, get the mean one of "
+        "their tests (F_L from 1 to 2)",
     )
     borings: tuple[Boring, ...] = Field(default=(), description="one table [[triggering.borings]] for each boring")

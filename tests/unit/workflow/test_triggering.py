@@ -128,7 +128,50 @@ def test_the_command(method: str, tmp_path: Path, capsys: pytest.CaptureFixture[
     assert (tmp_path / "run/figures/triggering.png").is_file()
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
-    assert "What the blow counts say of the earthquake" in page
+    assert "What the borings say of the earthquake" in page
+
+
+def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Sand of 2 MPa to 6 m, and of 25 MPa below: the loose sand liquefies, and keeps a strength."""
+    data = bored()
+    cone = [{"depth": 0.25 * k, "qc": "2 MPa" if k < 24 else "25 MPa", "fs": "15 kPa"} for k in range(2, 70)]
+    data["triggering"] = {
+        "method": "boulanger_idriss_2014", "cases": ["median"], "borings": [{"name": "C-1", "x": 50.0, "cpt": cone}]
+    }  # fmt: skip
+    given = Input.parse(data)
+    assert [bool(stratum.liquefies_in) for stratum in given.strata] == [True, False]
+    assert 0.03 < given.cases[3].residual_of("loose") < 0.2
+    path = tmp_path / "cone.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 0
+    assert '"dense" does not liquefy' in capsys.readouterr().out
+    assert command_line.run("report", tmp_path / "run", "--quiet") == 0
+    page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
+    assert "8 more stand in triggering.json" in page
+    data["triggering"]["method"] = "idriss_boulanger_2008"
+    assert "none has spt, which Idriss & Boulanger (2008) judges by" in "\n".join(problems(data, Input))
+
+
+def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None:
+    """r_u = (2/π) arcsin(F_L^(-1/0.476)) where F_L is above 1; what is given, and what liquefies, stays."""
+    data = bored()
+    data["triggering"] |= {"share": 0.3, "pore_pressure": True}
+    data["triggering"]["borings"] = [{"name": "B-1", "x": 50.0, "spt": [test(3.0, 5), test(8.0, 26), test(14.0, 30)]}]
+    data["earthquake"]["peak_acceleration"] = "200 gal"
+    given = Input.parse(data)
+    loose, dense = given.strata
+    tests = [one for one in given.assessment().tests if one.where.stratum == 1]
+    each = [2.0 / np.pi * np.arcsin(one.factor ** (-1.0 / 0.476)) for one in tests]
+    assert all(1.0 < one.factor < 2.0 for one in tests)
+    areas = [one.area for one in tests]
+    assert loose.excess_pore_pressure_ratio == 0.0
+    assert dense.excess_pore_pressure_ratio == pytest.approx(np.average(each, weights=areas))
+    at = np.array([[50.0, -10.0]])
+    assert given.water_pressure.shaken(at, at, np.array([1]))[0] > 0.0
+    again = Input.parse({**data, "strata": given.model_dump(mode="json")["strata"]})
+    assert again.strata == given.strata
+    data["strata"][1]["excess_pore_pressure_ratio"] = 0.77
+    assert Input.parse(data).strata[1].excess_pore_pressure_ratio == 0.77
 
 
 def test_bad_input_ends_with_exit_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
