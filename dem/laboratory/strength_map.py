@@ -20,7 +20,8 @@ from scipy.optimize import least_squares
 
 MAP = "strength_map.csv"
 KAPPA = 400.0  # kn over the pressure, at which the map was made
-LOOSENS = 0.16  # E / kn goes with kappa to the power of -0.16: stiffer discs have fewer contacts (0.58, 0.47, 0.40)
+# E / kn goes with kappa to minus this power, without and with cohesion of contacts: stiffer discs have fewer contacts.
+LOOSENS = 0.22, 0.16
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
@@ -77,8 +78,9 @@ class StrengthMap:
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, cohesive: bool = True) -> float:
         """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa)."""
-        stiff = youngs_modulus / self.modulus[cohesive] / (KAPPA * pressure) ** LOOSENS
-        return float(stiff ** (1.0 / (1.0 - LOOSENS)))
+        power = LOOSENS[cohesive]
+        stiff = youngs_modulus / self.modulus[cohesive] / (KAPPA * pressure) ** power
+        return float(stiff ** (1.0 / (1.0 - power)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
         """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""
