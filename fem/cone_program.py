@@ -29,6 +29,10 @@ from scipy.sparse.linalg import splu
 SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 # Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
 MET = ("Solved", "AlmostSolved")
+# Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
+# goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the answer.
+REGULARISATIONS = (1e-8, 1e-7, 1e-6)
+BROKE_DOWN = "NumericalError"
 MOST_ITERATIONS = 120
 MOST_CORRECTIONS = 30
 
@@ -98,17 +102,23 @@ class Solution:
     seconds: float
 
 
-def solve(program: ConeProgram) -> Solution:
-    """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations."""
+def solve(program: ConeProgram, again: bool = False) -> Solution:
+    """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations.
+
+    A solver that breaks down is asked ``again`` with more regularisation; bounds are checked, and take what it left.
+    """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     cost, matrix, offset, cones = _assembled(program, clay)
-    solver = clarabel.DefaultSolver(
-        sparse.csc_matrix((len(cost), len(cost))), cost, matrix.tocsc(), offset, cones, _settings()
-    )
-    with _stops_at_interrupt(solver):
-        found = solver.solve()
-    status = str(found.status)
+    for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
+        solver = clarabel.DefaultSolver(
+            sparse.csc_matrix((len(cost), len(cost))), cost, matrix.tocsc(), offset, cones, _settings(regularisation)
+        )
+        with _stops_at_interrupt(solver):
+            found = solver.solve()
+        status = str(found.status)
+        if status != BROKE_DOWN:
+            break
     z = np.asarray(found.z)
     stress = _stress(program, z[1 : 1 + len(clay)], z[1 + len(clay) :].reshape(corners, 3), clay)
     none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
@@ -192,8 +202,9 @@ def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.
     return np.stack([mean + half, mean - half, shear], axis=1)
 
 
-def _settings() -> clarabel.DefaultSettings:
+def _settings(regularisation: float) -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
+    settings.static_regularization_constant = regularisation
     settings.verbose = False
     settings.max_iter = MOST_ITERATIONS
     settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_GAP

@@ -101,7 +101,8 @@ def _solved(
             weight.ravel(),
             dead[free] / (unit * length),
             ratio * live[free] / (unit * length),
-        )
+        ),
+        again=True,
     )
     if solution.none == "no mechanism":
         return DirectLimit(np.inf, None)

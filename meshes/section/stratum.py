@@ -38,7 +38,9 @@ class Stratum(Model):
         default=None, description='the density or unit weight above water, such as "1.8 t/m^3"', exclude=True
     )
     density_saturated: Density | None = Field(
-        default=None, description='the density or unit weight below water, such as "20 kN/m^3"; by default the other'
+        default=None,
+        description='the density or unit weight below water, such as "20 kN/m^3"; one of the two does where all of it '
+        "lies on one side of the water",
     )
     density_ordinary: Density = Field(
         default=MISSING, description='the density that gravity acts on, buoyant below water, such as "1.0 t/m^3"'
@@ -91,10 +93,11 @@ class Stratum(Model):
         """Make both densities the one that was given, if one was; what is wrong with them, one sentence each."""
         pair = {name: getattr(self, name) for name in ("density_ordinary", "density_seismic")}
         missing = [name for name, value in pair.items() if value == MISSING]
-        if self.density is not None:
-            if any(value not in (MISSING, self.density) for value in pair.values()):
+        whole = self.density_saturated if self.density is None and len(missing) == 2 else self.density
+        if whole is not None:
+            if any(value not in (MISSING, whole) for value in pair.values()):
                 return ["density beside density_ordinary and density_seismic: expected either it or these two"]
-            self.__dict__.update(dict.fromkeys(pair, self.density))  # the model is frozen from here on
+            self.__dict__.update(dict.fromkeys(pair, whole))  # the model is frozen from here on
         elif len(missing) == 2:
             wish = (
                 'a density or unit weight such as "1.8 t/m^3" (and density_saturated, if water stands in the stratum)'

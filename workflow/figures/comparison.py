@@ -21,8 +21,8 @@ CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
 CALIBRATION, BLOCK = "figures/calibration.png", "figures/sliding_block.png"
 DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
-SOLID, DASHED = (0, ()), (0, (5, 2))
-PALE = "#9aa5ad"
+SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 1.5))
+PALE = "#7d8890"
 
 
 def draw_all(results: Results) -> list[str]:
@@ -63,9 +63,12 @@ def _curves(results: Results, name: str) -> bool:
     if results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
-        for key, search, colour, marker in (("before", discs.before, PALE, "s"), ("after", discs.after, DISCS, "D")):
-            widest = max(widest, _discs(axes, search, colour, marker))
-            handles.append(_handle(colour, marker, f"discs, {key} calibration"))
+        for key, search, look in (
+            ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
+            ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
+        ):
+            widest = max(widest, _discs(axes, search, look))
+            handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
         after = discs.after
         if after.kc is not None and after.kc_upper is not None:
             axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
@@ -78,10 +81,10 @@ def _curves(results: Results, name: str) -> bool:
     return True
 
 
-def _discs(axes: Any, search: DiscSearch, colour: str, marker: str) -> float:
+def _discs(axes: Any, search: DiscSearch, look: dict[str, Any]) -> float:
     """The trials of a search; returns a little more than the largest displacement of those that stood (m)."""
     curve = np.array(sorted(search.curve, key=lambda point: point[1])).reshape(-1, 2)
-    axes.plot(curve[:, 1], curve[:, 0], color=colour, marker=marker, markersize=3, linewidth=0.9)
+    axes.plot(curve[:, 1], curve[:, 0], **look, markersize=3.5, linewidth=1.0)
     stood = [trial.displacement_m for trial in search.trials if trial.verdict == "stands"]
     return 1.3 * max(stood, default=0.0)
 
@@ -194,17 +197,19 @@ def _block(results: Results, name: str) -> bool:
     first.plot(record.time, record.acceleration, color=INK, linewidth=0.6)
     resistance = results.kc * GRAVITY
     for sign, colour in ((1.0, CONTINUUM), (-1.0, DISCS)):
-        first.axhline(sign * resistance, color=colour, linewidth=0.9, linestyle=DASHED)
+        first.axhline(sign * resistance, color=colour, linewidth=0.9, linestyle=DOTTED)
     speed = sheet.plot(1, "time (s)", "velocity (m/s)")
     path = sheet.plot(2, "time (s)", "displacement (m)")
     handles = []
-    for sign, colour, way in ((1.0, CONTINUUM, "positive"), (-1.0, DISCS, "negative")):
+    for sign, colour, way, line in ((1.0, CONTINUUM, "positive", SOLID), (-1.0, DISCS, "negative", DASHED)):
         slide = newmark(record.time, sign * record.acceleration, results.kc)
-        speed.plot(slide.time, slide.velocity, color=colour, linewidth=1.0)
-        path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3)
-        handles.append(Line2D([], [], color=colour, linewidth=1.3, label=f"{way}: {slide.permanent:.3f} m"))
+        speed.plot(slide.time, slide.velocity, color=colour, linewidth=1.0, linestyle=line)
+        path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3, linestyle=line)
+        handles.append(
+            Line2D([], [], color=colour, linewidth=1.3, linestyle=line, label=f"{way}: {slide.permanent:.3f} m")
+        )
     handles.append(
-        Line2D([], [], color=INK, linewidth=0.9, linestyle=DASHED, label=f"resistance kc g, kc = {results.kc:.3f}")
+        Line2D([], [], color=INK, linewidth=0.9, linestyle=DOTTED, label=f"resistance kc g, kc = {results.kc:.3f}")
     )
     for axes in (first, speed, path):
         axes.set_xlim(record.time[0], record.time[-1])

@@ -11,37 +11,46 @@ SMALLEST = 0.005  # m: what is less is drawn here
 ROW = 0.024  # height of a row over the width of the picture
 PAPER = (("paper, case 2", 3.3), ("paper, case 3", 4.9))  # m, Sec. 4(3)
 FIELD = 3.0  # m, Sec. 3(1)
+# Colours, and marks that tell them apart on paper without colours.
+OTHERS, SLIDES, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (INK, "x")
 
 
 def displacements(results: Results, name: str) -> bool:
     """A point for each method, discs and estimates, on a logarithmic axis; false where there are less than two."""
-    rows = [(one.method, one.displacement_m, CONTINUUM) for one in estimates(results.given, results.kc)
+    rows = [(one.method, one.displacement_m, OTHERS) for one in estimates(results.given, results.kc)
             if one.displacement_m is not None]  # fmt: skip
     _, cases = results.case_set()
-    rows += [(f"discs, case {number}", case.slide_max_m, DISCS) for number, case in sorted(cases.items())]
+    rows += [(f"discs, case {number}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())]
     observed = results.given.name == "s13"
     if observed:
-        rows += [(words, value, INK) for words, value in PAPER]
+        rows += [(words, value, PAPERS) for words, value in PAPER]
     if len(rows) < 2:
         return False
     title = f"{results.given.title or results.given.name}: displacement by all methods"
     sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.given), legend_rows=1)
     axes = sheet.plot(0, "displacement (m)", "")
-    for number, (_, value, colour) in enumerate(rows):
-        axes.plot(max(value, SMALLEST), -number, "o", color=colour, markersize=5)
+    for number, (_, value, (colour, marker)) in enumerate(rows):
+        # an arrow where the point lies off the axis
+        axes.plot(max(value, SMALLEST), -number, marker if value >= SMALLEST else "<", color=colour, markersize=5)
     axes.set_xscale("log")
     axes.set_yticks([-number for number in range(len(rows))], [words for words, _, _ in rows], fontsize=6.5)
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
     handles = [
-        Line2D([], [], color=CONTINUUM, marker="o", linestyle="", label="by other methods"),
-        Line2D([], [], color=DISCS, marker="o", linestyle="", label="discs"),
+        _handle(OTHERS, "by other methods"),
+        _handle(SLIDES, "discs"),
     ]
+    if any(value < SMALLEST for _, value, _ in rows):
+        handles.append(Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing"))
     if observed:
         axes.axvline(FIELD, color=CRITICAL, linewidth=1.2)
-        handles.append(Line2D([], [], color=INK, marker="o", linestyle="", label="the paper"))
+        handles.append(_handle(PAPERS, "the paper"))
         handles.append(Line2D([], [], color=CRITICAL, label="measured in the field, about 3 m"))
-    sheet.legend(handles, 4)
+    sheet.legend(handles, 5)
     with results.store.writing(name) as path:
         sheet.save(path)
     return True
+
+
+def _handle(look: tuple[str, str], label: str) -> Line2D:
+    return Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)

@@ -25,8 +25,8 @@ FRAME_WIDTH = 1000  # px
 FRAME_MS = 120
 HOLD_MS = 2000  # the last frame
 QUALITY = 55  # of WebP
-COLOURS = {1: CONTINUUM, 2: DISCS, 3: CRITICAL}
-MARKS = {0: "", 1: "o", 2: "s", 3: "^"}  # what tells cases apart on paper without colours
+# Of case 1 and those that follow; marks tell them apart on paper without colours.
+COLOURS, MARKS = (CONTINUUM, DISCS, CRITICAL, "#2c7a3f", "#c77d11"), ("o", "s", "^", "x", "D", "v", "*", "P")
 
 
 @dataclass(frozen=True)
@@ -144,10 +144,10 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     handles = []
     for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
         style: dict[str, Any] = {
-            "color": COLOURS.get(slide.case, INK),
+            "color": COLOURS[(slide.case - 1) % len(COLOURS)] if slide.case else INK,
             "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),
             "linewidth": 1.2,
-            "marker": MARKS.get(slide.case, "x"),
+            "marker": MARKS[(slide.case - 1) % len(MARKS)] if slide.case else "",
             "markersize": 4,
             "markevery": max(1, len(slide.rows) // 8),
         }

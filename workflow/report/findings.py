@@ -73,8 +73,12 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
     found = results.variants.variants if results.variants is not None else ()
     variants = {variant.name: variant.kc for variant in found if variant.kc is not None}
     numerical = [name for name in NUMERICAL if name in variants]
-    left_open = between([fem.kc, fem.kc_upper, *(variants[name] for name in numerical)])
-    yield f"What the computation itself leaves open ({', '.join(['bracket', *numerical])}): {left_open}."
+    told, left_open = coefficient(fem.kc), between([fem.kc, fem.kc_upper, *(variants[name] for name in numerical)])
+    causes = listed(["bracket", *numerical])
+    if left_open == told:
+        yield f"The computation itself ({causes}) leaves nothing open in these digits."
+    else:
+        yield f"The computation itself ({causes}) leaves open {left_open}."
     assumed = [
         f"{coefficient(variant.kc)} with {variant.change}"
         for variant in found
@@ -82,8 +86,10 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
     ]
     if fem.associated is not None and "dilation" not in variants:
         assumed.insert(0, f"{coefficient(fem.associated.kc)} if the ground dilated fully (ψ = φ)")
-    if assumed:
+    if any(not words.startswith(f"{told} ") for words in assumed):
         yield f"More hangs on what was assumed: it would be {listed(assumed)}."
+    elif assumed:
+        yield f"What was assumed changes little: it would be {listed(assumed)}."
     yield from _beside(results, fem)
 
 

@@ -1,12 +1,17 @@
 """The ground once strata have liquefied."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from mpi4py import MPI
 
-from fem.liquefied_ground import LEAST, Remains, liquefied_section
+from fem.liquefied_ground import LEAST, Remains, liquefied_section, weight_borne
+from meshes import generate
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.quantity import GRAVITY
+from tests.support import SECTIONS
 from tests.support.borings import bored
 from workflow.settings import Input
 
@@ -23,3 +28,15 @@ def test_what_is_left_of_a_stratum() -> None:
     nothing = liquefied_section(section, {0: Remains(0.0, 0.0, 0.0)}).strata
     assert nothing[0].cohesion == pytest.approx(LEAST * stress)
     assert nothing[1] == section.strata[1]
+
+
+def test_what_is_borne_does_not_hang_on_rounding() -> None:
+    """S-13 without any strength in its liquefied layers, next to rock: some factorisations break down, whichever."""
+    given = Input.load(SECTIONS / "s13.toml")
+    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(given.strata) if s.liquefies_in}
+    ground = liquefied_section(given, gone)
+    mesh, rng = generate(ground, given.mesh), np.random.default_rng(0)
+    shaken = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]
+    borne = [weight_borne(ground, replace(mesh, points=points), given.fem, MPI.COMM_SELF) for points in shaken]
+    assert borne == pytest.approx([borne[0]] * 3, rel=5e-3)
+    assert 0.09 < borne[0] < 0.13

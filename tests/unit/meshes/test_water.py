@@ -128,7 +128,7 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ({"surcharges": [{"from": 5, "to": 70, "pressure": 1e4}]}, "lies outside the section"),
         ({"surcharges": [{"from": 5, "to": 7, "pressure": "2 m"}]}, "wrong dimension"),
         ({"strata": [soil(**PAIR)]}, "density: missing"),
-        ({"strata": [soil(density=None)]}, "density: missing"),
+        ({"strata": [soil(**PAIR)]}, "density: missing"),
         ({"strata": [soil(density_ordinary=1000.0)]}, "expected either it or these two"),
         ({"strata": [soil(density_saturated=1700.0)]}, "density_saturated below density"),
         ({"strata": [soil(piezometric_level=3.0, pore_pressure_ratio=0.1)]}, "expected one of them"),
@@ -142,3 +142,9 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
 def test_what_is_wrong_is_told(changes: dict[str, Any], told: str) -> None:
     said = problems({"name": "bank", **BANK, "strata": [soil()], **changes})
     assert any(told in text for text in said), said
+
+
+def test_soil_that_lies_below_water_as_a_whole_needs_its_saturated_density_alone() -> None:
+    one, both = (section(soil(density=density), water={"table": 12.0}) for density in (None, "20 kN/m^3"))
+    for weighed in (one.strata[0], both.strata[0]):
+        assert weighed.density_ordinary == weighed.density_seismic == pytest.approx(20e3 / GRAVITY)

@@ -54,10 +54,17 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
     )
     told = text(results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2793, 0.2849)))
     assert "it fails downhill, to the right, at Kh of about 0.23, under a horizontal acceleration of 2.3 m/s²." in told
-    assert "leaves open (bracket, element): 0.23 to 0.27." in told
+    assert "The computation itself (bracket and element) leaves open 0.23 to 0.27." in told
     assert "it would be 0.34 with sides fixed instead of roller." in told
     assert "instead of ψ as given" not in told  # that one came to nothing
     assert "Limit analysis proves that it is 0.279 to 0.285 for ground that dilates fully" in told
+
+
+def test_what_changes_no_digit_is_told_so(run: Input) -> None:
+    same = variant("sides", "sides fixed instead of roller", 0.2331)
+    told = text(results(run, fem=fem(run, 0.2345), variants=VariantsAnswer(variants=(same,))))
+    assert "The computation itself (bracket) leaves nothing open in these digits." in told
+    assert "What was assumed changes little: it would be 0.23 with sides fixed instead of roller." in told
 
 
 def test_what_stands_beside_the_critical_kh(run: Input) -> None:
