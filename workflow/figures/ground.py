@@ -73,6 +73,7 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
                 axes.axvline(x, color=INK, linewidth=0.8, linestyle=(0, (1, 3)))
         water = section.water_points()
         if water is not None:
+            _fill_water(axes, section, water)
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
         for line in lines:
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
@@ -137,6 +138,14 @@ def _number_strata(axes: Axes, section: Section) -> None:
         axes.text(x, z, str(k + 1), fontsize=6.5, color=INK, ha="center", va="center", path_effects=halo)
 
 
+def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
+    """What stands on the ground below the water table."""
+    x = np.union1d(section.ground[:, 0], table[:, 0])
+    x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
+    level, ground = np.interp(x, *table.T), np.interp(x, *section.ground.T)
+    axes.fill_between(x, ground, level, where=level > ground, color=WATER, alpha=0.25, linewidth=0)
+
+
 def _heights(much: int) -> str:
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
 
@@ -147,10 +156,12 @@ def _line_width(section: Section) -> float:
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:
-    """A patch for every stratum, or for as many as there is room for."""
+    """A patch for every stratum, or for as many as there is room for; beside the picture of a mesh without water."""
     handles: list[Artist] = []
     for k, stratum in enumerate(section.strata):
         label = stratum.name + (f": {stratum.description}" if stratum.description else "")
+        if water and not stratum.name.startswith(str(k + 1)):  # the number that stands in the picture
+            label = f"{k + 1}: {label}"
         if stratum.liquefiable:
             label += " (liquefiable)"
         label = textwrap.shorten(label, LEGEND_CHARACTERS - 10, placeholder=" ...")
