@@ -128,7 +128,6 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ({"surcharges": [{"from": 5, "to": 70, "pressure": 1e4}]}, "lies outside the section"),
         ({"surcharges": [{"from": 5, "to": 7, "pressure": "2 m"}]}, "wrong dimension"),
         ({"strata": [soil(**PAIR)]}, "density: missing"),
-        ({"strata": [soil(**PAIR)]}, "density: missing"),
         ({"strata": [soil(density_ordinary=1000.0)]}, "expected either it or these two"),
         ({"strata": [soil(density_saturated=1700.0)]}, "density_saturated below density"),
         ({"strata": [soil(piezometric_level=3.0, pore_pressure_ratio=0.1)]}, "expected one of them"),
