@@ -122,6 +122,8 @@ class DemSettings(Model):
         return found
 
 
+Seed = Annotated[int, Field(ge=0)]
+PackingCount = Annotated[int, Field(ge=1, le=10_000)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
@@ -167,12 +169,15 @@ class SlideSettings(Model):
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
-    seeds: tuple[int, ...] | None = Field(
+    seeds: tuple[Seed, ...] | PackingCount | None = Field(
         default=None,
-        description="random packings to repeat the cases on, such as [1, 2]; [] for none. If not given soil discs are "
-        "packed twice more, so that a slide has an interval",
+        description="random packings to repeat the cases on, such as [1, 2]; or how many packings there shall be, "
+        "such as 36 for a study; [] for none. If not given soil discs are packed twice more, so that a slide has an "
+        "interval",
     )
 
     def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:
         """`seeds`, or what they are for the model of the discs."""
+        if isinstance(self.seeds, int):
+            return tuple(range(self.seeds))
         return SEEDS[model] if self.seeds is None else self.seeds

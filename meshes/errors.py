@@ -1,7 +1,7 @@
 """What is told to a person whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 
 class InputError(ValueError):
@@ -15,6 +15,10 @@ class InputError(ValueError):
         self.problems = tuple(problems)
         count = "1 problem" if len(self.problems) == 1 else f"{len(self.problems)} problems"
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How it goes from one process to another."""
+        return type(self), (self.source, self.problems)
 
 
 class NoAnswerError(RuntimeError):
@@ -33,3 +37,7 @@ class NoAnswerError(RuntimeError):
         self.reason = reason
         self.remedy = remedy
         super().__init__(f"{reason}; {remedy}" if remedy else reason)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How it goes from one process to another."""
+        return type(self), (self.reason, self.remedy)

@@ -3,6 +3,7 @@
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -94,6 +95,7 @@ def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
 
     Raises what `pipeline.execute` and `write_pdf` do.
     """
+    from workflow.ensemble.team import crew
     from workflow.run import pipeline
     from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
 
@@ -101,8 +103,8 @@ def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
-        with Display(out, err, shown, verbosity) as display:
-            pipeline.execute(job, choice, display, what)
+        with Display(out, err, shown, verbosity) as display, crew(job.given.dem.workers) as team:
+            pipeline.execute(replace(job, team=team), choice, display, what)
     except NoAnswerError:
         _tell(job, choice, voice, pdf)
         raise

@@ -1,8 +1,6 @@
 """Element tests of the discs of every layer of a section, beside the soil they were made from."""
 
 from collections.abc import Sequence
-from functools import partial
-from threading import Event
 from typing import Any
 
 import numpy as np
@@ -10,9 +8,10 @@ import numpy as np
 from dem.errors import DemError
 from dem.laboratory.element_test import element_test
 from dem.laboratory.patch import PackingKind, Sample
-from dem.side_by_side import StoppedError, side_by_side
 from dem.springs import LayerSprings
+from dem.team import Team, Tell, alone
 from meshes.section.section import Section
+from meshes.section.stratum import Stratum
 
 SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
 G = 9.80665
@@ -54,26 +53,23 @@ def element_tests(
     radius: float,
     *,
     seed: int = 0,
-    workers: int = 1,
-    stop: Event | None = None,
+    team: Team = alone,
 ) -> list[dict[str, Any]]:
-    """Every layer as a lattice and as a random packing, some at a time; a test that cannot be done says why.
-
-    On an interrupt, or once `stop` is set, all of them end within an interval of their tests.
-    """
+    """Every layer as a lattice and as a random packing; a test that cannot be done says why."""
     stresses = middle_stresses(section)
-    tasks = [(k, packing) for k in np.flatnonzero(stresses > 0.0) for packing in PACKINGS]
-    stop = stop or Event()
+    tests = [
+        (section.strata[k], Sample(layers[k], packing, radius, seed), [float(share * stresses[k]) for share in SHARES])
+        for k in np.flatnonzero(stresses > 0.0)
+        for packing in PACKINGS
+    ]
+    return team(_tested, tests)
 
-    def watch() -> None:
-        if stop.is_set():
-            raise StoppedError
 
-    def work(k: int, packing: PackingKind) -> dict[str, Any]:
-        stratum, pressures = section.strata[k], [float(share * stresses[k]) for share in SHARES]
-        try:
-            return element_test(Sample(layers[k], packing, radius, seed), pressures, watch=watch).as_json(stratum)
-        except (DemError, ValueError) as error:
-            return {"stratum": stratum.name, "packing": packing, "soil": None, "assembly": None, "reason": str(error)}
-
-    return side_by_side([partial(work, *task) for task in tasks], workers, stop)
+def _tested(given: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:
+    """One test."""
+    stratum, sample, pressures = given
+    try:
+        return element_test(sample, pressures).as_json(stratum)
+    except (DemError, ValueError) as error:
+        told = {"soil": None, "assembly": None, "reason": str(error)}
+        return {"stratum": stratum.name, "packing": sample.packing, **told}

@@ -6,7 +6,7 @@ with eight seeds.
 
 import argparse
 import csv
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,6 @@ from dem.errors import EscapeError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.patch import Sample
 from dem.laboratory.strength_map import KAPPA, MAP
-from dem.side_by_side import side_by_side
 from dem.springs import Strength, soil_discs
 
 FRICTION = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
@@ -25,8 +24,12 @@ RADIUS = 0.75  # m
 DENSITY = 2000.0  # kg/m3
 
 
-def patch_strength(friction: float, cohesion_number: float, seed: int) -> PatchStrength | None:
-    """One patch, confined and compressed; None where a disc slipped out of its frame, as frictionless ones may."""
+def patch_strength(place: tuple[float, float, int]) -> PatchStrength | None:
+    """One patch by friction, cohesion number and seed, confined and compressed.
+
+    None where a disc slipped out of its frame, as frictionless ones may.
+    """
+    friction, cohesion_number, seed = place
     strength = Strength(friction, cohesion_number * 2.0 * RADIUS * PRESSURE)
     layer = soil_discs("map", KAPPA * PRESSURE, strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0)
     try:
@@ -43,8 +46,8 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     places = [(mu, c) for mu in FRICTION for c in COHESION]
-    jobs = [partial(patch_strength, mu, c, seed) for mu, c in places for seed in range(options.seeds)]
-    found = side_by_side(jobs, options.workers)
+    with ProcessPoolExecutor(options.workers) as pool:
+        found = list(pool.map(patch_strength, [(mu, c, seed) for mu, c in places for seed in range(options.seeds)]))
     with options.file.open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["friction", "cohesion_number", "after", "peak", "scatter", "modulus", "dilation", "seeds"])

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from threading import Event
 
 import numpy as np
 
@@ -12,8 +10,8 @@ from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.patch import Sample
 from dem.laboratory.soil_layers import SoilLayer
 from dem.laboratory.strength import from_principal
-from dem.side_by_side import StoppedError, side_by_side
 from dem.springs import LayerSprings
+from dem.team import Team, Tell, alone
 
 SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
 # Patches whose kappa = kn/p is the same but for a fifth are one: strength hardly hangs on it, E on its fourth root.
@@ -68,32 +66,21 @@ def soil_checks(
     springs: Sequence[LayerSprings],
     radius: float,
     *,
-    workers: int = 1,
-    stop: Event | None = None,
+    team: Team = alone,
 ) -> list[LayerCheck]:
-    """All layers, some patches at a time. On an interrupt, or once `stop` is set, all end within an interval.
+    """All layers, each by several patches.
 
     Patches that differ by nothing but their scale, as those of all sands with one angle of friction do, count once.
     """
-    stop = stop or Event()
-
-    def watch() -> None:
-        if stop.is_set():
-            raise StoppedError
-
-    def work(spring: LayerSprings, pressure: float, seed: int) -> PatchStrength | str:
-        try:
-            return compress(Sample(spring, "random", radius, seed, law="soil"), pressure, watch)
-        except (DemError, ValueError) as error:
-            return f"{pressure / 1e3:.3g} kPa, seed {seed}: {error}"
-
     wanted = [(spring, float(p)) for layer, spring in zip(layers, springs, strict=True) for p in layer.pressures]
     likes = [_alike(spring, pressure) for spring, pressure in wanted]
     first: dict[Likeness, tuple[LayerSprings, float]] = {}
     for like, one in zip(likes, wanted, strict=True):
         first.setdefault(like, one)
-    jobs = [partial(work, *first[like], seed) for like in first for seed in SEEDS]
-    done = side_by_side(jobs, workers, stop)
+    patches = [
+        (Sample(spring, "random", radius, seed, law="soil"), p) for spring, p in first.values() for seed in SEEDS
+    ]
+    done = team(_compressed, patches)
     by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(first)}
     found = [
         [_scaled(one, first[like], itself) for one in by_kind[like]] for like, itself in zip(likes, wanted, strict=True)
@@ -123,6 +110,15 @@ def _scaled(
         found, pressure=its_pressure, E=found.E * its_spring.kn / spring.kn, peak=found.peak * share,
         after=found.after * share,
     )  # fmt: skip
+
+
+def _compressed(given: tuple[Sample, float], _: Tell) -> PatchStrength | str:
+    """One patch, or why it has no strength."""
+    sample, pressure = given
+    try:
+        return compress(sample, pressure)
+    except (DemError, ValueError) as error:
+        return f"{pressure / 1e3:.3g} kPa, seed {sample.seed}: {error}"
 
 
 def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength | str]) -> LayerCheck:

@@ -11,10 +11,8 @@ and cohesion alike, rolling and stiffness as they are. Their critical Kh without
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
-from threading import Event, Lock
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -25,8 +23,8 @@ from dem.search.critical import OnTrial, Search, critical_kh
 from dem.search.equilibrium import settle
 from dem.search.pushover import Continuum, push_over
 from dem.settings import DemSettings, Parameter
-from dem.side_by_side import side_by_side
 from dem.springs import LayerSprings
+from dem.team import Team, Tell, alone
 
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
@@ -103,8 +101,6 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
 class Calibrator:
     """Searches for the critical Kh at any factor, each at most once, some at a time.
 
-    Threads share the work, since the kernels let go of Python's lock; what they find does not depend on their number.
-
     Parameters
     ----------
     ground
@@ -120,7 +116,9 @@ class Calibrator:
     known
         Searches of an earlier run, taken as they are.
     on_trial, on_search
-        Hear of every trial and of every search, the latter once at a time.
+        Hear of every trial of a search in this process, and of every search.
+    team
+        Who does several searches.
     """
 
     def __init__(
@@ -134,13 +132,16 @@ class Calibrator:
         known: dict[Key, Search] | None = None,
         on_trial: OnTrial | None = None,
         on_search: OnSearch | None = None,
+        team: Team = alone,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
         self.continuum = continuum
         self.searches = dict(known or {})
-        self.on_trial, self.on_search = on_trial, on_search
-        self.stop = Event()
-        self.lock = Lock()
+        self.on_trial, self.on_search, self.team = on_trial, on_search, team
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What goes to another process: all but who listens here, and what is known already."""
+        return {**self.__dict__, "searches": {}, "on_trial": None, "on_search": None, "team": alone}
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
@@ -162,11 +163,13 @@ class Calibrator:
             found = self._found(self.settled_with(parameter, factor), threads, fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
-        with self.lock:
-            self.searches[key] = found
-            if self.on_search is not None:
-                self.on_search(*key, found)
+        self._know(key, found)
         return found
+
+    def _know(self, key: Key, found: Search) -> None:
+        self.searches[key] = found
+        if self.on_search is not None:
+            self.on_search(*key, found)
 
     def _found(self, settled: DiscModel, threads: int, fine: bool) -> Search:
         settings = self.settings
@@ -174,20 +177,28 @@ class Calibrator:
             if self.continuum is None:
                 raise ValueError("soil discs are pushed as far as a continuum says: give one")
             return push_over(
-                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial,
-                stopped=self.stop.is_set,
+                settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial
             )  # fmt: skip
         width = settings.resolution
         return critical_kh(
             settled, self.ground, settings, threads=threads,
             resolution=min(width, 0.5 * settings.tolerance) if fine else width,
-            on_trial=self.on_trial, stopped=self.stop.is_set,
+            on_trial=self.on_trial,
         )  # fmt: skip
 
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
-        """Several searches at a time. On an interrupt all of them stop at their next look."""
-        jobs = [partial(self.search, *key, fine=fine) for key in wanted]
-        return side_by_side(jobs, self.settings.workers, self.stop)
+        """Several searches, by the team. What is known is not searched for again."""
+        new = [key for key in wanted if key not in self.searches]
+        if self.team is alone or len(new) < 2:
+            return [self.search(*key, fine=fine) for key in wanted]
+        self.team(_searched, [(self, *key, fine) for key in new], done=lambda k, found: self._know(new[k], found))
+        return [self.searches[key] for key in wanted]
+
+
+def _searched(given: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
+    """One search of a team."""
+    calibrator, parameter, factor, fine = given
+    return calibrator.search(parameter, factor, fine=fine)
 
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:

@@ -12,7 +12,6 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.equilibrium import Rise, Trial, displacement, try_kh
 from dem.settings import DemSettings
-from dem.side_by_side import StoppedError
 
 PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
 STRIDE = 0.08  # Kh of the first steps, or the power of two of the width that is nearest
@@ -65,20 +64,15 @@ def critical_kh(
     resolution: float | None = None,
     threads: int = 1,
     on_trial: OnTrial | None = None,
-    stopped: Callable[[], bool] = lambda: False,
 ) -> Search:
     """The critical Kh of settled discs: Kh rises by steps from one state that stands to the next, and a step that does
     not hold is halved, down to the width of the bracket. A Kh that failed is only tried again from a width below it, so
     that both ends of the bracket are reached from the same state.
 
     `settled` stays as it is. resolution: width of the bracket, that of the settings if not given. An undecided trial
-    counts as one that does not stand, and the answer is undecided if it remains the upper end. stopped: asked at every
-    look; raises StoppedError once it says so. on_trial hears of every trial with the discs as they ended.
+    counts as one that does not stand, and the answer is undecided if it remains the upper end. on_trial hears of every
+    trial with the discs as they ended.
     """
-
-    def watch(_: object) -> None:
-        if stopped():
-            raise StoppedError
 
     search = Search()
     width = settings.resolution if resolution is None else resolution
@@ -92,7 +86,7 @@ def critical_kh(
         model = stood.copy()
         # an elastic displacement is not known before the probe has stood
         known = search.flexibility or float("inf")
-        trial = try_kh(model, settled, ground, settings, Rise(search.lower, kh, known), threads, watch)
+        trial = try_kh(model, settled, ground, settings, Rise(search.lower, kh, known), threads)
         search.trials.append(trial)
         if on_trial is not None:
             on_trial(trial, model)

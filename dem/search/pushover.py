@@ -9,7 +9,7 @@ elastic-plastic body of the same E to have the same strength: patches of them ha
 compression, where an elastic body would have it at 0.3 to 1 %.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,6 @@ from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
 from dem.search.equilibrium import Trial, displacement, kinetic_ratio, period, step_on, unbalanced_ratio
 from dem.settings import DemSettings
-from dem.side_by_side import StoppedError
 
 MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
 SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
@@ -68,11 +67,10 @@ def push_over(
     *,
     threads: int = 1,
     on_trial: OnTrial | None = None,
-    stopped: Callable[[], bool] = lambda: False,
 ) -> Search:
     """The critical Kh of settled discs, which stay as they are, and the curve that leads to it.
 
-    on_trial hears of every point of the curve. stopped: asked at every look; raises StoppedError once it says so.
+    on_trial hears of every point of the curve.
     Undecided where a DemError stopped the discs before the end.
     """
     if min(continuum) <= 0.0:
@@ -80,7 +78,7 @@ def push_over(
     search, model = Search(), settled.copy()
     reach = settings.growth * continuum.yielding
     try:
-        for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads, stopped):
+        for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads):
             search.trials.append(trial)
             if on_trial is not None:
                 on_trial(trial, model)
@@ -111,9 +109,7 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
     return float(windows[best].mean()), float(windows[best].std() / np.sqrt(size)), best + size - 1
 
 
-def _points(
-    model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int, stopped: Callable[[], bool]
-) -> Iterator[Trial]:
+def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int) -> Iterator[Trial]:
     """Moves one end of the spring on and takes the discs along, until they have moved a little beyond the reach; each
     point of the curve is the mean of what was measured since the last.
 
@@ -125,8 +121,6 @@ def _points(
     most, count = 0.0, 0
     since: list[tuple[float, float]] = []
     while moved < BEYOND * machine.reach:
-        if stopped():
-            raise StoppedError
         end += machine.reach * float(np.clip(0.15 * moved / machine.reach, SLOWEST, QUICKEST)) / PULSES
         kh = machine.stiffness * (end - moved)
         model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)

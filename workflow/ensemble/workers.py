@@ -40,23 +40,31 @@ class Workers:
 
         ``LostError`` stands for the result where a worker died, and the one that tried again died as well.
         """
-        from distributed import KilledWorker, as_completed
+        from distributed import as_completed
 
         futures = [self.client.submit(function, one, pure=False) for one in given]
         places = {future.key: place for place, future in enumerate(futures)}
         try:
             for future in as_completed(futures, loop=self.client.loop):
-                error = future.exception()
-                if error is None:
-                    result = future.result()
-                elif isinstance(error, KilledWorker):
-                    result = LostError(f"its worker died, and so did the next that tried ({TRIES} tries)")
-                else:
+                try:
+                    result = self.result(future)
+                except Exception as error:
                     result = error
                 future.release()
                 yield places[future.key], result
         finally:
             self.client.cancel(futures)
+
+    def result(self, future: Any) -> Any:
+        """The result of one that is done; raises the error of its function, or LostError."""
+        from distributed import KilledWorker
+
+        error = future.exception()
+        if isinstance(error, KilledWorker):
+            raise LostError(f"its worker died, and so did the next that tried ({TRIES} tries)") from None
+        if error is not None:
+            raise error
+        return future.result()
 
 
 @contextmanager
@@ -87,6 +95,7 @@ def _cluster(count: int) -> Iterator[Any]:
         cluster = LocalCluster(
             n_workers=count, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
             memory_limit=0, local_directory=folder, env=ONE_THREAD, silence_logs=logging.CRITICAL,
+            preload=["workflow.ensemble.deaf"],
         )  # fmt: skip
         try:
             yield cluster

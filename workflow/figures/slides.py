@@ -1,6 +1,6 @@
 """Pictures of the slides: where the discs came to lie, an animation, settlement and slide in time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from meshes.section.section import Section
 from workflow.figures import fonts
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
-from workflow.results.cases import CaseAnswer
+from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
 
 SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
@@ -159,4 +159,23 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
     sheet.legend(handles, 4)
+    sheet.save(out)
+
+
+def profiles(given: Section, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
+    """The surface of every case over all packings: its median, and the band in which nine of ten lie."""
+    sheet = Sheet(f"{given.title or given.name}: the surface on {seeds} random packings", [0.16] * len(cases), "", 1)
+    for view, (number, profile) in enumerate(cases.items()):
+        axes = sheet.plot(view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", f"case {number}")
+        colour = COLOURS.get(number, INK)
+        axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
+        axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)
+        axes.plot(profile.x, profile.before, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.set_xlim(profile.x[0], profile.x[-1])
+    handles = [
+        Line2D([], [], color=INK, linewidth=0.8, linestyle=(0, (4, 2)), label="before"),
+        Line2D([], [], color=CONTINUUM, linewidth=1.2, label="after, median"),
+        Line2D([], [], color=CONTINUUM, linewidth=6.0, alpha=0.25, label="after, 5 to 95 % of the packings"),
+    ]
+    sheet.legend(handles, 3)
     sheet.save(out)

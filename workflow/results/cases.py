@@ -102,12 +102,55 @@ class Spread(Part):
         )
 
 
+class Profile(Part):
+    """The surface over all packings, before and after; x from left to right and elevations (m)."""
+
+    x: tuple[float, ...]
+    before: tuple[float, ...] = Field(description="median of all packings, as all that follow")
+    after: tuple[float, ...]
+    after_low: tuple[float, ...] = Field(description="5 % of all packings are expected below, by the sample")
+    after_high: tuple[float, ...] = Field(description="5 % of all packings are expected above")
+
+    @classmethod
+    def of(cls, surfaces: Sequence[tuple[Line, Line]], points: int = 201) -> Self:
+        """Of the surfaces before and after, points [x, elevation], over the width that all of them have."""
+        ends = [(line[0][0], line[-1][0]) for pair in surfaces for line in pair]
+        x = np.linspace(max(left for left, _ in ends), min(right for _, right in ends), points)
+        before, after = (np.array([np.interp(x, *np.array(pair[k]).T) for pair in surfaces]) for k in (0, 1))
+        low, middle, high = np.quantile(after, (0.05, 0.5, 0.95), axis=0)
+        rows = (x, np.median(before, axis=0), middle, low, high)
+        return cls(**{name: tuple(map(float, row)) for name, row in zip(cls.model_fields, rows, strict=True)})
+
+
 class RandomCase(Part):
-    """One case on random packings that fail at the same Kh."""
+    """One case on random packings that fail at the same Kh; slides and settlements by thirds of the surface."""
 
     slide_max_m: Spread
     settlement_uphill_m: Spread
     settlement_middle_m: Spread
+    settlement_downhill_m: Spread | None = None
+    slide_uphill_m: Spread | None = None
+    slide_middle_m: Spread | None = None
+    slide_downhill_m: Spread | None = None
+    crack_opening_m: Spread | None = None
+    profile: Profile | None = None
+
+    @property
+    def spreads(self) -> dict[str, Spread]:
+        """Every quantity by its name in words."""
+        return {words: spread for name, words in QUANTITIES.items() if (spread := getattr(self, name)) is not None}
+
+
+QUANTITIES = {
+    "slide_max_m": "largest slide",
+    "slide_uphill_m": "slide, uphill third",
+    "slide_middle_m": "slide, middle third",
+    "slide_downhill_m": "slide, downhill third",
+    "settlement_uphill_m": "settlement, uphill third",
+    "settlement_middle_m": "settlement, middle third",
+    "settlement_downhill_m": "settlement, downhill third",
+    "crack_opening_m": "widest crack",
+}
 
 
 class Seed(Part):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dem.team import Team, alone
 from workflow.run.progress import Progress, silent
 from workflow.run.store import Store
 from workflow.settings import Input
@@ -26,6 +27,7 @@ class Job:
     mesh_file: a mesh made elsewhere, to be taken instead of a new one.
     cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
     ranks: the MPI ranks that may help; None where the program is alone.
+    team: who does jobs that do not hang on each other.
     mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
     """
 
@@ -37,6 +39,7 @@ class Job:
     cases: tuple[int, ...] | None = None
     ranks: "Ranks | None" = None
     mesh_options: Mapping[str, Any] | None = None
+    team: Team = alone
 
 
 @dataclass(frozen=True, kw_only=True)

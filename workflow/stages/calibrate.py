@@ -17,7 +17,7 @@ def work(job: Job) -> None:
             f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
             "raise fem.kh_limit, or look at a weaker section",
         )
-    calibrate_stage(job.given, job.store, job.progress)
+    calibrate_stage(job.given, job.store, job.progress, job.team)
 
 
 def draw(job: Job) -> None:

@@ -5,8 +5,6 @@ a critical Kh, from which a stopped run goes on), critical.json, calibration.jso
 """
 
 from dataclasses import dataclass, field
-from functools import partial
-from threading import Event
 
 import numpy as np
 
@@ -16,11 +14,11 @@ from dem.laboratory.soil_check import soil_checks
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
-from dem.search.equilibrium import Rest, Rise, Trial, try_kh, unbalanced_ratio
+from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
-from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.slip import cracked_shares, slip_surface
+from dem.team import Team, Tell
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -51,12 +49,12 @@ NO_LINE = np.zeros((0, 2))
 NARROWING = 5  # searches that finding the factor takes, more or less
 
 
-def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
+def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     continuum = continuum_for(given, fem)
-    calibrator = _calibrator(given, store, discs, continuum, progress)
+    calibrator = _calibrator(given, store, discs, continuum, progress, team)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
@@ -78,13 +76,13 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
     paper = None
     if given.dem.model == "soil" and given.dem.paper:
         paper, sets["paper"] = _paper(given, store, progress)
-    kept = _keep_states(given, store, sets)
+    kept = _keep_states(given, store, sets, team)
     factor = {parameter: value} if found else {}
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
     answer = discs_answer(given, discs, (base, after), factor, kept, surfaces)
     answer.model_copy(update={"paper": paper}).write(store)
-    _write_calibration(given, store, progress, discs, base, found)
+    _write_calibration(given, store, progress, team, discs, base, found)
     calibrate_pictures(given, store)
     if found is not None and found.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
@@ -92,7 +90,9 @@ def calibrate_stage(given: Input, store: Store, progress: Progress) -> None:
         )
 
 
-def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, progress: Progress) -> Calibrator:
+def _calibrator(
+    given: Input, store: Store, discs: Discs, continuum: Continuum, progress: Progress, team: Team
+) -> Calibrator:
     journal = Journal(store, JOURNAL)
     single = given.dem.parameter == "none"
     wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
@@ -112,6 +112,7 @@ def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, 
         known=journal.known(),
         on_trial=on_trial,
         on_search=journal.add,
+        team=team,
     )
     return calibrator
 
@@ -126,7 +127,7 @@ def _solve(given: Input, calibrator: Calibrator, target: float) -> Calibration |
 
 
 def _write_calibration(
-    given: Input, store: Store, progress: Progress, discs: Discs, base: Search, found: Calibration | None
+    given: Input, store: Store, progress: Progress, team: Team, discs: Discs, base: Search, found: Calibration | None
 ) -> None:
     """The answer at once, and once more with the element tests when these are through."""
     answer = (
@@ -140,11 +141,11 @@ def _write_calibration(
         return
     progress("element tests of the discs of every layer", None)
     if given.dem.model == "soil":
-        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, workers=given.dem.workers)
+        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, team=team)
         layers = tuple(LayerAnswer.model_validate(check) for check in checks)
         answer.model_copy(update={"layers": layers}).write(store)
     elif found is not None:
-        tests = _layer_tests(given, discs, found.parameter, found.value)
+        tests = _layer_tests(given, discs, found.parameter, found.value, team)
         answer.model_copy(update={"element_tests": tests}).write(store)
 
 
@@ -165,10 +166,10 @@ def _paper(given: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, 
     return answer, Start(discs.settled, discs.ground, search, dem)
 
 
-def _layer_tests(given: Input, discs: Discs, parameter: str, value: float) -> tuple[LayerTest, ...]:
+def _layer_tests(given: Input, discs: Discs, parameter: str, value: float, team: Team) -> tuple[LayerTest, ...]:
     """Patches of the calibrated discs of every layer, tested as soil samples are."""
     springs = changed(discs.layers, parameter, value)
-    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, workers=given.dem.workers)
+    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, team=team)
     return tuple(LayerTest.model_validate(test) for test in tests)
 
 
@@ -205,42 +206,49 @@ class Kept:
         return self.surfaces.get(which, NO_LINE)
 
 
-def _keep_states(given: Input, store: Store, sets: Sets) -> Kept:
+def _keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
-    recorded = [(which, kh, f"{kh:g}") for which in sets for kh in given.dem.kh]
+    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in given.dem.kh]
     ends = [
-        (which, start.search.upper, "failing")
+        Goal(which, start, start.search.upper, "failing", store)
         for which, start in sets.items()
         if start.search.upper is not None and start.search.flexibility
     ]
-    stop = Event()
-
-    def watch(_: Rest) -> None:
-        if stop.is_set():
-            raise StoppedError
-
-    def reached(which: SetOfSprings, kh: float, label: str) -> DiscState:
-        start = sets[which]
-        before, ground, search = start.settled, start.ground, start.search
-        model = before.copy()
-        trial = try_kh(model, before, ground, start.dem, Rise(0.0, kh, search.flexibility), watch=watch)
-        file = f"dem/state_{which}_{label}.h5"
-        save(store, file, model)
-        far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-        return DiscState.of(
-            trial,
-            set=which,
-            file=file,
-            cracked_share_by_stratum=cracked_shares(model),
-            slip_surface=line(slip_surface(model, before, ground)),
-            largest_displacement_m=float(far.max()),
-        )
-
-    found = side_by_side([partial(reached, *wanted) for wanted in (*recorded, *ends)], given.dem.workers, stop)
+    found = team(_reached, [*recorded, *ends])
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
     return Kept(tuple(found[: len(recorded)]), failing)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A Kh to which one set of discs shall be brought, from rest, and what the state is called in the store."""
+
+    which: SetOfSprings
+    start: Start
+    kh: float
+    label: str
+    store: Store
+
+
+def _reached(goal: Goal, _: Tell) -> DiscState:
+    """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
+    start = goal.start
+    before, ground = start.settled, start.ground
+    model = before.copy()
+    trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
+    file = f"dem/state_{goal.which}_{goal.label}.h5"
+    save(goal.store, file, model)
+    far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
+    return DiscState.of(
+        trial,
+        set=goal.which,
+        file=file,
+        cracked_share_by_stratum=cracked_shares(model),
+        slip_surface=line(slip_surface(model, before, ground)),
+        largest_displacement_m=float(far.max()),
+    )
 
 
 def discs_answer(

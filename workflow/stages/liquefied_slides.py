@@ -4,40 +4,45 @@ It leaves dem/cases.json, history.csv, and for every case a .pvd with discs and 
 dem/slide_* let a stopped run go on.
 """
 
+from collections.abc import Sequence
+
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.slides.liquefaction import Row, Slide, Slider
+from dem.slides.liquefaction import Slide
 from meshes.errors import InputError
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
 from workflow.results.continuum import FemAnswer
-from workflow.results.disc_grids import case_name, frame_file, frames, write_collection, write_frame
+from workflow.results.disc_grids import case_name, frames, write_collection
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.run.progress import Progress
+from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, continuum_for, ground_for
 from workflow.stages.random_packings import First, random_packings
-from workflow.stages.sliding import ALONE, Task, liquefying, slide_all, task
+from workflow.stages.sliding import ALONE, Run, Task, liquefying, slid, task
 
 
-def slide_stage(given: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
+def slide_stage(job: Job) -> None:
     """Slides of the cases asked for, or of all. Raises InputError for cases that there are not."""
-    wanted = _wanted(given, cases)
+    given, store = job.given, job.store
+    wanted = _wanted(given, job.cases)
     starts = _starts(given, store)
     tasks = _tasks(given, starts, wanted)
-    recorder = Recorder(given, store, progress, len(tasks))
-    slides = dict(zip(tasks, slide_all(given, store, tasks, recorder.look, recorder.end), strict=True))
+    heard = Hearer(given, job.progress, tasks)
+    found = job.team(slid, [Run(given, store, each, frames=True) for each in tasks], heard)
+    slides = dict(zip(tasks, found, strict=True))
     random: RandomPackings | None = None
     if given.slide.packings(given.dem.model) and wanted:
         mine = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
         continuum = continuum_for(given, FemAnswer.read(store))
-        random = random_packings(given, store, progress, continuum, First.of(given, mine, store))
+        random = random_packings(job, continuum, First.of(given, mine, store))
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
         write_collection(store, case_name(each.springs, each.number))
-    progress("pictures of the slides", None)
+    job.progress("pictures of the slides", None)
     slide_pictures(given, store)
 
 
@@ -82,35 +87,23 @@ def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
     }
 
 
-class Recorder:
-    """Keeps the frames of the slides, and tells how far they are."""
+class Hearer:
+    """Tells how far the slides are, from what each tells of itself."""
 
-    def __init__(self, given: Input, store: Store, progress: Progress, count: int) -> None:
-        self.given, self.store, self.progress, self.count = given, store, progress, count
-        self.done: dict[Task, float] = {}
+    def __init__(self, given: Input, progress: Progress, tasks: Sequence[Task]) -> None:
+        self.given, self.progress, self.tasks = given, progress, tasks
+        self.done = [0.0] * len(tasks)
 
-    def look(self, task: Task, slider: Slider, row: Row, keep: bool) -> None:
-        """Tell of a look at a slide, and keep the discs where a frame is due."""
-        name = case_name(task.springs, task.number)
-        self.done[task] = min(1.0, row.time_s / self.given.slide.duration)
+    def __call__(self, place: int, message: tuple[float, float, float, float]) -> None:
+        """Tell of a look at a slide."""
+        seconds, slide, settlement, speed = message
+        task = self.tasks[place]
+        self.done[place] = min(1.0, seconds / self.given.slide.duration)
         self.progress(
-            f"{name}: {row.time_s:.1f} s, slide {row.slide_max_m:.2f} m, settlement "
-            f"{row.settlement_uphill_m:.2f} m, {row.surface_speed_m_s:.2g} m/s",
-            sum(self.done.values()) / self.count,
+            f"{case_name(task.springs, task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
+            f"{settlement:.2f} m, {speed:.2g} m/s",
+            sum(self.done) / len(self.tasks),
         )
-        if keep and task.number != ALONE:
-            file = frame_file(name, self._number(slider))
-            write_frame(self.store, file, slider.model, task.start, task.ground, row.time_s)
-
-    def end(self, task: Task, slider: Slider) -> None:
-        """Remove the frames of a longer slide that was begun again with a smaller step."""
-        there = frames(self.store, case_name(task.springs, task.number))
-        self.store.remove([file for number, file in there.items() if number > self._number(slider)])
-        self.done[task] = 1.0
-
-    @staticmethod
-    def _number(slider: Slider) -> int:
-        return (len(slider.slide.rows) - 1) // slider.frame
 
 
 def slide_pictures(given: Input, store: Store) -> None:
@@ -130,3 +123,8 @@ def slide_pictures(given: Input, store: Store) -> None:
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
             slide_figures.history(given, read_histories(store), path)
+    found = answer.random.cases if answer.random is not None else {}
+    bands = {number: case.profile for number, case in found.items() if case.profile is not None}
+    if bands:
+        with store.writing("figures/profiles.png") as path:
+            slide_figures.profiles(given, bands, max(len(case.slide_max_m.values) for case in found.values()), path)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 from dem.model import DiscModel
 from dem.search.calibration import Calibration, Calibrator, best, sensitivities
@@ -10,14 +9,16 @@ from dem.search.equilibrium import Trial
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Slide
+from dem.team import Tell
+from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
-from workflow.results.cases import RandomCase, RandomPackings, Seed, Spread
+from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
 from workflow.results.journal import Journal
-from workflow.run.progress import Progress
+from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import discs_at_rest
-from workflow.stages.sliding import slide_all, task
+from workflow.stages.sliding import Run, slid, task
 
 
 @dataclass(frozen=True)
@@ -48,40 +49,63 @@ class First:
         ))  # fmt: skip
 
 
-def random_packings(
-    given: Input, store: Store, progress: Progress, continuum: Continuum, first: First
-) -> RandomPackings:
+def random_packings(job: Job, continuum: Continuum, first: First) -> RandomPackings:
     """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
 
     The ``first`` packing is that of the run itself. A seed whose packing cannot be brought to it is named with the
-    reason, and not counted. The first seed chooses the parameter, all others take the same.
+    reason, and not counted. Where a parameter has to be chosen the first seed does, and all others take the same.
     """
+    given = job.given
     seeds: list[Seed] = [] if first.seed is None else [first.seed]
     slides = {number: [] if first.seed is None else [slide] for number, slide in first.slides.items()}
     parameter: str = "auto" if given.dem.parameter == "none" else given.dem.parameter
     others = [seed for seed in given.slide.packings(given.dem.model) if first.seed is None or seed != first.seed.seed]
-    as_it_is = given.dem.model == "soil" and given.dem.parameter == "none"
-    for place, seed in enumerate(others):
-        tell = partial(_tell, progress, seed, place / len(others))
-        dem = given.dem.model_copy(update={"packing": "random", "seed": seed, "parameter": parameter})
-        calibrator = _calibrator(given, store, dem, continuum, tell)
-        if as_it_is:
-            seeds.append(_untouched(seed))
-        else:
-            found = _calibrated(calibrator, continuum.kc, parameter)
-            parameter = found.parameter
-            seeds.append(_seed(seed, calibrator, found))
-        if seeds[-1].verdict != "out of reach":
-            tell("slides")
-            start = calibrator.settled_with(parameter, seeds[-1].value)
-            tasks = [task(given, f"seed{seed}", number, start, calibrator.ground) for number in slides]
-            for number, slide in zip(slides, slide_all(given, store, tasks), strict=True):
+    done = 0
+
+    def heard(place: int, message: str) -> None:
+        job.progress(f"random packing, seed {others[done + place]}: {message}", done / len(others))
+
+    chosen = 1 if parameter == "auto" and given.dem.model == "paper" else 0
+    for some in (others[:chosen], others[chosen:]):
+        wanted = [Packing(given, job.store, continuum, seed, parameter, tuple(slides)) for seed in some]
+        for seed, found in job.team(_packed, wanted, heard):
+            seeds.append(seed)
+            parameter = seed.parameter if given.dem.model == "paper" and seed.parameter != "none" else parameter
+            for number, slide in found.items():
                 slides[number].append(slide)
+        done += len(some)
     return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
 
 
-def _tell(progress: Progress, seed: int, share: float, what: str) -> None:
-    progress(f"random packing, seed {seed}: {what}", share)
+@dataclass(frozen=True)
+class Packing:
+    """One random packing to be calibrated and let slide, by its seed, in the folder of the run."""
+
+    given: Input
+    store: Store
+    continuum: Continuum
+    seed: int
+    parameter: str
+    numbers: tuple[int, ...]
+
+
+def _packed(packing: Packing, tell: Tell) -> tuple[Seed, dict[int, Slide]]:
+    """How it was calibrated, and its slides by case; none where it is out of reach."""
+    given, store, parameter = packing.given, packing.store, packing.parameter
+    dem = given.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})
+    calibrator = _calibrator(given, store, dem, packing.continuum, tell)
+    if given.dem.model == "soil" and given.dem.parameter == "none":
+        seed = _untouched(packing.seed)
+    else:
+        found = _calibrated(calibrator, packing.continuum.kc, parameter)
+        parameter = found.parameter
+        seed = _seed(packing.seed, calibrator, found)
+    if seed.verdict == "out of reach":
+        return seed, {}
+    tell("slides")
+    start = calibrator.settled_with(parameter, seed.value)
+    tasks = [task(given, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
+    return seed, {each.number: slid(Run(given, store, each), lambda _: None) for each in tasks}
 
 
 def _calibrator(
@@ -130,8 +154,11 @@ def _seed(seed: int, calibrator: Calibrator, found: Calibration) -> Seed:
 def _case(slides: list[Slide]) -> RandomCase:
     """One case over all packings that were calibrated."""
     last = [slide.rows[-1] for slide in slides]
-    return RandomCase(
-        slide_max_m=Spread.of([row.slide_max_m for row in last]),
-        settlement_uphill_m=Spread.of([row.settlement_uphill_m for row in last]),
-        settlement_middle_m=Spread.of([row.settlement_middle_m for row in last]),
-    )
+    spreads = {name: Spread.of([getattr(row, name) for row in last]) for name in QUANTITIES}
+    surfaces = [(as_line(slide.surface_before), as_line(slide.surface_after)) for slide in slides]
+    return RandomCase.model_validate({**spreads, "profile": Profile.of(surfaces) if len(surfaces) > 1 else None})
+
+
+def as_line(points: list[list[float]]) -> Line:
+    """Points of a surface as an answer holds them."""
+    return tuple((x, z) for x, z in points)

@@ -8,7 +8,7 @@ def work(job: Job) -> None:
     """Every case that is asked for, from the discs at rest to where the ground comes to lie."""
     from workflow.stages.liquefied_slides import slide_stage
 
-    slide_stage(job.given, job.store, job.progress, job.cases)
+    slide_stage(job)
 
 
 def draw(job: Job) -> None:
@@ -28,7 +28,7 @@ STAGE = Stage(
     tables=("dem", "slide", "earthquake", "triggering"),
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,
-    pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png"),
+    pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png", "figures/profiles.png"),
     leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     partial=lambda job: job.cases is not None,
 )

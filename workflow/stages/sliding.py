@@ -1,15 +1,13 @@
-"""Slides side by side: each from its discs at rest, or from its last checkpoint, to its end."""
+"""One slide: from its discs at rest, or from its last checkpoint, to its end."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from threading import Event
 
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import Case
-from dem.side_by_side import StoppedError, side_by_side
 from dem.slides.liquefaction import Row, Slide, Slider
+from dem.team import Tell
+from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -43,11 +41,6 @@ class Task:
         return f"dem/slide_{self.springs}_{self.number}"
 
 
-# Hears of every look at a slide: the task, the slide so far, the row of this look, and whether a frame is due.
-OnLook = Callable[[Task, Slider, Row, bool], None]
-OnEnd = Callable[[Task, Slider], None]
-
-
 def liquefying(given: Input) -> dict[int, list[int]]:
     """For every case the indices of the strata that liquefy in it; cases without any are left out."""
     numbers = range(1, len(given.cases) + 1)
@@ -61,27 +54,35 @@ def task(given: Input, springs: str, number: int, start: DiscModel, ground: Grou
     return Task(springs, number, start, ground, liquefying(given).get(number, []), case)
 
 
-def slide_all(
-    given: Input, store: Store, tasks: Sequence[Task], on_look: OnLook | None = None, on_end: OnEnd | None = None
-) -> list[Slide]:
-    """All slides in the order of the tasks, as many at a time as there are workers.
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A slide to be computed: the input and the folder of the run, and whether its frames are kept."""
 
-    On an interrupt, or when one fails, all stop at their next look.
+    given: Input
+    store: Store
+    task: Task
+    frames: bool = False
+
+
+def slid(run: Run, tell: Tell) -> Slide:
+    """Take a slide to its end, from its last checkpoint if there is one; tells time, slide, settlement and speed.
+
+    Frames are written as they fall due; those of a longer slide that was begun again with a smaller step are removed.
     """
-    stop = Event()
+    task, store = run.task, run.store
+    folder = store.folder / task.folder
+    slider = Slider(task.start, task.ground, task.strata, task.case, run.given.slide, folder)
+    name = case_name(task.springs, task.number)
 
-    def work(task: Task) -> Slide:
-        slider = Slider(task.start, task.ground, task.strata, task.case, given.slide, store.folder / task.folder)
+    def frame() -> int:
+        return (len(slider.slide.rows) - 1) // slider.frame
 
-        def look(_model: DiscModel, row: Row, keep: bool) -> None:
-            if stop.is_set():
-                raise StoppedError
-            if on_look is not None:
-                on_look(task, slider, row, keep)
+    def look(_model: DiscModel, row: Row, keep: bool) -> None:
+        tell((row.time_s, row.slide_max_m, row.settlement_uphill_m, row.surface_speed_m_s))
+        if run.frames and keep and task.number != ALONE:
+            write_frame(store, frame_file(name, frame()), slider.model, task.start, task.ground, row.time_s)
 
-        slide = slider.run(look)
-        if on_end is not None:
-            on_end(task, slider)
-        return slide
-
-    return side_by_side([partial(work, each) for each in tasks], given.dem.workers, stop)
+    slide = slider.run(look)
+    if run.frames:
+        store.remove([file for number, file in frames(store, name).items() if number > frame()])
+    return slide

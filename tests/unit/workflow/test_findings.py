@@ -2,12 +2,13 @@
 
 import pytest
 
+from dem.settings import SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.report.findings import findings
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
-from workflow.results.cases import CaseAnswer, CasesAnswer, RandomCase, RandomPackings, Spread
+from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import Doubt, OtherWay, SkinFailure
 from workflow.results.results import Results
 from workflow.results.variants import VariantsAnswer
@@ -182,3 +183,22 @@ def test_numbers_in_sentences() -> None:
     assert (between([0.2345, 0.2387]), between([0.231, 0.232])) == ("0.23 to 0.24", "0.23")
     assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
     assert [metres(value) for value in (None, 0.0, 0.33, -1.047, 39.53)] == ["–", "0 m", "0.33 m", "-1.0 m", "40 m"]
+
+
+def test_the_surface_over_packings_has_a_band() -> None:
+    flat = ((0.0, 10.0), (100.0, 10.0))
+    sunk = [((1.0, 10.0 - k), (99.0, 10.0 - k)) for k in range(5)]
+    profile = Profile.of([(flat, line) for line in sunk], points=3)
+    assert profile.x == (1.0, 50.0, 99.0)
+    assert profile.before == (10.0,) * 3
+    assert profile.after == (8.0,) * 3
+    assert profile.after_low == pytest.approx((6.2,) * 3)
+    assert profile.after_high == pytest.approx((9.8,) * 3)
+
+
+def test_packings_by_their_seeds_or_by_their_number() -> None:
+    assert SlideSettings(seeds=(4, 7)).packings("soil") == (4, 7)
+    assert len(SlideSettings(seeds=36).packings("soil")) == 36
+    assert (SlideSettings().packings("soil"), SlideSettings().packings("paper")) == ((1, 2), ())
+    with pytest.raises(ValueError, match="seeds"):
+        SlideSettings(seeds=0)

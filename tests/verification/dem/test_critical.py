@@ -12,7 +12,6 @@ from dem.search.calibration import Calibrator, calibrate, changed, choose, sensi
 from dem.search.critical import critical_kh
 from dem.search.equilibrium import Rise, displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.settings import DemSettings
-from dem.side_by_side import StoppedError
 from dem.springs import LayerSprings
 from tests.support.dem_cases import FLOOR, RADIUS, SOIL
 
@@ -145,16 +144,6 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     assert lost.verdict == "out of reach"
     assert lost.value == 0.5
     assert "reaches critical Kh from 0.1" in lost.reason
-
-
-def test_an_interrupted_search_stops() -> None:
-    ground, model = blocks([SOIL])
-    with pytest.raises(StoppedError):
-        critical_kh(model, ground, SETTINGS, stopped=lambda: True)
-    calibrator = Calibrator(ground, [SOIL], model, SETTINGS)
-    calibrator.stop.set()
-    with pytest.raises(StoppedError):
-        calibrator.search_all([("", 1.0), ("friction", 0.5)])
 
 
 def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:

@@ -12,7 +12,6 @@ from dem.search.calibration import Calibrator, calibrate
 from dem.search.equilibrium import settle, step_on, stop
 from dem.search.pushover import BEYOND, Continuum, push_over
 from dem.settings import DemSettings
-from dem.side_by_side import StoppedError
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
 
@@ -84,9 +83,7 @@ def test_stronger_discs_bear_more() -> None:
     assert 0.8 < found.value < 1.3
 
 
-def test_a_push_can_be_stopped_and_wants_a_displacement() -> None:
+def test_a_push_wants_a_displacement() -> None:
     ground, model = heap()
-    with pytest.raises(StoppedError):
-        push_over(model, ground, SETTINGS, Continuum(0.3, 0.01), stopped=lambda: True)
     with pytest.raises(ValueError, match="a displacement above 0"):
         push_over(model, ground, SETTINGS, Continuum(0.3, 0.0))

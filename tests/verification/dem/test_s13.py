@@ -1,5 +1,7 @@
 """The discs of S-13 with the springs of Table 2, against the paper (Sec. 4(2), 4(3), Figs 12 to 16)."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from dem.ground import Ground, ground_of, springs_of
@@ -7,7 +9,6 @@ from dem.model import DiscModel
 from dem.search.critical import Search, critical_kh
 from dem.search.equilibrium import Rise, settle, try_kh, unbalanced_ratio
 from dem.settings import SlideSettings
-from dem.side_by_side import side_by_side
 from dem.slides.liquefaction import Slide, Slider
 from dem.slides.slip import cracked_shares
 from tests.support import SECTIONS
@@ -45,7 +46,8 @@ def search(run: Input, ground: Ground, settled: DiscModel) -> Search:
 def slides(run: Input, ground: Ground, settled: DiscModel) -> list[Slide]:
     cases = [None, *run.slide.cases]
     sliders = [Slider(settled, ground, [3, 5] if case else [], case, run.slide) for case in cases]
-    return side_by_side([slider.run for slider in sliders], 2)
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(Slider.run, sliders))
 
 
 def test_settled(settled: DiscModel) -> None:

@@ -1,5 +1,7 @@
 """Soil discs on S-13: a prediction without any factor, and slides that come to rest; dem/README.md has three seeds."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,6 @@ from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit, misfit
 from dem.search.pushover import Continuum, push_over
-from dem.side_by_side import side_by_side
 from dem.slides.liquefaction import Slide, Slider
 from tests.support import SECTIONS
 from workflow.settings import Input
@@ -38,7 +39,7 @@ def ground(run: Input, layers: list[SoilLayer]) -> Deposit:
 
 @pytest.fixture(scope="module")
 def checks(layers: list[SoilLayer], ground: Deposit) -> dict[str, LayerCheck]:
-    found = soil_checks(layers, ground.layers, ground.ground.radius, workers=2)
+    found = soil_checks(layers, ground.layers, ground.ground.radius)
     return {check.stratum: check for check in found}
 
 
@@ -51,7 +52,8 @@ def search(run: Input, ground: Deposit) -> Search:
 def slides(run: Input, ground: Deposit) -> list[Slide]:
     start: DiscModel = ground.settled
     sliders = [Slider(start, ground.ground, LIQUEFIED, case, run.slide) for case in run.slide.cases]
-    return side_by_side([slider.run for slider in sliders], 2)
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(Slider.run, sliders))
 
 
 def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
