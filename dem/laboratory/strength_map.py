@@ -91,6 +91,22 @@ class StrengthMap:
         )(where)
         return np.asarray(np.exp(ratio) * pressure)
 
+    @property
+    def least(self) -> float:
+        """Strength over vertical stress that contacts without friction and cohesion have by their geometry, where the
+        layer slides along itself: s over p + s for a half deviator s over the confining pressure p."""
+        ratio = float(self.after[0, 0])
+        return ratio / (1.0 + ratio)
+
+    def residual_cohesion(self, ratio: float, stress: float) -> float:
+        """C over the diameter (Pa) with which contacts without friction have this strength over their vertical stress
+        (Pa); 0 where it is less than their geometry gives them, see `least`. Ratios of the map's range, below 0.8."""
+        if ratio <= self.least:
+            return 0.0
+        wanted = np.log(ratio / (1.0 - ratio))
+        number = np.exp(np.interp(wanted, np.log(self.after[0]), np.log(self.cohesion + EARLY))) - EARLY
+        return float(number * (1.0 - ratio) * stress)
+
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.
 

@@ -27,7 +27,7 @@ from dem.slides.balance import (
     pressed_through,
     thin_layers,
 )
-from dem.slides.lost_strength import liquefied, residual_cohesion
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_cohesion
 from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
@@ -323,7 +323,9 @@ class Slider:
     def _notes(self) -> list[str]:
         """What is to be told of this slide; its loss of area is worked out here."""
         slide, model, start = self.slide, self.model, self.start
-        told = thin_layers(start, self.ground, self.strata) if self.case is not None else []
+        told: list[str] = []
+        if self.case is not None:
+            told = thin_layers(start, self.ground, self.strata) + held_by_geometry(start, self.strata, self.case)
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         asked = asked_for(start, model, self.strata, before)
         slide.area_lost_share = (before - after - asked) / before

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.ground import Ground
+from dem.laboratory.strength_map import strength_map
 from dem.model import DiscModel
 from dem.settings import Case
 from dem.springs import LayerSprings
@@ -37,10 +38,10 @@ def liquefied(
 
 
 def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case | None) -> dict[int, float]:
-    """Cohesion of a contact (N) with which strata keep the residual strength of a case.
+    """Cohesion of a contact (N) with which strata without friction keep the residual strength of a case.
 
-    That is the stress in the middle of the stratum where it is thickest, of the discs above it; C is about the strength
-    times the diameter, which random patches show (C over diameter and stress between 0.1 and 1: `strength_map`).
+    The vertical stress is that in the middle of the stratum where it is most, of the discs above it; what strength
+    contacts of some cohesion have stands in `strength_map`.
     """
     ratios = {} if case is None else {k: case.residual_of(model.springs.layers[k].name) for k in strata}
     if not any(ratios.values()):
@@ -58,5 +59,19 @@ def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], c
             here = column == c
             middle = float(np.median(z[here & (layer == k)]))
             most = max(most, float(weight[here & (z > middle)].sum()))
-        found[k] = ratios[k] * most * 2.0 * ground.radius
+        found[k] = strength_map().residual_cohesion(ratios[k], most) * 2.0 * ground.radius
     return found
+
+
+def held_by_geometry(model: DiscModel, strata: Sequence[int], case: Case) -> list[str]:
+    """A sentence on soil discs that cannot be as weak as the case has them, or none."""
+    least = strength_map().least
+    names = [model.springs.layers[k].name for k in strata]
+    weaker = [name for name in names if case.residual_of(name) < least]
+    if model.law != "soil" or case.friction > 0.0 or case.cohesion > 0.0 or not weaker:
+        return []
+    listed = ", ".join(f'"{name}"' for name in weaker)
+    return [
+        f"discs without friction and cohesion still hold by their geometry, as {least:.2f} of their vertical stress "
+        f"would: {listed} cannot be weaker than that, and a layer that is slides further"
+    ]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dem.ground import Ground
+from dem.laboratory.strength_map import strength_map
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import Case, DemSettings, SlideSettings
@@ -19,7 +20,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.liquefaction import Slider
-from dem.slides.lost_strength import liquefied, residual_cohesion
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_cohesion
 from dem.springs import Strength, soil_discs
 from tests.support.dem_cases import RADIUS
 
@@ -133,10 +134,22 @@ def test_what_liquefied_soil_keeps(start: DiscModel, ground: Ground) -> None:
     assert both[1].contact_cohesion == pytest.approx(3e4)
     assert both[1].kn == pytest.approx(0.5 * SAND.kn)
     # four rows of discs and a half lie above the middle of rows 3 and 4, buoyant
-    kept = residual_cohesion(start, ground, [1], Case(residual=0.1))[1]
-    row = SAND.effective_density * 9.80665 * np.pi * RADIUS**2 / (2.0 * RADIUS)
-    assert kept == pytest.approx(0.1 * 2.0 * RADIUS * 4.5 * row, rel=0.2)
-    assert liquefied([SAND, clay], [1], Case(residual=0.1), 1.0, {1: kept})[1].contact_cohesion == kept
+    kept = residual_cohesion(start, ground, [1], Case(residual=0.3))[1]
+    stress = 4.5 * SAND.effective_density * 9.80665 * np.pi * RADIUS**2 / (2.0 * RADIUS)
+    assert kept == pytest.approx(2.0 * RADIUS * strength_map().residual_cohesion(0.3, stress), rel=0.2)
+    assert liquefied([SAND, clay], [1], Case(residual=0.3), 1.0, {1: kept})[1].contact_cohesion == kept
+
+
+def test_a_layer_that_is_weaker_than_discs_can_be_is_told(start: DiscModel) -> None:
+    soil = start.copy()
+    soil.law = "soil"
+    (told,) = held_by_geometry(soil, [1], Case(residual=0.05))
+    assert start.springs.layers[1].name in told
+    assert held_by_geometry(soil, [1], Case(residual=0.2)) == []
+    assert held_by_geometry(soil, [1], Case(friction=0.5)) == []
+    paper = start.copy()
+    paper.law = "paper"
+    assert held_by_geometry(paper, [1], Case()) == []
 
 
 def test_overlap(start: DiscModel) -> None:

@@ -80,3 +80,19 @@ def test_weight_and_mass_are_those_of_the_soil() -> None:
     springs = one.springs(0.5, 0.27)
     assert springs.density == pytest.approx(1.27 * 1900.0)
     assert springs.effective_density == pytest.approx(1.27 * 900.0)
+
+
+@pytest.mark.parametrize("ratio", [0.14, 0.2, 0.4, 0.6])
+def test_residual_strength_is_that_of_the_map(ratio: float) -> None:
+    """Half the deviator at the confining pressure that is left of the vertical stress."""
+    table, stress = strength_map(), 5e4
+    cohesion = table.residual_cohesion(ratio, stress)
+    assert table.strength(0.0, cohesion, np.array([(1.0 - ratio) * stress]))[0] == pytest.approx(ratio * stress)
+
+
+def test_discs_cannot_be_weaker_than_their_geometry() -> None:
+    """8 degrees of frictionless discs (the map's first row) are an eighth of the vertical stress."""
+    table = strength_map()
+    assert 0.12 < table.least < 0.15
+    assert table.residual_cohesion(0.99 * table.least, 5e4) == 0.0
+    assert table.residual_cohesion(1.01 * table.least, 5e4) > 0.0
