@@ -142,6 +142,13 @@ class Input(Section):
         return Input.parse(changed(data, drawn, self.uncertain.numbers), self.name)
 
     @property
+    def disc_work(self) -> float:
+        """How much discs cost, as a multiple of 2,500: so many discs, each with a step in proportion to its radius."""
+        radius = self.dem.radius
+        count = self.dem.elements if radius is None else float(self.layering.areas().sum()) / (3.46 * radius**2)
+        return float(count / 2500.0) ** 1.5
+
+    @property
     def notices(self) -> list[str]:
         """What a person has to know of the section and of its mesh, one sentence each."""
         return [*super().notices, *self.mesh.notices(self)]

@@ -15,7 +15,7 @@ from rich.table import Table
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.report import data, tables
-from workflow.run.plan import Choice, plan
+from workflow.run.plan import Choice, Decision, plan
 from workflow.run.record import Record
 from workflow.run.stage import Job
 
@@ -87,7 +87,16 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
         return say_data(data.of_plan(decisions))
     verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
     rows = [(one.stage.name, verbs[one.action], one.why or "nothing has changed") for one in decisions]
-    return show_table(("stage", "would", "because"), rows)
+    show_table(("stage", "would", "because"), rows)
+    return _show_time(job, decisions)
+
+
+def _show_time(job: Job, decisions: Sequence[Decision]) -> None:
+    """How long the stages will take that are to run."""
+    from workflow.run.pace import expected
+
+    if told := expected(sum(one.stage.seconds(job.given) for one in decisions if one.action == "run")):
+        say(told)
 
 
 def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
@@ -102,6 +111,8 @@ def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
     verbosity = {Voice.NORMAL: NORMAL, Voice.VERBOSE: VERBOSE}.get(voice, QUIET)
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
+    if voice.speaks:
+        _show_time(job, plan(job, Record(job.store), choice))
     try:
         with Display(out, err, shown, verbosity) as display, crew(job.given.dem.workers) as team:
             pipeline.execute(replace(job, team=team), choice, display, what)

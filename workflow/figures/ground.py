@@ -143,7 +143,7 @@ def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
     x = np.union1d(section.ground[:, 0], table[:, 0])
     x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
     level, ground = np.interp(x, *table.T), np.interp(x, *section.ground.T)
-    axes.fill_between(x, ground, level, where=level > ground, color=WATER, alpha=0.25, linewidth=0)
+    axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
 
 
 def _heights(much: int) -> str:

@@ -66,6 +66,7 @@ class Stage:
     wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
         left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
+    seconds: how long it takes, roughly, on two cores of the machine that times were measured on.
     of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
         them, and whether or not those that it needs have an answer.
     """
@@ -85,4 +86,5 @@ class Stage:
     leftovers: tuple[str, ...] = ()
     wanted: Callable[[Input], bool] = lambda given: True
     partial: Callable[[Job], bool] = lambda job: False
+    seconds: Callable[[Input], float] = lambda given: 1.0
     of_all: bool = False

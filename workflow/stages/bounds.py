@@ -130,6 +130,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     tables=("fem", "bounds"),
+    seconds=lambda given: 45.0,
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),

@@ -5,6 +5,7 @@ from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
+from workflow.settings import Input
 
 
 def work(job: Job) -> None:
@@ -27,6 +28,11 @@ def draw(job: Job) -> None:
     calibrate_pictures(job.given, job.store)
 
 
+def seconds(given: Input) -> float:
+    """A search of so many discs, and once more for those of the paper."""
+    return 200.0 * given.disc_work * (1.5 if given.dem.paper else 1.0)
+
+
 STAGE = Stage(
     name="calibrate",
     what="discs that fail at the same Kh",
@@ -35,6 +41,7 @@ STAGE = Stage(
     draw=draw,
     needs=("fem",),
     tables=("dem",),
+    seconds=seconds,
     results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, "dem/trials.jsonl", "dem/*.h5"),
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),

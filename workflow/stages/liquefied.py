@@ -153,6 +153,7 @@ STAGE = Stage(
     work=work,
     needs=("mesh",),
     tables=("fem", "bounds", "slide", "earthquake", "triggering"),
+    seconds=lambda given: 20.0,
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
     wanted=lambda given: any(stratum.liquefies_in for stratum in given.strata),

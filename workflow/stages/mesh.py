@@ -56,6 +56,7 @@ STAGE = Stage(
     work=work,
     draw=draw,
     tables=("mesh",),
+    seconds=lambda given: 3.0,
     files=lambda job: {GIVEN: job.mesh_file} if job.mesh_file else {},
     results=("mesh/section.msh", "mesh/section.vtu"),
     pictures=("figures/section.png", "figures/weights.png", "figures/mesh.png"),

@@ -62,5 +62,6 @@ STAGE = Stage(
         "figures/sliding_block.png",
         "figures/displacements.png",
     ),
+    seconds=lambda given: 15.0,
     of_all=True,
 )

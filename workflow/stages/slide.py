@@ -2,6 +2,7 @@
 
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
+from workflow.settings import Input
 
 
 def work(job: Job) -> None:
@@ -18,6 +19,12 @@ def draw(job: Job) -> None:
     slide_pictures(job.given, job.store)
 
 
+def seconds(given: Input) -> float:
+    """Every case, and Kh alone, on every packing, that of the paper among them; each packing is calibrated."""
+    packings = 1 + len(given.slide.packings(given.dem.model)) + (1 if given.dem.paper else 0)
+    return 35.0 * given.disc_work * packings * (1 + len(given.cases))
+
+
 STAGE = Stage(
     name="slide",
     what="slides once layers have liquefied",
@@ -26,6 +33,7 @@ STAGE = Stage(
     draw=draw,
     needs=("calibrate",),
     tables=("dem", "slide", "earthquake", "triggering"),
+    seconds=seconds,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,
     pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png", "figures/profiles.png"),

@@ -107,6 +107,7 @@ STAGE = Stage(
     work=work,
     needs=("fem",),
     tables=("mesh", "fem", "variants"),
+    seconds=lambda given: 10.0 * len(given.variants.which),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
     wanted=lambda given: bool(given.variants.which),
