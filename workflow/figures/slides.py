@@ -167,7 +167,7 @@ def profiles(given: Section, cases: Mapping[int, Profile], seeds: int, out: Path
     sheet = Sheet(f"{given.title or given.name}: the surface on {seeds} random packings", [0.16] * len(cases), "", 1)
     for view, (number, profile) in enumerate(cases.items()):
         axes = sheet.plot(view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", f"case {number}")
-        colour = COLOURS.get(number, INK)
+        colour = COLOURS[(number - 1) % len(COLOURS)]
         axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
         axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)
         axes.plot(profile.x, profile.before, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
