@@ -157,7 +157,12 @@ class SlideSettings(Model):
         min_length=1,
         description="one table [[slide.cases]] for each, numbered from 1",
     )
-    kh: float = Field(default=0.1, ge=0.0, le=1.0, description="seismic coefficient that is held")
+    kh: float = Field(
+        default=0.1,
+        ge=0.0,
+        le=1.0,
+        description='seismic coefficient that is held; "k_max" takes that of [site_response]',
+    )
     kh_seconds: float | None = Field(
         default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
     )

@@ -52,9 +52,7 @@ class Request:
         if carried:
             read = _with(section, tables, carried, store)
         if read.sliding_block.accelerogram:
-            from workflow.estimates.accelerogram import of_input
-
-            of_input(read)  # a record that cannot be read is told now, not after minutes
+            read.sliding_block.in_use()  # a record that cannot be read is told now, not after minutes
         return cls(read, store, mesh or carried, bool(carried))
 
     def job(self, **more: Any) -> Job:

@@ -18,6 +18,9 @@ from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
+from workflow.earthquake.accelerogram import Accelerogram
+from workflow.earthquake.accelerogram import read as read_record
+from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left, pore_pressures
@@ -29,6 +32,7 @@ from workflow.uncertain.settings import StudySettings, UncertainSettings
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
 # Settings that name a file, by table and key.
+AVERAGE = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
 FILES = (("sliding_block", "accelerogram"), ("site_response", "record"), ("report", "logo"))
 
 
@@ -83,6 +87,10 @@ class SlidingBlockSettings(Model):
     seconds: float = Field(
         default=10.0, gt=0.0, le=3600.0, description="how long the constant coefficient acts (s), such as 10"
     )
+
+    def in_use(self) -> Accelerogram:
+        """The record that is named, scaled; raises InputError if it cannot be read."""
+        return read_record(Path(self.accelerogram), self.unit).scaled(self.scale)
 
 
 class Input(Section):
@@ -159,6 +167,9 @@ class Input(Section):
 
         Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
         """
+        above = data.get("slide", {}).get("kh") if isinstance(data.get("slide"), Mapping) else None
+        if above == AVERAGE:
+            return cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure
         if not asked and not any(stratum.liquefies_in.triggered for stratum in given.strata):
@@ -167,6 +178,17 @@ class Input(Section):
             return given._triggered(given.assessment())
         except InputError as error:
             raise InputError(source, error.problems) from None
+
+    @classmethod
+    def _average_kh(cls, data: Mapping[str, Any], source: str) -> float:
+        """k_max of all above the slip surface (Makdisi & Seed 1978), for slides whose Kh is left to it."""
+        slide = {key: value for key, value in data["slide"].items() if key != "kh"}
+        given = cls.parse({**data, "slide": slide}, source)
+        response = given.site_response
+        if not response.record or response.slip_depth is None:
+            told = f'slide, kh = "{AVERAGE}": expected record and slip_depth in [site_response], or a number'
+            raise InputError(source, [told])
+        return round(column_of(given, response).k_max(float(response.slip_depth)), 4)
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:

@@ -66,7 +66,9 @@ class SiteResponseSettings(Model):
     base_velocity: float = Field(default=400.0, gt=50.0, le=5000.0, description="V_s (m/s) of the rock below")
     base_density: Density = Field(default=2000.0, description='the density of the rock below, such as "2.0 t/m^3"')
     slip_depth: Length | None = Field(
-        default=None, description="the depth of the slip surface there, for the block under the average above it"
+        default=None,
+        description="the depth of the slip surface there, above which acceleration is averaged, for a block (by "
+        'default that of the finite elements) and for kh = "k_max" in [slide]',
     )
 
 

@@ -4,7 +4,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from workflow.estimates import accelerogram
+import numpy as np
+
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, Kind, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
@@ -22,6 +23,8 @@ HAMADA_VALIDITY = (
 )
 
 
+NO_LINE = np.zeros((0, 2))
+
 __all__ = ["Estimate", "Kind", "constant_kh", "estimates", "mean_inclination"]
 
 
@@ -30,15 +33,18 @@ def constant_kh(given: Input) -> float:
     return given.slide.kh if given.sliding_block.kh is None else given.sliding_block.kh
 
 
-def estimates(given: Input, kc: float | None) -> list[Estimate]:
-    """All estimates that this input allows; those of a block that resists need the critical Kh found."""
+def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
+    """All estimates that this input allows; those of a block that resists need the critical Kh found.
+
+    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
+    """
     found: list[Estimate] = []
     if kc is not None and kc > 0.0:
         found.append(_constant(given, kc))
         if given.sliding_block.accelerogram:
             found += _newmark(given, kc)
     found.append(_smooth(given))
-    return [*found, *_regressions(given), *empirical(given, kc)]
+    return [*found, *_regressions(given), *empirical(given, kc, slip_surface)]
 
 
 def _constant(given: Input, kc: float) -> Estimate:
@@ -50,7 +56,7 @@ def _constant(given: Input, kc: float) -> Estimate:
 
 
 def _newmark(given: Input, kc: float) -> Iterator[Estimate]:
-    record = accelerogram.of_input(given)
+    record = given.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
     peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f}"

@@ -9,8 +9,8 @@ from meshes.borings.boring import Sample
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.attenuation import Motion
+from workflow.earthquake.column import MAKDISI, column_of
 from workflow.estimates import truss
-from workflow.estimates.column import MAKDISI, column_of
 from workflow.estimates.estimate import Estimate, mean_inclination
 from workflow.estimates.lateral_spread import (
     LOOSE,
@@ -45,16 +45,19 @@ YOUD_RANGE = (
 ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %; strains down to 23 m; within a factor of 2"
 
 
-def empirical(given: Input, kc: float | None) -> Iterator[Estimate]:
-    """All of these relations that the input has something for; None for a displacement that lies outside a range."""
+def empirical(given: Input, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
+    """All of these relations that the input has something for; None for a displacement that lies outside a range.
+
+    ``slip_surface`` (n, 2) in m is that of the finite elements, for what the input does not say; it may be empty.
+    """
     try:
         motion = given.earthquake.motion()
     except InputError:
         motion = None
     if motion is not None and given.earthquake.magnitude is not None and kc is not None and kc > 0.0:
         yield from _blocks(kc, motion, given.earthquake.magnitude)
-    if given.site_response.record and given.site_response.slip_depth is not None and kc is not None and kc > 0.0:
-        yield from _block_under_average(given, kc, float(given.site_response.slip_depth))
+    if given.site_response.record and kc is not None and kc > 0.0:
+        yield from _block_under_average(given, kc, slip_surface)
     if given.triggering.borings:
         try:
             tests = given.assessment().tests
@@ -91,21 +94,36 @@ def _blocks(kc: float, motion: Motion, magnitude: float) -> Iterator[Estimate]:
         yield Estimate("block regression", title, slide, words, source, validity)
 
 
-def _block_under_average(given: Input, kc: float, depth: float) -> Iterator[Estimate]:
+def _block_under_average(given: Input, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
     """The block under the average acceleration of what lies above the slip surface (Makdisi & Seed 1978)."""
     try:
-        column = column_of(given)
+        column = column_of(given, given.site_response)
     except InputError:
+        return
+    depth = given.site_response.slip_depth
+    if depth is None:
+        depth = _depth_of(slip_surface, given, column.x)
+    if depth is None:
         return
     average = column.average_above(depth)
     time = column.step * np.arange(len(average))
     both = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
     words = (
-        f"{column.record} through the layers at x = {column.x:g} m: k_max = {np.abs(average).max() / GRAVITY:.3f} "
+        f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
         f"above {depth:g} m, resisted by kc = {kc:.3f}; {both[0]:.2g} and {both[1]:.2g} m either way"
     )
     validity = f"{BLOCK}; layers that answer as level ground, equivalent linear"
     yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)
+
+
+def _depth_of(slip_surface: np.ndarray, given: Input, x: float) -> float | None:
+    """Depth (m) of a slip surface below the ground at x, or where it is deepest if it does not pass there."""
+    if not len(slip_surface):
+        return None
+    depths = np.interp(slip_surface[:, 0], *given.ground.T) - slip_surface[:, 1]
+    passes = slip_surface[0, 0] <= x <= slip_surface[-1, 0]
+    found = float(np.interp(x, slip_surface[:, 0], depths)) if passes else float(depths.max())
+    return found if found > 0.0 else None
 
 
 def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:

@@ -8,7 +8,6 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from meshes.section.quantity import GRAVITY
-from workflow.estimates import accelerogram
 from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.displacements import displacements
@@ -189,7 +188,7 @@ def _block(results: Results, name: str) -> bool:
     """The accelerogram, and the slide of the rigid block under it, both ways."""
     if not results.given.sliding_block.accelerogram or results.kc is None:
         return False
-    record = accelerogram.of_input(results.given)
+    record = results.given.sliding_block.in_use()
     sheet = Sheet(
         f"{_title(results)}: rigid block under {record.name}", [0.2, 0.2, 0.2], foot(results.given), legend_rows=1
     )

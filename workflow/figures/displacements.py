@@ -17,8 +17,8 @@ OTHERS, SLIDES, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (INK, "x")
 
 def displacements(results: Results, name: str) -> bool:
     """A point for each method, discs and estimates, on a logarithmic axis; false where there are less than two."""
-    rows = [(one.method, one.displacement_m, OTHERS) for one in estimates(results.given, results.kc)
-            if one.displacement_m is not None]  # fmt: skip
+    others = estimates(results.given, results.kc, results.slip_surface)
+    rows = [(one.method, one.displacement_m, OTHERS) for one in others if one.displacement_m is not None]
     _, cases = results.case_set()
     rows += [(f"discs, case {number}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())]
     observed = results.given.name == "s13"

@@ -144,7 +144,7 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     handles = []
     for slide in sorted(slides, key=lambda one: (one.springs, one.case)):
         style: dict[str, Any] = {
-            "color": COLOURS[(slide.case - 1) % len(COLOURS)] if slide.case else INK,
+            "color": _colour(slide.case),
             "linestyle": "-" if slide.springs == "calibrated" else (0, (4, 2)),
             "linewidth": 1.2,
             "marker": MARKS[(slide.case - 1) % len(MARKS)] if slide.case else "",
@@ -162,12 +162,16 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
     sheet.save(out)
 
 
+def _colour(case: int) -> str:
+    return COLOURS[(case - 1) % len(COLOURS)] if case else INK
+
+
 def profiles(given: Section, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
     """The surface of every case over all packings: its median, and the band in which nine of ten lie."""
     sheet = Sheet(f"{given.title or given.name}: the surface on {seeds} random packings", [0.16] * len(cases), "", 1)
     for view, (number, profile) in enumerate(cases.items()):
         axes = sheet.plot(view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", f"case {number}")
-        colour = COLOURS[(number - 1) % len(COLOURS)]
+        colour = _colour(number)
         axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
         axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)
         axes.plot(profile.x, profile.before, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))

@@ -251,7 +251,7 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
-    found = (one for one in estimates(results.given, results.kc) if one.kind == kind)
+    found = (one for one in estimates(results.given, results.kc, results.slip_surface) if one.kind == kind)
     return [one.displacement_m for one in found if one.displacement_m is not None]
 
 

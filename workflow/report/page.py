@@ -70,7 +70,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),
-        "estimates": estimates(given, results.kc),
+        "estimates": estimates(given, results.kc, results.slip_surface),
         "kh": given.slide.kh,
         "paper": rows(results),
         "is_s13": is_s13(given),

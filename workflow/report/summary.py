@@ -47,7 +47,9 @@ def summary(results: Results, report_seconds: float) -> Summary:
         cases_random=results.cases.random if results.cases is not None else None,
         triggering=results.triggering.strata if results.triggering is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
-        comparison=tuple(EstimateSummary.model_validate(one) for one in estimates(given, results.kc)),
+        comparison=tuple(
+            EstimateSummary.model_validate(one) for one in estimates(given, results.kc, results.slip_surface)
+        ),
         paper=paper or None,
         no_answer={
             stage: NoAnswer(reason=entry.reason, remedy=entry.remedy)

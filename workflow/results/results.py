@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TypeVar
 
+import numpy as np
+
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -92,6 +94,12 @@ class Results:
         if self.fem is None or self.no_answer("fem") or not self.fem.has_kc:
             return None
         return self.fem.kc
+
+    @property
+    def slip_surface(self) -> np.ndarray:
+        """Points (n, 2) in m of the slip surface of the FEM; none without a mechanism."""
+        end = self.fem.last_in_equilibrium() if self.fem is not None else None
+        return np.array(end.slip_surface if end is not None else []).reshape(-1, 2)
 
     @property
     def doubts(self) -> list[Doubt]:

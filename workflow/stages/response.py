@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from workflow.earthquake.attenuation import GAL
+from workflow.earthquake.column import MAKDISI, Column, column_of
 from workflow.earthquake.site_response import SOURCE
-from workflow.estimates.column import MAKDISI, Column, column_of
 from workflow.results.answer import SectionLabel
 from workflow.results.site_response import ResponseLayer, SiteResponseAnswer
 from workflow.run.stage import Job, Stage
@@ -18,7 +18,7 @@ PICTURE = "figures/site_response.png"
 
 def work(job: Job) -> None:
     """Equivalent linear layers under the record; leaves site_response.json and its picture. Raises InputError."""
-    answer_of(job.given, column_of(job.given)).write(job.store)
+    answer_of(job.given, column_of(job.given, job.given.site_response)).write(job.store)
     draw(job)
 
 

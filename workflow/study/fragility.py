@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from meshes.section.quantity import GRAVITY
-from workflow.estimates import accelerogram
+from workflow.earthquake.accelerogram import Accelerogram
 from workflow.estimates.comparison import constant_kh
 from workflow.estimates.sliding_block import newmark, rectangular_pulse
 from workflow.results.study import Curve
@@ -51,14 +51,14 @@ def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:
         yield probability(f"block, Kh for {seconds:g} s: slide > {far:g} m", over, slides > far)
     if not given.sliding_block.accelerogram:
         return
-    record = accelerogram.of_input(given)
+    record = given.sliding_block.in_use()
     peaks = np.linspace(0.0, 4.0 * float(np.median(kc)), POINTS)
     slides = np.array([[_under(record, peak, own) for peak in peaks] for own in kc])
     for far in given.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
 
 
-def _under(record: accelerogram.Accelerogram, peak: float, kc: float) -> float:
+def _under(record: Accelerogram, peak: float, kc: float) -> float:
     """The slide (m) under the record scaled to a peak (g), the larger of both ways."""
     if peak <= kc:
         return 0.0
@@ -72,7 +72,7 @@ def block(given: Input, kc: float | None) -> float | None:
         return None
     if not given.sliding_block.accelerogram:
         return rectangular_pulse(max(kc, LEAST), constant_kh(given), given.sliding_block.seconds)
-    record = accelerogram.of_input(given)
+    record = given.sliding_block.in_use()
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
-from workflow.estimates.accelerogram import read
+from workflow.earthquake.accelerogram import read
 
 VALUES = np.array([0.0, 0.012, -0.034, 0.05, -0.001, 0.002, 0.003])
 

@@ -7,9 +7,11 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.section.overburden import outside, overburden
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from workflow.earthquake import accelerogram
+from workflow.earthquake.settings import SiteResponseSettings
 from workflow.earthquake.site_response import HalfSpace, Layer, Response, response
-from workflow.estimates import accelerogram
-from workflow.settings import Input
 
 THICKEST = 1.0  # m: layers are divided, so that strains are told with depth
 AT_REST = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
@@ -31,10 +33,13 @@ class Column:
         """Acceleration (m/s²) in time of all that lies above a depth (m): of the nearest bottom of a layer."""
         return np.asarray(self.response.average[int(np.argmin(np.abs(self.response.depth[1:] - depth)))])
 
+    def k_max(self, depth: float) -> float:
+        """The largest of it either way, over gravity: the seismic coefficient of what lies above (-)."""
+        return float(np.abs(self.average_above(depth)).max()) / GRAVITY
 
-def column_of(given: Input) -> Column:
-    """The response of an input that names a record. Raises InputError."""
-    settings = given.site_response
+
+def column_of(given: Section, settings: SiteResponseSettings) -> Column:
+    """The response of a section to the record that the settings name. Raises InputError."""
     record = accelerogram.read(Path(settings.record), settings.unit).scaled(settings.scale)
     left, right = given.given_extent
     x = 0.5 * (left + right) if settings.x is None else float(settings.x)
@@ -45,7 +50,7 @@ def column_of(given: Input) -> Column:
         problems += [f'site_response, {key}: there is no stratum "{name}"' for name in unknown]
     if problems:
         raise InputError(given.name, problems)
-    layers, strata = _layers(given, x)
+    layers, strata = _layers(given, settings, x)
     step = float(np.min(np.diff(record.time)[np.diff(record.time) > 0.0]))
     time = np.arange(record.time[0], record.time[-1] + 0.5 * step, step)
     outcrop = np.interp(time, record.time, record.acceleration)
@@ -59,7 +64,7 @@ def column_of(given: Input) -> Column:
     return Column(x, record.name, step, outcrop, strata, found)
 
 
-def _layers(given: Input, x: float) -> tuple[list[Layer], tuple[str, ...]]:
+def _layers(given: Section, settings: SiteResponseSettings, x: float) -> tuple[list[Layer], tuple[str, ...]]:
     levels = given.layering.interfaces(np.array([x]))[0]
     layers, strata = [], []
     for k, stratum in enumerate(given.strata):
@@ -68,12 +73,12 @@ def _layers(given: Input, x: float) -> tuple[list[Layer], tuple[str, ...]]:
             continue
         count = max(1, int(np.ceil(thick / THICKEST)))
         density = stratum.density_seismic
-        measured = given.site_response.velocities.get(stratum.name)
+        measured = settings.velocities.get(stratum.name)
         velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
         for part in range(count):
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
             stress = overburden(given, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
-            plastic = given.site_response.plasticity.get(stratum.name, 0.0)
+            plastic = settings.plasticity.get(stratum.name, 0.0)
             layers.append(Layer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)
     return layers, tuple(strata)

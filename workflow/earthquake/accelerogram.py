@@ -9,7 +9,6 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
-from workflow.settings import Input
 
 GAL = 0.01  # m/s²
 UNITS = {"g": GRAVITY, "m/s^2": 1.0, "gal": GAL}
@@ -50,12 +49,6 @@ class Accelerogram:
     def scaled(self, factor: float) -> "Accelerogram":
         """The same with every acceleration multiplied."""
         return Accelerogram(self.name, self.kind, self.time, factor * self.acceleration)
-
-
-def of_input(given: Input) -> Accelerogram:
-    """The record that an input names, scaled as it says; raises InputError if it cannot be read."""
-    settings = given.sliding_block
-    return read(Path(settings.accelerogram), settings.unit).scaled(settings.scale)
 
 
 def read(path: Path, unit: str = "") -> Accelerogram:
