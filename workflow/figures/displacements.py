@@ -1,6 +1,7 @@
 """Displacements by all methods in one picture: other methods, the discs, and what was observed on S-13."""
 
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FormatStrFormatter
 
 from workflow.estimates.comparison import estimates
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
@@ -33,6 +34,7 @@ def displacements(results: Results, name: str) -> bool:
         # an arrow where the point lies off the axis
         axes.plot(max(value, SMALLEST), -number, marker if value >= SMALLEST else "<", color=colour, markersize=5)
     axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.set_yticks([-number for number in range(len(rows))], [words for words, _, _ in rows], fontsize=6.5)
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))

@@ -6,8 +6,6 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from workflow.run.progress import duration
-
 GRID = 110  # points along each side of the grid whose equations are factorised, as finite elements do
 REFERENCE = 0.032  # s: the fastest on one core of the machine on which the seconds of stages were measured, a Xeon
 SHORT = 30.0  # s: what takes less is not worth a test
@@ -34,12 +32,11 @@ def expected(seconds: float) -> str:
         return ""
     here = pace()
     return (
-        f"This takes about {duration(_round(seconds / here))}, give or take a factor of two, if nothing else runs: one "
+        f"This takes about {_words(seconds / here)}, give or take a factor of two, if nothing else runs: one "
         f"core does {here:.1f} times what one of the machine did on which times were measured."
     )
 
 
-def _round(seconds: float) -> float:
-    """To tens of seconds, and to whole minutes from three on."""
-    unit = 10.0 if seconds < 180.0 else 60.0
-    return unit * max(1, round(seconds / unit))
+def _words(seconds: float) -> str:
+    """In tens of seconds, and in whole minutes from three on."""
+    return f"{10 * max(1, round(seconds / 10.0))} s" if seconds < 180.0 else f"{round(seconds / 60.0)} min"
