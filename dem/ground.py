@@ -19,6 +19,7 @@ from meshes.errors import InputError
 from meshes.section.section import Section
 
 LOOSER = 0.1  # porosity beyond that asked for
+SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
 OUTSIDE = 0.02  # of the width: how far discs may come to lie above or below the ground
 
 
@@ -101,6 +102,12 @@ class Ground:
             return on
         off = self.shaking(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
         return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
+
+    def shaken(self, times: np.ndarray, push: np.ndarray) -> Acceleration:
+        """A push (m/s2) along the horizontal at some times (s), + is downhill; none before, and none after."""
+        before, after = times[:1] - SOON, times[-1:] + SOON
+        felt = self.downhill * np.concatenate([[0.0], push, [0.0]])
+        return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
         """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""

@@ -122,6 +122,7 @@ class DemSettings(Model):
         return found
 
 
+Seconds = Annotated[float, Field(ge=0.0)]
 Seed = Annotated[int, Field(ge=0)]
 PackingCount = Annotated[int, Field(ge=1, le=10_000)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -165,6 +166,21 @@ class SlideSettings(Model):
     )
     kh_seconds: float | None = Field(
         default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
+    )
+    accelerogram: str = Field(
+        default="",
+        description="a record of the base in the place of kh, a file .AT2, K-NET or .csv; positive pushes downhill",
+    )
+    unit: Literal["", "g", "m/s^2", "gal"] = Field(
+        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
+    )
+    scale: float = Field(
+        default=1.0, ge=-100.0, le=100.0, description="a number that multiplies the record; negative turns it round"
+    )
+    liquefies_at: Seconds | Literal["F_L"] = Field(
+        default="F_L",
+        description='seconds after the record begins at which the layers liquefy, or "F_L": each when the record first '
+        "reaches the share F_L of its peak, its smallest by the blow counts, or 1 without any",
     )
     onset: float = Field(
         default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"

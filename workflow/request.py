@@ -53,6 +53,10 @@ class Request:
             read = _with(section, tables, carried, store)
         if read.sliding_block.accelerogram:
             read.sliding_block.in_use()  # a record that cannot be read is told now, not after minutes
+        if read.slide.accelerogram:
+            from workflow.stages.shaking import shaking_of
+
+            shaking_of(read, ())
         return cls(read, store, mesh or carried, bool(carried))
 
     def job(self, **more: Any) -> Job:

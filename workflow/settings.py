@@ -33,7 +33,7 @@ REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns
 
 # Settings that name a file, by table and key.
 AVERAGE = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
-FILES = (("sliding_block", "accelerogram"), ("site_response", "record"), ("report", "logo"))
+FILES = (("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("report", "logo"))
 
 
 class FigureSettings(Model):

@@ -27,6 +27,7 @@ from dem.slides.balance import (
     pressed_through,
     thin_layers,
 )
+from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_cohesion
 from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
@@ -34,10 +35,6 @@ from dem.slides.surface import Surface, crack_opening, escaped
 
 STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
 LEAST_STEP = STEP / 4.0
-FADE = 20  # steps in which springs change at an onset that takes time
-# s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
-# their soil, and the shock would move them several times as far as Kh does
-LEAD = {"paper": 0.0, "soil": 2.0}
 FLOWS = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
 ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
@@ -183,6 +180,8 @@ class Slider:
         Kh, its time, and when a slide is over.
     folder
         For checkpoint.h5 and rows.json, or None.
+    shaking
+        A record of the base in the place of Kh.
     """
 
     def __init__(
@@ -193,21 +192,24 @@ class Slider:
         case: Case | None,
         settings: SlideSettings,
         folder: Path | None = None,
+        shaking: Shaking | None = None,
     ) -> None:
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist())
         self.layers = list(start.springs.layers)
-        self.lead = LEAD[start.law]
+        given = start, ground, strata, settings
+        self.drive = held(*given) if shaking is None else shaken(*given, shaking)
+        self.cut: set[int] = set()
         self.residual = residual_cohesion(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.model = self._resumed() or self._begun()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
         """Goes on until the ground has settled or the time is over. Raises no DemError: the reason says it."""
-        slide, settings = self.slide, self.settings
-        end = self.start.time + settings.duration
+        slide = self.slide
+        end = self.start.time + self.drive.end
         while not slide.reason:
             self._liquefy()
             try:
@@ -223,7 +225,7 @@ class Slider:
             if self._at_rest():
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif self.model.time >= end - 1e-9:
-                slide.reason = f"still moving after {settings.duration:g} s; {self._driven_by()}"
+                slide.reason = f"still moving after {self.drive.end:g} s; {self._driven_by()}"
             self._keep()
             if on_look is not None:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)
@@ -231,11 +233,17 @@ class Slider:
 
     def _begun(self) -> DiscModel:
         model = self.start.copy()
-        if self.case is not None:
-            model.cut_pore_springs(self.strata)
-        rise = self.lead or max(self.settings.onset, 1e-3)
-        model.acceleration = self.ground.held(self.settings.kh, model.time, rise, self.settings.kh_seconds)
+        self.cut = set()
+        self._cut(model, [k for k in self.strata if self.drive.starts[k] == self.drive.first])
+        model.acceleration = self.drive.acceleration
         return model
+
+    def _cut(self, model: DiscModel, strata: list[int]) -> None:
+        """Cut the pore springs of strata that liquefy, once; those of the first ones are cut from the beginning."""
+        new = [k for k in strata if k not in self.cut]
+        if self.case is not None and new:
+            model.cut_pore_springs(new)
+            self.cut |= set(new)
 
     def _begin_again(self) -> None:
         """From the onset, with half the step."""
@@ -246,30 +254,33 @@ class Slider:
         self.model = self._begun()
 
     def _liquefy(self) -> None:
-        """Springs as the time since the onset asks for."""
-        since, onset = self.model.time - self.start.time - self.lead, self.settings.onset
-        if since < -1e-6:
+        """Springs as the time since the beginning asks for."""
+        since = self.model.time - self.start.time
+        if since < self.drive.first - SAME:
             return
-        share = 1.0 if onset == 0.0 else min(1.0, (np.floor(FADE * since / onset + 1e-6) + 1.0) / FADE)
-        wanted = liquefied(self.layers, self.strata, self.case, share, self.residual)
+        shares = {k: share for k in self.strata if (share := self.drive.share(k, since)) > 0.0}
+        self._cut(self.model, list(shares))
+        wanted = liquefied(self.layers, [], self.case)
+        for share in sorted(set(shares.values())):
+            which = [k for k in shares if shares[k] == share]
+            wanted = liquefied(wanted, which, self.case, share, self.residual)
         if list(self.model.springs.layers) != wanted:
             self.model.set_springs(wanted)
         if self.case is not None and self.case.volumetric_strain > 0.0:
-            self._drain(share * self.case.volumetric_strain)
+            self._drain({k: share * self.case.volumetric_strain for k, share in shares.items()})
 
-    def _drain(self, lost: float) -> None:
+    def _drain(self, lost: dict[int, float]) -> None:
         """Discs of the liquefied layers shrink by the share of their volume that has drained; they keep their mass."""
-        drained = np.isin(self.start.layer, self.strata) & ~self.start.fixed
-        radius = np.where(drained, np.sqrt(1.0 - lost), 1.0) * self.start.radius
+        factor = np.ones(len(self.start))
+        for k, share in lost.items():
+            factor[(self.start.layer == k) & ~self.start.fixed] = np.sqrt(1.0 - share)
+        radius = factor * self.start.radius
         if not np.array_equal(radius, self.model.radius):
             self.model.set_radius(radius)
 
     def _until(self) -> float:
         """Seconds to the next look or change of springs."""
-        since, onset = self.model.time - self.start.time - self.lead, self.settings.onset
-        if since < -1e-6:
-            return min(LOOK, -since)
-        return LOOK if onset == 0.0 or since >= onset else min(LOOK, onset / FADE)
+        return self.drive.wait(self.model.time - self.start.time, LOOK)
 
     def _look(self) -> Row:
         model, ground = self.model, self.ground
@@ -292,17 +303,13 @@ class Slider:
 
     def _at_rest(self) -> bool:
         """Whether the surface has stopped, since the onset was over and Kh has gone if it is to go."""
-        settings = self.settings
-        begin = self.lead + settings.onset
-        if settings.kh_seconds is not None:
-            begin = max(begin, settings.kh_seconds + 1.0)
-        rows = [row for row in self.slide.rows if row.time_s >= begin - 1e-9]
+        rows = [row for row in self.slide.rows if row.time_s >= self.drive.calm - 1e-9]
         watched = [
             (row.slide_uphill_m, row.slide_middle_m, row.slide_downhill_m, row.settlement_uphill_m,
              row.settlement_middle_m, row.settlement_downhill_m, row.slide_max_m)
             for row in rows
         ]  # fmt: skip
-        return at_rest([row.time_s for row in rows], watched, settings.still)
+        return at_rest([row.time_s for row in rows], watched, self.settings.still)
 
     def _driven_by(self) -> str:
         rows = self.slide.rows

@@ -43,6 +43,8 @@ def named(job: Job) -> Mapping[str, Path]:
     return job.given.files()
 
 
+TABLES = ("sliding_block", "site_response", "earthquake", "triggering", "figures", "report")
+
 STAGE = Stage(
     name="report",
     what="pictures of all, summary and report",
@@ -50,8 +52,8 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide"),
-    tables=("sliding_block", "site_response", "earthquake", "triggering", "figures", "report"),
-    ignores=tuple(f"{table}.{key}" for table, key in FILES),
+    tables=TABLES,
+    ignores=tuple(f"{table}.{key}" for table, key in FILES if table in TABLES),
     files=named,
     results=(Summary.FILE, REPORT),
     read=Summary.read,

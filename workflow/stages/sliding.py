@@ -10,6 +10,7 @@ from dem.team import Tell
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.shaking import shaking_of
 
 ALONE = 0  # the number of the case without liquefaction, Kh alone
 
@@ -71,7 +72,8 @@ def slid(run: Run, tell: Tell) -> Slide:
     """
     task, store = run.task, run.store
     folder = store.folder / task.folder
-    slider = Slider(task.start, task.ground, task.strata, task.case, run.given.slide, folder)
+    shaking = shaking_of(run.given, task.strata)
+    slider = Slider(task.start, task.ground, task.strata, task.case, run.given.slide, folder, shaking)
     name = case_name(task.springs, task.number)
 
     def frame() -> int:

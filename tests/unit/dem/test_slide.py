@@ -12,6 +12,7 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
+from dem.slides.drive import Shaking
 from dem.slides.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider
 from dem.slides.lost_strength import liquefied
 from dem.slides.slip import compare, cracked_shares, slip_surface
@@ -191,3 +192,35 @@ def test_cracks_and_escapes_are_counted(start: DiscModel, ground: Ground) -> Non
     cracked.pore_length[:] = -np.abs(cracked.pore_length)
     assert cracked_shares(cracked) == {"sand": 1.0, "loose": 1.0}
     assert set(cracked_shares(start).values()) == {0.0}
+
+
+def test_a_record_shakes_and_strata_liquefy_each_at_its_time(ground: Ground, start: DiscModel) -> None:
+    """Constant push as a record is Kh that is held; what liquefies later is still whole until then; then calm."""
+    time = np.linspace(0.0, 3.0, 61)
+    push = np.where(time < 2.0, 0.1 * 9.80665 * np.minimum(1.0, time / 0.5), 0.0)
+    heard: dict[float, float] = {}
+
+    def look(model: DiscModel, row: Row, _: bool) -> None:
+        heard[round(row.time_s, 2)] = model.springs.layers[1].kn
+
+    shaking = Shaking(time, push, {1: 1.25})
+    slide = Slider(start, ground, [1], Case(stiffness=0.1), SETTINGS, shaking=shaking).run(look)
+    assert heard[1.0] == LAYERS[1].kn
+    assert heard[1.25] == LAYERS[1].kn  # the look comes before the change
+    assert heard[1.75] == pytest.approx(0.1 * LAYERS[1].kn)
+    assert slide.rows[-1].time_s > 3.0  # rest counts from the end of the record on
+    assert slide.rows[-1].slide_max_m > 0.0
+
+
+def test_no_record_moves_nothing_and_its_sign_is_downhill(ground: Ground, start: DiscModel) -> None:
+    time = np.linspace(0.0, 1.0, 41)
+    wave = 2.0 * np.sin(np.pi * time)
+
+    def far(push: np.ndarray) -> float:
+        slider = Slider(start, ground, [], None, SETTINGS, shaking=Shaking(time, push, {}))
+        slider.run()
+        return float(slider.surface.movement(slider.model, ground)[0].mean())
+
+    calm, down, up = far(0.0 * wave), far(wave), far(-wave)
+    assert abs(calm) < 1e-4
+    assert down > calm > up

@@ -1,0 +1,112 @@
+"""What drives a slide, and when strata liquefy under it: Kh that is held, or a record of the base."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.acceleration import Acceleration
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.settings import SlideSettings
+
+FADE = 20  # steps in which springs change at an onset that takes time
+# s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
+# their soil, and the shock would move them several times as far as Kh does
+LEAD = {"paper": 0.0, "soil": 2.0}
+SAME = 1e-6  # s: times that differ by less are one
+
+
+@dataclass(frozen=True, eq=False)
+class Shaking:
+    """A record of the base, and when each stratum begins to liquefy.
+
+    The base and all that is fixed to it move as one, so that the discs, seen from the base, feel the opposite of its
+    acceleration with their full mass: exact for a box and for tied sides, whose fixed discs are the base.
+
+    Attributes
+    ----------
+    time : (n,)
+        s, rising.
+    push : (n,)
+        What the discs feel (m/s2), linear in between, + is downhill: the base accelerates uphill.
+    onsets : dict
+        By stratum, s after the record begins.
+    """
+
+    time: np.ndarray
+    push: np.ndarray
+    onsets: Mapping[int, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """All that happens to the discs by itself, in s since the slide began.
+
+    Attributes
+    ----------
+    acceleration : Acceleration
+        Of the frame.
+    starts : dict
+        When each stratum begins to liquefy.
+    first : float
+        When that first happens, or could.
+    onset : float
+        How long it takes each.
+    calm : float
+        From when on the ground may come to rest.
+    end : float
+        When it is no longer followed.
+    """
+
+    acceleration: Acceleration
+    starts: Mapping[int, float]
+    first: float
+    onset: float
+    calm: float
+    end: float
+
+    def share(self, stratum: int, since: float) -> float:
+        """How far a stratum has liquefied, 0 to 1, in steps."""
+        since -= self.starts[stratum]
+        if since < -SAME:
+            return 0.0
+        return 1.0 if self.onset == 0.0 else min(1.0, (np.floor(FADE * since / self.onset + SAME) + 1.0) / FADE)
+
+    def wait(self, since: float, longest: float) -> float:
+        """Seconds to the next change of springs, at most so many."""
+        starts = {self.first, *self.starts.values()}
+        ahead = [start - since for start in starts if start - since > SAME]
+        going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
+        return min([longest, *ahead, *([self.onset / FADE] if going else [])])
+
+
+def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
+    """Kh that comes on and is held; all strata liquefy at once, soil discs when it is there in full."""
+    lead = LEAD[start.law]
+    begin = lead + settings.onset
+    return Drive(
+        acceleration=ground.held(
+            settings.kh, start.time, lead or max(settings.onset, 1e-3), settings.kh_seconds
+        ),
+        starts=dict.fromkeys(strata, lead),
+        first=lead,
+        onset=settings.onset,
+        calm=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
+        end=settings.duration,
+    )  # fmt: skip
+
+
+def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
+    """A record of the base, and calm after it; each stratum liquefies at its own time."""
+    over = float(shaking.time[-1] - shaking.time[0])
+    starts = {k: shaking.onsets[k] for k in strata}
+    first = min(starts.values(), default=0.0)
+    return Drive(
+        acceleration=ground.shaken(shaking.time - shaking.time[0] + start.time, shaking.push),
+        starts=starts,
+        first=first,
+        onset=settings.onset,
+        calm=max([over, *(begin + settings.onset for begin in starts.values())]),
+        end=over + settings.duration,
+    )
