@@ -61,7 +61,8 @@ def conditions(given: Input, element: str) -> str:
         "section": f"ψ as given ({_dilations(given)})",
     }[given.fem.flow]
     kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
-    return f"sides {given.fem.sides}, {flow}, {element} element, pushed {given.fem.direction}{kv}"
+    way = "both ways, of which the smaller Kh counts" if given.fem.direction == "both" else given.fem.direction
+    return f"sides {given.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
 
 
 def _dilations(given: Input) -> str:
