@@ -1,5 +1,6 @@
 """What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
 
+import math
 from collections.abc import Iterator
 
 from meshes.section.quantity import GRAVITY
@@ -10,6 +11,7 @@ from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
+from workflow.results.variants import Variant
 from workflow.settings import Input
 
 # Variants that tell how good the computation is, and those that tell what an assumption is worth.
@@ -79,8 +81,9 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
         yield f"The computation itself ({causes}) leaves nothing open in these digits."
     else:
         yield f"The computation itself ({causes}) leaves open {left_open}."
+    most = _most(results, fem)
     assumed = [
-        f"{coefficient(variant.kc)} with {variant.change}"
+        f"{coefficient(variant.kc)} with {variant.change}{_too_much(variant, most)}"
         for variant in found
         if variant.name in ASSUMED and variant.kc is not None
     ]
@@ -91,6 +94,21 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
     elif assumed:
         yield f"What was assumed changes little: it would be {listed(assumed)}."
     yield from _beside(results, fem)
+
+
+def _most(results: Results, fem: FemAnswer) -> float:
+    """The critical Kh that no flow can exceed, if strict bounds between the same sides say one."""
+    bounds = results.bounds
+    if bounds is None or bounds.upper is None or bounds.sides != fem.settings.sides:
+        return math.inf
+    return bounds.upper
+
+
+def _too_much(variant: Variant, most: float) -> str:
+    """What is to be made of another flow rule with which the elements bear more than strict bounds allow any."""
+    if variant.name != "dilation" or variant.kc is None or variant.kc <= most:
+        return ""
+    return " (more than strict bounds allow: the mesh is too coarse for it)"
 
 
 def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
@@ -178,7 +196,7 @@ def lies_still(case: CaseNumbers) -> bool:
 # How a sentence tells what is not a factor on something that the layers had before.
 APART = {
     "residual": "a residual strength of {} of the vertical effective stress",
-    "volumetric_strain": "{} less of their volume",
+    "volumetric_strain": "{} less of {whose} volume",
 }
 
 
@@ -188,16 +206,17 @@ def _cases_are(given: Input) -> Iterator[str]:
     cases = [dict(given.cases[number - 1]) for number in numbers]
     layers = [stratum.name for stratum in given.strata if stratum.liquefies_in]
     told, lost = [], []
+    whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
         values = [factor(case[name]) for case in cases]
         if set(values) != {"0"}:
             shown = listed(values if len(set(values)) > 1 else values[:1])
-            told.append(APART.get(name, "{} of their " + name.replace("_", " ")).format(shown))
+            told.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
         elif name not in APART:
             lost.append(name.replace("_", " "))
     called = [case["name"] for case in cases if case["name"]]
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
-    nothing = f", and none of their {listed(lost)}" if lost else ""
+    nothing = f", and none of {whose} {listed(lost)}" if lost else ""
     yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
 

@@ -86,7 +86,9 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     calibrate_pictures(given, store)
     if found is not None and found.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
-            found.reason, 'choose another parameter, widen its range, or set dem.out_of_reach = "go on" for the closest'
+            found.reason,
+            "take more discs where the ground that slides is but a few of them thick, widen dem.range, or set "
+            'dem.out_of_reach = "go on" for the closest',
         )
 
 

@@ -61,6 +61,12 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
     assert "Limit analysis proves that it is 0.279 to 0.285 for ground that dilates fully" in told
 
 
+def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: Input) -> None:
+    more = variant("dilation", "the non-associated path with ψ as given instead of Davis's substitute", 0.30)
+    told = text(results(run, fem=fem(run), variants=VariantsAnswer(variants=(more,)), bounds=bounds(run, 0.27, 0.28)))
+    assert "substitute (more than strict bounds allow: the mesh is too coarse for it)." in told
+
+
 def test_what_changes_no_digit_is_told_so(run: Input) -> None:
     same = variant("sides", "sides fixed instead of roller", 0.2331)
     answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
