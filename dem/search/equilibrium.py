@@ -216,8 +216,9 @@ def moving_energy(model: DiscModel) -> float:
 
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
-    """Takes discs on without booking energies, at the longest step that is safely stable now."""
-    Engine(dt=STEP * largest_step(model).seconds, ledger=False, threads=threads).run(model, seconds)
+    """Takes discs on without booking energies, at the longest step that is safely stable now, or all at once."""
+    longest = min(STEP * largest_step(model).seconds, seconds)
+    Engine(dt=longest, ledger=False, threads=threads).run(model, seconds)
 
 
 def try_kh(

@@ -20,10 +20,13 @@ from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
 from dem.search.equilibrium import Trial, displacement, kinetic_ratio, period, step_on, unbalanced_ratio
 from dem.settings import DemSettings
+from meshes.section.quantity import GRAVITY
 
 MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
 SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
-PULSES = 64  # of a period, between two looks at the displacement
+DAMPING = 0.3  # of the machine, over the critical one of the ground on its spring
+PULSES = 64  # of a period, between two looks at the displacement, at least;
+SWING = 0.2  # so many radians of the swing on the machine's spring at most: what is looked at more seldom builds up
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the push ends: the last window has the reach in its middle
@@ -45,7 +48,7 @@ class Continuum(NamedTuple):
 
 
 class Machine(NamedTuple):
-    """The spring that pushes.
+    """The spring that pushes, and the dashpot beside it.
 
     Attributes
     ----------
@@ -57,6 +60,20 @@ class Machine(NamedTuple):
 
     reach: float
     stiffness: float
+
+    @property
+    def frequency(self) -> float:
+        """That with which the whole ground swings on the spring (rad/s)."""
+        return float(np.sqrt(GRAVITY * self.stiffness))
+
+    @property
+    def dashpot(self) -> float:
+        """Kh over the speed of its shortening (s/m)."""
+        return 2.0 * DAMPING * self.frequency / GRAVITY
+
+    def speed(self, moved: float, cycle: float) -> float:
+        """Of its far end (m/s), when the ground has moved so far (m) and has this period (s)."""
+        return self.reach * float(np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)) / cycle
 
 
 def push_over(
@@ -110,22 +127,25 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
 
 
 def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int) -> Iterator[Trial]:
-    """Moves one end of the spring on and takes the discs along, until they have moved a little beyond the reach; each
-    point of the curve is the mean of what was measured since the last.
+    """Moves the far end of the machine on and takes the discs along, until they have moved a little beyond the reach;
+    each point of the curve is the mean of what was measured since the last.
 
-    Between two looks Kh is what the spring then carries.
+    Between two looks Kh is what spring and dashpot then carry.
     """
     cycle, start = period(model, ground), model.time
-    pulse = cycle / PULSES
-    moved, end = 0.0, 0.0
+    pulse = min(cycle / PULSES, SWING / machine.frequency)
+    moved, speed, end = 0.0, 0.0, 0.0
     most, count = 0.0, 0
     since: list[tuple[float, float]] = []
     while moved < BEYOND * machine.reach:
-        end += machine.reach * float(np.clip(0.15 * moved / machine.reach, SLOWEST, QUICKEST)) / PULSES
-        kh = machine.stiffness * (end - moved)
+        driven = machine.speed(moved, cycle)
+        end += driven * pulse
+        kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
         model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
+        then = model.time
         step_on(model, pulse, threads)
-        moved = displacement(model, before, ground)
+        now = displacement(model, before, ground)
+        moved, speed = now, (now - moved) / (model.time - then)
         since.append((moved, kh))
         if moved >= BLOCK * machine.reach * (count + 1):
             there, borne = (float(value) for value in np.mean(since, axis=0))

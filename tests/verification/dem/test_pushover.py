@@ -56,6 +56,15 @@ def test_the_curve_is_elastic_and_then_level() -> None:
     assert found.trials[-1].displacement_m <= BEYOND * SETTINGS.growth * yielding
 
 
+def test_the_ground_does_not_swing_on_the_machine() -> None:
+    """On a stiff one, which a small reach makes, Kh is as smooth: no point is far from those beside it."""
+    ground, model = heap()
+    found = push_over(model, ground, SETTINGS, Continuum(0.3, 2e-4))
+    kh = np.array([trial.kh for trial in found.trials])
+    assert np.abs(np.diff(kh, 2)).max() < 0.1 * kh.max()
+    assert max(trial.kinetic_ratio for trial in found.trials) < 1e-3
+
+
 def heap() -> tuple[Ground, DiscModel]:
     soil = soil_discs("sand", 4.0e7, Strength(0.3), 2000.0, 2000.0, RADIUS, 0.1)
     ground = Ground(lattice_box(12, 4, RADIUS), "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
