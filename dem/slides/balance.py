@@ -106,7 +106,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
             told.append(
-                f'stratum "{start.springs.layers[k].name}" liquefies and is {thick:.2g} m thick, less than two '
-                f"discs: a radius of {thick / 4.0:.2g} m would show it"
+                f'stratum "{start.springs.layers[k].name}" liquefies and is {thick:.2g} m thick in discs, less than '
+                f"two discs: a radius of {thick / 4.0:.2g} m would show it"
             )
     return told

@@ -49,8 +49,14 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
         )
         yield (
             "Discs",
-            "Some thousand discs in a plane stand for the ground. Their springs are calibrated to the Kh of the finite "
-            "elements, and to nothing else: how stiff they are after failure, and how they dilate, is their own.",
+            "Some thousand discs in a plane stand for the ground. "
+            + (
+                "Stiffness and strength of their contacts are those of the soil by element tests, with one factor on "
+                "strength that brings them to the Kh of the finite elements; how they dilate is their own."
+                if given.dem.model == "soil"
+                else "Their springs are calibrated to the Kh of the finite elements, and to nothing else: how stiff "
+                "they are after failure, and how they dilate, is their own."
+            ),
         )
 
 

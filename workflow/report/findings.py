@@ -16,15 +16,22 @@ from workflow.settings import Input
 
 # Variants that tell how good the computation is, and those that tell what an assumption is worth.
 NUMERICAL, ASSUMED = ("mesh", "element", "step"), ("dilation", "sides")
-SPRINGS = {
-    "calibrated": "discs that fail at the same Kh as the finite elements",
-    "table2": "the springs of the paper's Table 2 as printed",
-}
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
 STILL = 0.01  # m in the last 10 s: a slide that moves less is told to lie still, though its discs may not
 STAYS = 0.1  # m: a slide of less is told as none
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+
+
+def springs_of(results: Results) -> dict[str, str]:
+    """What every set of slides was computed with, by its name."""
+    found = results.calibration
+    far = found is not None and found.verdict == "out of reach"
+    own = "that come as near as they can to the Kh of the" if far else "that fail at the same Kh as the"
+    return {
+        "calibrated": f"discs {own} finite elements",
+        "table2": "the springs of the paper's Table 2 as printed",
+    }
 
 
 def findings(results: Results) -> list[str]:
@@ -143,13 +150,14 @@ def _slides(results: Results) -> Iterator[str]:
             why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
-    yield f"How far it slides was computed with {SPRINGS.get(first, first)}."
+    springs = springs_of(results)
+    yield f"How far it slides was computed with {springs.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
     for other, its in (results.cases.sets if results.cases is not None else {}).items():
         if other != first and its:
-            yield f"Computed with {SPRINGS.get(other, other)} instead:"
+            yield f"Computed with {springs.get(other, other)} instead:"
             yield from _by_end(its)
 
 

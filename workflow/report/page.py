@@ -15,7 +15,7 @@ from workflow.figures.fem import conditions
 from workflow.report import tables
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
-from workflow.report.findings import SPRINGS, lies_still
+from workflow.report.findings import lies_still, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
@@ -66,7 +66,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "strata": list(tables.strata_rows(given)),
         "cases": list(tables.case_rows(given)),
         "case_heads": tables.case_heads(),
-        "springs": SPRINGS,
+        "springs": springs_of(results),
         "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),

@@ -169,7 +169,10 @@ def test_what_is_doubtful_is_told(run: Input) -> None:
     assert "the ground is a reconstruction" in told
     assert "only with the stiffness of their springs times 0.0075" in told
     assert "the discs lie in rows" in told
-    out_of_reach = text(results(run, calibration=dem_fixture.calibration(0.24, False)))
+    slid = CasesAnswer(sets={"calibrated": {3: dem_fixture.case(0.1, 3.0)}}, random=None)
+    assert "computed with discs that fail at the same Kh as" in text(results(run, calibration=calibration, cases=slid))
+    out_of_reach = text(results(run, calibration=dem_fixture.calibration(0.24, False), cases=slid))
+    assert "computed with discs that come as near as they can to the Kh of the finite elements." in out_of_reach
     assert "no factor on the discs brings them to the critical Kh" in out_of_reach
 
 
