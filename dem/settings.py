@@ -1,5 +1,6 @@
 """How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
@@ -185,6 +186,12 @@ class SlideSettings(Model):
     onset: float = Field(
         default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"
     )
+    step: float = Field(
+        default=0.3,
+        gt=0.0,
+        le=0.8,
+        description="time step over the stable one; halved where energy does not balance",
+    )
     still: float = Field(
         default=0.01, gt=0.0, description="at rest: movement of the surface (m) in 5 s, less than that twice in a row"
     )
@@ -196,6 +203,11 @@ class SlideSettings(Model):
         "such as 36 for a study; [] for none. If not given soil discs are packed twice more, so that a slide has an "
         "interval",
     )
+
+    @property
+    def shaking(self) -> str:
+        """What drives the slides, in words."""
+        return f"the record {Path(self.accelerogram).name}" if self.accelerogram else f"Kh = {self.kh:g}"
 
     def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:
         """`seeds`, or what they are for the model of the discs."""

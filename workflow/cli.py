@@ -26,7 +26,7 @@ from workflow.options import (
     Verbose,
     Version,
 )
-from workflow.study.command import study
+from workflow.study.command import converge, study
 from workflow.verify.command import verify
 
 if TYPE_CHECKING:
@@ -366,7 +366,7 @@ def slide(
     _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
-for command in (study, verify):
+for command in (study, converge, verify):
     app.command()(command)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from dem.settings import Case, DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
@@ -25,7 +25,7 @@ from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSetting
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.settings import TriggeringSettings
-from workflow.uncertain.path import changed
+from workflow.uncertain.path import changed, plain
 from workflow.uncertain.settings import StudySettings, UncertainSettings
 
 # Options of the command line that take the place of other settings in the file.
@@ -126,6 +126,8 @@ class Input(Section):
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
     report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
 
+    _written: dict[str, Any] = PrivateAttr(default_factory=dict)  # the section as it stood in the file
+
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self)
@@ -136,7 +138,6 @@ class Input(Section):
             for k, s in enumerate(self.strata, start=1)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]
-        problems = problems or self.uncertain.problems(self.with_drawn)
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -146,8 +147,22 @@ class Input(Section):
 
         Raises ValueError for a path that leads nowhere, InputError for values that do not fit.
         """
-        data = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude={"uncertain", "study"})
-        return Input.parse(changed(data, drawn, self.uncertain.numbers), self.name)
+        return Input.parse(changed(self._before_the_cut(), drawn, self.uncertain.numbers), self.name)
+
+    def _before_the_cut(self) -> dict[str, Any]:
+        """The section as it was written, before water cut its strata, with the settings as they are used."""
+        settings = set(self.tables()) - {"uncertain", "study"}
+        return {**self._written, **self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)}
+
+    def to_toml(self) -> str:
+        """The input as TOML with all defaults filled in and quantities as they were written.
+
+        Where numbers are uncertain the strata are those of the file, to which their paths lead.
+        """
+        if not self.uncertain.numbers:
+            return super().to_toml()
+        sampled = self.model_dump(mode="python", exclude_none=True, by_alias=True, include={"uncertain", "study"})
+        return tomli_w.dumps({**self._before_the_cut(), **sampled})
 
     @property
     def disc_work(self) -> float:
@@ -172,12 +187,16 @@ class Input(Section):
             return cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure
-        if not asked and not any(stratum.liquefies_in.triggered for stratum in given.strata):
-            return given
-        try:
-            return given._triggered(given.assessment())
-        except InputError as error:
-            raise InputError(source, error.problems) from None
+        if asked or any(stratum.liquefies_in.triggered for stratum in given.strata):
+            try:
+                given = given._triggered(given.assessment())
+            except InputError as error:
+                raise InputError(source, error.problems) from None
+        if given.uncertain.numbers:
+            given._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
+            if problems := given.uncertain.problems(given.with_drawn):
+                raise InputError(source, problems)
+        return given
 
     @classmethod
     def _average_kh(cls, data: Mapping[str, Any], source: str) -> float:

@@ -33,8 +33,7 @@ from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 
-STEP = 0.3  # of the stable step; halved, and the slide begun again, where the energy does not balance
-LEAST_STEP = STEP / 4.0
+LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
 FLOWS = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
 ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
@@ -129,7 +128,7 @@ class Slide:
     surface_before: list[list[float]] = field(default_factory=list)
     surface_after: list[list[float]] = field(default_factory=list)
     seconds_simulated: float = 0.0
-    step_share: float = STEP
+    step_share: float = 0.3
     overlap: float = 0.0
     area_lost_share: float = 0.0
     notes: list[str] = field(default_factory=list)
@@ -197,7 +196,7 @@ class Slider:
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
-        self.slide = Slide(surface_before=self.surface.points(start, ground).tolist())
+        self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=settings.step)
         self.layers = list(start.springs.layers)
         given = start, ground, strata, settings
         self.drive = held(*given) if shaking is None else shaken(*given, shaking)
@@ -216,7 +215,7 @@ class Slider:
                 dt = slide.step_share * largest_step(self.model).seconds
                 Engine(dt=dt, threads=threads).run(self.model, self._until())
             except DemError as error:
-                if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP:
+                if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP * self.settings.step:
                     self._begin_again()
                     continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"

@@ -42,10 +42,12 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
         yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
     yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
     if any(stratum.liquefies_in for stratum in given.strata):
+        held = f"a constant {given.slide.shaking} that acts as long as they last, where an earthquake pushes both ways"
+        recorded = f"{given.slide.shaking}, which moves the base and all that is fixed to it as one; then it is calm"
         yield (
             "Liquefaction",
-            "Which layers liquefy, and how far, is given and not found. The slides start at once under a constant "
-            f"Kh = {given.slide.kh:g} that acts as long as they last, where an earthquake pushes both ways and ends.",
+            "Which layers liquefy, and how far, is given and not found. The slides start at once under "
+            + (f"{recorded}." if given.slide.accelerogram else f"{held} and ends."),
         )
         yield (
             "Discs",

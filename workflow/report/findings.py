@@ -48,8 +48,8 @@ def _asked(results: Results) -> Iterator[str]:
     question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
     if names:
         have = "has" if len(names) == 1 else "have"
-        kh = results.given.slide.kh
-        yield f"{question}, and how far it slides under Kh = {kh:g} once {listed(names)} {have} liquefied."
+        under = results.given.slide.shaking
+        yield f"{question}, and how far it slides under {under} once {listed(names)} {have} liquefied."
         yield from _cases_are(results.given)
     else:
         yield f"{question}. No layer is said to liquefy, so no slide was computed."

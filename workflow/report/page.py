@@ -71,7 +71,6 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),
         "estimates": estimates(given, results.kc, results.slip_surface),
-        "kh": given.slide.kh,
         "paper": rows(results),
         "is_s13": is_s13(given),
         "pictures": _pictures(results),

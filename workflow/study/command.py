@@ -1,4 +1,4 @@
-"""The command `noshiro study`."""
+"""The commands `noshiro study` and `noshiro converge`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -56,4 +56,48 @@ def study(
         for sentence in sentences(given, answer):
             say(sentence)
         say(f"Page: {page}; samples: {store.folder / 'samples.csv'}")
+    return None
+
+
+def converge(
+    section: SectionFile,
+    folder: Annotated[
+        Path | None,
+        typer.Option("--out", help="Folder of it. [default: runs/<section name>_converge]", show_default=False),
+    ] = None,
+    within: Annotated[float, typer.Option(help="How much may be left (%).", min=0.01, max=100.0)] = 10.0,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    settings: Set = None,
+    quiet: Quiet = False,
+    json: Json = False,
+) -> None:
+    """Do the slides converge? The same with smaller discs (1, 0.71 and 0.5 of the radius) and with smaller steps.
+
+    The same command goes on where it was stopped.
+    """
+    from workflow.ensemble.ensemble import Ensemble
+    from workflow.figures.convergence import draw
+    from workflow.run.store import Store
+    from workflow.settings import Input, dotted
+    from workflow.study.converge import run
+    from workflow.study.watch import Counted
+    from workflow.terminal import say, say_data
+
+    given = Input.load(section, dotted(settings or []))
+    store = Store(folder or Path("runs") / f"{given.name}_converge")
+    ensemble = Ensemble(store.folder, workers or given.dem.workers, scheduler)
+    with Counted(silent=quiet or json) as counted:
+        answer = run(given, store, within / 100.0, ensemble, counted)
+    with store.writing("figures/converge.png") as path:
+        draw(answer.series, f"{given.title or given.name}: convergence of the slides", path)
+    if json:
+        return say_data(answer.model_dump(mode="json"))
+    if not quiet:
+        for one in answer.series:
+            values = ", ".join(f"{value:.3g}" for value in one.values)
+            say(f"{one.name} over the {one.over}: {values}, tends to {one.limit:.3g}; {one.verdict}")
+        say("All of it has converged." if answer.converged else "Not all of it has converged.")
+        for reason in answer.missing:
+            say(f"Without an answer: {reason}")
     return None

@@ -4,7 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from meshes.errors import InputError
-from workflow.results.cases import CasesAnswer
+from workflow.results.cases import QUANTITIES, CasesAnswer
 from workflow.run import pipeline
 from workflow.run.plan import Choice, Decision
 from workflow.run.progress import Progress, silent
@@ -16,10 +16,6 @@ from workflow.stages import calibrate, fem, mesh, slide
 from workflow.study.sample import Numbers, Sample
 
 STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
-SLIDES = (
-    "slide_uphill_m", "slide_middle_m", "slide_downhill_m", "slide_max_m", "settlement_uphill_m",
-    "settlement_middle_m", "settlement_downhill_m", "crack_opening_m",
-)  # fmt: skip
 
 
 def discs(given: Sample) -> Numbers:
@@ -35,12 +31,24 @@ def discs(given: Sample) -> Numbers:
         job = Job(read, store, STAGES)
         pipeline.execute(job, Choice(tuple(stage.name for stage in job.stages)), _Silence(), "noshiro study")
         answer = CasesAnswer.read(store)
-        cases = answer.sets[answer.first_set]
-        numbers = {
-            f"case{number}_{name}": getattr(case, name) for number, case in sorted(cases.items()) for name in SLIDES
-        }
+        found = _numbers(answer)
         store.remove(["**/*"])
-    return Numbers(numbers=numbers)
+    return found
+
+
+def _numbers(answer: CasesAnswer) -> Numbers:
+    """The numbers of every case: means over its packings, or those of its only one."""
+    numbers: dict[str, float | None] = {}
+    errors = {}
+    over_packings = answer.random.cases if answer.random is not None else {}
+    for number, case in sorted(answer.sets[answer.first_set].items()):
+        for name in QUANTITIES:
+            key = f"case{number}_{name}"
+            spread = getattr(over_packings.get(number), name, None)
+            numbers[key] = getattr(case, name) if spread is None else spread.mean
+            if spread is not None and spread.mean_ci95 is not None:
+                errors[key] = 0.5 * (spread.mean_ci95[1] - spread.mean_ci95[0])
+    return Numbers(numbers=numbers, errors=errors)
 
 
 class _Silence:

@@ -18,7 +18,11 @@ class Sample(BaseModel):
 
 
 class Numbers(BaseModel):
-    """What a task found, by the names of columns; words say how it ended."""
+    """What a task found, by the names of columns; words say how it ended.
+
+    ``errors`` are half the 95 % intervals of numbers that are means over several packings.
+    """
 
     numbers: dict[str, float | None]
     words: dict[str, str] = {}
+    errors: dict[str, float] = {}

@@ -64,8 +64,9 @@ def computed(
     """The table of all samples, of those that fail with the reason."""
     drawn = samples(given.uncertain, given.study)
     inputs = [_input(given, one) for one in drawn]
-    wanted = [(place, part) for part in parts for place, one in enumerate(inputs) if isinstance(one, Input)]
-    tasks = [_task(inputs[place], part, store) for place, part in wanted]
+    sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Input)]
+    wanted = [(place, part) for part in parts for place, _ in sound]
+    tasks = [task_of(one, part, store) for part in parts for _, one in sound]
     found: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
     for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
         found[place].append((part, row))
@@ -82,9 +83,8 @@ def _input(given: Input, drawn: Mapping[str, Any]) -> Input | str:
         return "; ".join(error.problems)
 
 
-def _task(read: Input | str, part: Part, store: Store) -> Task[Sample, Numbers]:
-    """The task of one part of a sample: it knows the section, and those settings only that matter to it."""
-    assert isinstance(read, Input)
+def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
+    """The task of one part of an input: it knows the section, and those settings only that matter to it."""
     others = set(read.tables()) - set(part.tables)
     data = read.model_dump(mode="json", exclude_none=True, by_alias=True, exclude=others)
     task = Task(part.function, Sample(data={**data, "name": "sample"}))

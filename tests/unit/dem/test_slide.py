@@ -13,7 +13,7 @@ from dem.packing import lattice_box
 from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.drive import Shaking
-from dem.slides.liquefaction import LEAST_STEP, STEP, Row, Slide, Slider
+from dem.slides.liquefaction import LEAST_STEP, Row, Slide, Slider
 from dem.slides.lost_strength import liquefied
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
@@ -27,7 +27,7 @@ SAND = replace(
 )
 LAYERS = [SAND, replace(SAND, name="loose")]
 SETTINGS = SlideSettings(duration=6.0, frames=3)
-BETWEEN = 2.5e-5  # energy out of balance over that turned over, between what STEP and half of it leave
+BETWEEN = 2.5e-5  # energy out of balance over that turned over, between what the step and half of it leave
 
 
 @pytest.fixture(scope="module")
@@ -123,14 +123,14 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
 ) -> None:
     case = Case(stiffness=0.1)
     plain = Slider(start, ground, [1], case, SETTINGS).run()
-    assert plain.step_share == STEP
+    assert plain.step_share == SETTINGS.step
 
     def misses(allowed: float) -> Slide:
         monkeypatch.setattr("dem.slides.liquefaction.Engine", lambda **given: Engine(**{"balance": allowed, **given}))
         return Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{allowed:g}").run()
 
     half = misses(BETWEEN)
-    assert half.step_share == STEP / 2
+    assert half.step_share == SETTINGS.step / 2
     assert half.reason.split(";")[0] == plain.reason.split(";")[0]
     assert [row.time_s for row in half.rows] == pytest.approx([row.time_s for row in plain.rows], abs=0.01)
     assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
@@ -138,7 +138,7 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
     assert resumed == half
 
     never = misses(1e-12)
-    assert never.step_share == LEAST_STEP
+    assert never.step_share == LEAST_STEP * SETTINGS.step
     assert "EnergyBalanceError" in never.reason
     assert not never.settled
 

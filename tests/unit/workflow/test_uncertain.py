@@ -178,3 +178,20 @@ def test_samples_have_what_was_drawn_by_path(tmp_path: Path) -> None:
     assert len(drawn) == 8
     assert sorted(one["fem.sides"] for one in drawn) == ["fixed"] * 4 + ["roller"] * 4
     assert drawn == samples(read.uncertain, StudySettings(samples=16))[:8]
+
+
+def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
+    data = slope()
+    data["water"] = {"table": {"depth": 2.0}}
+    for stratum in data["strata"]:
+        del stratum["density_ordinary"], stratum["density_seismic"]
+        stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+    paths = {"strata.upper.cohesion": "2.5 kPa", "strata.upper.bottom.depth": "5 m"}
+    data["uncertain"] = {path: {"list": [value]} for path, value in paths.items()}
+    wet = Input.parse(data)
+    assert (len(data["strata"]), len(wet.strata)) == (2, 3)
+    drawn = wet.with_drawn(paths)
+    assert [stratum.cohesion for stratum in drawn.strata] == [2500.0, 2500.0, 15000.0]  # above water and below
+    again = Input.parse(tomllib.loads(wet.to_toml()))
+    assert again == wet
+    assert again.with_drawn(paths) == drawn
