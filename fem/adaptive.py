@@ -11,10 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
-from fem.critical import AtOnce, critical_at_once
+from fem.at_once import AtOnce, asked_again, critical_at_once
 from fem.fields import State, touched_sides
 from fem.loads import Direction
 from fem.settings import FemSettings
+from fem.skin import Skin
 from fem.strength import is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
@@ -150,10 +151,14 @@ def adapted_answer(
 
     def towards(direction: Direction, enough: float) -> AdaptiveResult[AtOnce]:
         wish = settings.model_copy(update={"direction": direction})
+        faces: list[Skin] | None = None
 
         def solve(mesh: QuadMesh) -> AtOnce:
+            nonlocal faces
             listener(f"limit load of {len(mesh.cells)} cells, {direction}")
-            return critical_at_once(section, mesh, wish, comm)
+            found = critical_at_once(section, mesh, wish, comm, faces)
+            faces = found.ground.faces
+            return found
 
         most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
         return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most, enough))
@@ -167,6 +172,64 @@ def adapted_answer(
     return replace(down, other=up)
 
 
+def answer_beside(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[AtOnce],
+    other: FemSettings,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> AdaptiveResult[AtOnce]:
+    """What ``other`` settings, with ψ = φ or other sides, find on the mesh of ``found``, and on one with as many cells
+    that is made for the mechanism of that.
+
+    Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the mesh
+    of ``found``.
+    """
+    listener(f"limit load of {len(found.mesh.cells)} cells")
+    same = asked_again(found.result, section, found.mesh, other)
+    first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
+    if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
+        return first
+    try:
+        mesh = adapted(section, meshing, found.mesh, same.mechanism.plastic_shear_strain, len(found.mesh.cells))
+        listener(f"limit load of {len(mesh.cells)} cells")
+        own = critical_at_once(section, mesh, other, comm, found.result.ground.faces)
+    except NoAnswerError:
+        return first
+    if own.kc > same.kc:
+        return first
+    change = (same.kc - own.kc) / max(own.kc, SMALLEST_KH)
+    return AdaptiveResult(own, mesh, [*first.rounds, MeshRound(len(mesh.cells), own.kc, change, change)])
+
+
+def beside_full_dilation(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[AtOnce],
+    settings: FemSettings,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce]]:
+    """``found``, and the answer with ψ = φ beside it.
+
+    On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less than
+    that of ``found``, this one was the poorer, and the answer is found anew on the other; what contradicts the order
+    afterwards is no matter of meshes. Raises what ``answer_beside`` does.
+    """
+    full = settings.model_copy(update={"flow": "associated"})
+    beside = answer_beside(section, meshing, found, full, comm, listener)
+    if beside.result.kc >= found.result.kc:
+        return found, beside
+    again = critical_at_once(section, beside.mesh, settings, comm, found.result.ground.faces)
+    last = replace(found.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
+    same = asked_again(again, section, beside.mesh, full)
+    return (
+        replace(found, result=again, mesh=beside.mesh, rounds=[*found.rounds[:-1], last]),
+        replace(beside, result=same),
+    )
+
+
 def adapted_safety(
     section: Section,
     meshing: MeshSettings,
@@ -178,9 +241,14 @@ def adapted_safety(
 ) -> AdaptiveResult[SafetyFactor]:
     """The factor of safety at ``kh`` on meshes made for it; raises what ``safety_at_once`` does on the first mesh."""
 
+    guess = 1.0
+
     def solve(mesh: QuadMesh) -> SafetyFactor:
+        nonlocal guess
         listener(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
-        return safety_at_once(section, mesh, settings, kh, comm)
+        found = safety_at_once(section, mesh, settings, kh, comm, guess)
+        guess = found.factor
+        return found
 
     most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
     return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most))

@@ -4,9 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from fem.adaptive import AdaptiveResult, adapted_answer, adapted_safety
-from fem.critical import AtOnce, CriticalResult, critical_coefficient
+from fem.adaptive import AdaptiveResult, adapted_answer, adapted_safety, answer_beside, beside_full_dilation
+from fem.at_once import AtOnce
+from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import NoEquilibriumError, UnstableError
+from fem.gravity import element_for
 from fem.judges import Doubt, doubts_of
 from fem.path import EquilibriumPath
 from fem.settings import FemSettings
@@ -68,73 +70,107 @@ def assess(
     Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its own
     weight.
     """
-
-    def told(what: str) -> Callable[[EquilibriumPath], None]:
-        return lambda path: listener(what, path)
-
-    def at_once(what: str, wish: FemSettings) -> AdaptiveResult[AtOnce]:
-        return adapted_answer(section, meshing, first, wish, comm, lambda words: listener(f"{what}: {words}", None))
-
-    def safety(wish: FemSettings, kh: float) -> SafetyFactor:
-        if is_associated(section.strata, wish.flow):
-            try:
-                return adapted_safety(section, meshing, first, wish, kh, comm, lambda what: listener(what, None)).result
-            except UnstableError:
-                raise
-            except NoAnswerError:  # the solver left none: a path has to do
-                pass
-        return safety_factor(section, mesh, wish, kh, comm, told("factor of safety"))
-
-    mesh = first
+    search = _Search(section, meshing, first, comm, listener)
     try:
-        adapted = _limit_loads(section, settings, at_once)
+        adapted, associated = search.limit_loads(settings)
         mesh = adapted.mesh if adapted else first
         one_way = settings.model_copy(update={"direction": adapted.result.direction}) if adapted else settings
-        critical = critical_coefficient(section, mesh, one_way, comm, told("Kh"))
+        start = adapted.result.ground if adapted and element_for(section, settings) == "reduced" else None
+        critical = critical_coefficient(section, mesh, one_way, comm, search.told("Kh"), start)
     except NoEquilibriumError:
         raise
     except UnstableError as error:
-        factor = safety(settings, 0.0).factor
+        factor = search.safety(settings, 0.0, first).factor
         raise UnstableError(f"{error}; its factor of safety is {factor:.2f}") from error
     one_way = settings.model_copy(update={"direction": critical.direction})
     opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None = adapted.other if adapted else None
     if critical.other is not None:
         opposite = AdaptiveResult(critical.other, mesh)
-    associated = None
-    if settings.flow != "associated" and not is_dilating_fully(section.strata):
-        associated = at_once("Kh with ψ = φ", one_way.model_copy(update={"flow": "associated"}))
+    if associated is None and search.is_substituted(settings):
+        associated = search.at_once("Kh with ψ = φ", one_way.model_copy(update={"flow": "associated"}))
     box: AdaptiveResult[CriticalResult] | None = None
     if settings.rigid_box and settings.sides != "fixed" and critical.verdict != "undecided":
-        # the discs are pushed where the ground fails, and so is this
-        fixed = one_way.model_copy(update={"sides": "fixed", "kh": ()})
-        its_mesh = at_once("Kh, fixed sides", fixed).mesh if adapted else mesh
-        held = critical_coefficient(section, its_mesh, fixed, comm, told("fixed sides: Kh"))
-        box = AdaptiveResult(held, its_mesh)
+        box = search.rigid_box(one_way, adapted, mesh)
     doubts = doubts_of(critical, mesh, associated.result if associated else None)
-    factors = [found for kh in settings.safety_factor_at if (found := _or_doubt(safety, one_way, kh, doubts))]
+    factors = [found for kh in settings.safety_factor_at if (found := search.or_doubt(one_way, kh, mesh, doubts))]
     return Assessment(critical, mesh, adapted, opposite, associated, box, factors, doubts)
 
 
-def _or_doubt(
-    safety: Callable[[FemSettings, float], SafetyFactor], wish: FemSettings, kh: float, doubts: list[Doubt]
-) -> SafetyFactor | None:
-    """The factor of safety at ``kh``; where there is none, one of the doubts says why."""
-    try:
-        return safety(wish, kh)
-    except NoAnswerError as error:
-        doubts.append(Doubt(f"There is no factor of safety at Kh = {kh:g}: {error}.", "look at a smaller Kh", False))
-        return None
+@dataclass(frozen=True)
+class _Search:
+    """What all the answers for a section have in common, and how each of them is looked for."""
 
+    section: Section
+    meshing: MeshSettings
+    first: QuadMesh
+    comm: Any
+    listener: AssessmentListener
 
-def _limit_loads(
-    section: Section, settings: FemSettings, at_once: Callable[[str, FemSettings], AdaptiveResult[AtOnce]]
-) -> AdaptiveResult[AtOnce] | None:
-    """The limit loads of meshes made for the mechanism; None where there are none and a path has to do alone."""
-    if not is_associated(section.strata, settings.flow):
-        return None
-    try:
-        return at_once("Kh", settings)
-    except UnstableError:
-        raise
-    except NoAnswerError:
-        return None
+    def told(self, what: str) -> Callable[[EquilibriumPath], None]:
+        """Tells how far a path is."""
+        return lambda path: self.listener(what, path)
+
+    def is_substituted(self, settings: FemSettings) -> bool:
+        """Whether the flow rule makes another ground of the section than ψ = φ does."""
+        return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
+
+    def limit_loads(self, settings: FemSettings) -> tuple[AdaptiveResult[AtOnce] | None, AdaptiveResult[AtOnce] | None]:
+        """The limit loads of meshes made for the mechanism, and those with ψ = φ; None where there are none, so that a
+        path has to do alone, or where the flow is ψ = φ anyhow."""
+        if not is_associated(self.section.strata, settings.flow):
+            return None, None
+        found = None
+        try:
+            found = self.at_once("Kh", settings)
+            if not self.is_substituted(settings):
+                return found, None
+            one_way = settings.model_copy(update={"direction": found.result.direction})
+            told = self._saying("Kh with ψ = φ")
+            return beside_full_dilation(self.section, self.meshing, found, one_way, self.comm, told)
+        except UnstableError:
+            raise
+        except NoAnswerError:
+            return found, None
+
+    def at_once(self, what: str, settings: FemSettings) -> AdaptiveResult[AtOnce]:
+        """The limit loads of meshes made for the mechanism."""
+        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, self._saying(what))
+
+    def rigid_box(
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
+    ) -> AdaptiveResult[CriticalResult]:
+        """The answer between fixed sides, with a push where the ground fails, as discs are pushed."""
+        fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
+        start = None
+        if adapted and settings.sides != "tied":
+            told = self._saying("Kh, fixed sides")
+            limit = answer_beside(self.section, self.meshing, adapted, fixed, self.comm, told)
+            mesh, ground = limit.mesh, limit.result.ground
+            start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
+        found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
+        return AdaptiveResult(found, mesh)
+
+    def safety(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> SafetyFactor:
+        """The factor of safety on meshes made for it; on ``mesh`` where the flow is not associated."""
+        if is_associated(self.section.strata, settings.flow):
+            try:
+                told = self._saying("")
+                return adapted_safety(self.section, self.meshing, self.first, settings, kh, self.comm, told).result
+            except UnstableError:
+                raise
+            except NoAnswerError:  # the solver left none: a path has to do
+                pass
+        return safety_factor(self.section, mesh, settings, kh, self.comm, self.told("factor of safety"))
+
+    def or_doubt(self, settings: FemSettings, kh: float, mesh: QuadMesh, doubts: list[Doubt]) -> SafetyFactor | None:
+        """The factor of safety at ``kh``; where there is none, one of the ``doubts`` says why."""
+        try:
+            return self.safety(settings, kh, mesh)
+        except NoAnswerError as error:
+            why = f"There is no factor of safety at Kh = {kh:g}: {error}."
+            doubts.append(Doubt(why, "look at a smaller Kh", False))
+            return None
+
+    def _saying(self, what: str) -> Callable[[str], None]:
+        """Tells what is being done."""
+        return lambda words: self.listener(f"{what}: {words}" if what else words, None)

@@ -9,21 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from fem.at_once import Ground, at_rest, cohesionless_faces
 from fem.continuation import ProportionalLoad
-from fem.direct_limit import DirectLimit, direct_limit
 from fem.fields import State, state_of, touched_sides
-from fem.gravity import gravity_equilibrium, path_settings
-from fem.loads import Direction, push, sign_of
-from fem.nodal_loads import shaken_load
+from fem.gravity import path_settings
+from fem.loads import Direction, sign_of
 from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
 from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import Element, FemSettings
-from fem.skin import Skin, skins
-from fem.strength import Flow, strength_of
-from meshes.errors import InputError, NoAnswerError
+from fem.skin import Skin
+from fem.strength import Flow
+from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
-from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 # The elastic displacement under this Kh is the unit of the arc length.
@@ -113,186 +111,97 @@ class CriticalResult:
 
 
 def critical_coefficient(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: PathListener | None = None,
+    ground: Ground | None = None,
 ) -> CriticalResult:
     """The critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
     A push uphill whose mechanism leaves through a side counts only if there is nothing else: what fails there is the
-    ground in front of the neighbour's K0 stress, and no slope. Raises InputError if the section lacks what the analysis
-    needs, UnstableError if it fails under its own weight, NoEquilibriumError if no state on the path balances.
+    ground in front of the neighbour's K0 stress, and no slope. ``ground`` is what the path starts from, if it is known
+    for the one direction of the ``settings``. Raises InputError if the section lacks what the analysis needs,
+    UnstableError if it fails under its own weight, NoEquilibriumError if no state on the path balances.
     """
+
+    def towards(direction: Direction, most: float) -> CriticalResult:
+        wish = settings.model_copy(update={"direction": direction, "kh_limit": most})
+        return _towards(section, mesh, wish, comm, listener, ground)
+
     if settings.direction != "both":
-        return _towards(section, mesh, settings, settings.direction, comm, listener)
-    first = _towards(section, mesh, settings, "downhill", comm, listener)
-    limit = min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step))
-    narrower = settings.model_copy(update={"kh_limit": limit})
-    second = _towards(section, mesh, narrower, "uphill", comm, listener)
+        return towards(settings.direction, settings.kh_limit)
+    first = towards("downhill", settings.kh_limit)
+    second = towards("uphill", min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step)))
     if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
         return replace(second, other=first)
     return replace(first, other=second)
-
-
-@dataclass(frozen=True)
-class AtOnce:
-    """The critical Kh of a mesh found at once, without a path (``fem/direct_limit.py``).
-
-    Attributes
-    ----------
-    kc : float
-        The limit load (-); ``kh_limit`` where it is larger than that.
-    verdict : Verdict
-        "plateau" or "no failure".
-    flow : Flow
-        The flow rule: "davis" or "associated".
-    direction : Direction
-        Where the ground is pushed.
-    reason : str
-        What the verdict means.
-    mechanism : State or None
-        The mechanism; None without a limit load.
-    skins : list of Skin
-        Cohesionless faces whose grains roll down before.
-    """
-
-    kc: float
-    verdict: Verdict
-    flow: Flow
-    direction: Direction
-    reason: str
-    mechanism: State | None
-    skins: list[Skin]
-
-    @property
-    def value(self) -> float:
-        """The critical Kh (-)."""
-        return self.kc
-
-    @property
-    def upper(self) -> float:
-        """The limit load of the mesh, which ``kc`` is (-)."""
-        return self.kc
-
-
-def critical_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> AtOnce:
-    """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
-
-    Raises what ``critical_coefficient`` does, NoAnswerError if the solver leaves no answer.
-    """
-    direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
-    ground = _at_rest(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
-    if ground.limit is None:
-        raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
-    kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
-    verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
-    reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
-    rolling = [face for face in ground.faces if face.kh < kc]
-    return AtOnce(kc, verdict, settings.flow, direction, reason, ground.limit.mechanism, rolling)
-
-
-@dataclass(frozen=True)
-class _Ground:
-    """The section at rest before a push to one side, and what is known of the push.
-
-    Attributes
-    ----------
-    problem : PlaneStrain
-        The ground in equilibrium under its weight.
-    constant : ndarray (dofs,)
-        Nodal forces that stay (N/m).
-    gravity : EquilibriumPath
-        How the weight was brought on.
-    faces : list of Skin
-        Cohesionless faces that were strengthened, since their grains roll down first.
-    load : ndarray (dofs,)
-        Nodal forces of Kh = 1 (N/m).
-    limit : DirectLimit or None
-        The limit load of the push where it is unique and the element is one for it.
-    """
-
-    problem: PlaneStrain
-    constant: np.ndarray
-    gravity: EquilibriumPath
-    faces: list[Skin]
-    load: np.ndarray
-    limit: DirectLimit | None
-
-
-def _at_rest(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
-) -> _Ground:
-    """The section under its weight, with ``faces`` strengthened; with all cohesionless ones if grains of any roll down
-    before the limit load, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh."""
-    sand = cohesionless_faces(section, settings)
-    if faces is None:
-        faces = sand if any(face.kh <= 0.0 for face in sand) else []
-    strong = faces
-    while True:
-        problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, strong)
-        load = seismic_load(problem, mesh, section, push(section, settings))
-        if not (problem.associated and problem.grid.element == "reduced"):
-            return _Ground(problem, constant, gravity, strong, load, None)
-        try:
-            limit = direct_limit(problem, mesh, constant, load)
-        except NoAnswerError:  # a path has to do
-            return _Ground(problem, constant, gravity, strong, load, None)
-        if strong or all(face.kh >= limit.multiplier for face in sand):
-            return _Ground(problem, constant, gravity, strong, load, limit)
-        strong = sand  # grains roll before: on with the ground below
-
-
-def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:
-    """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
-    return skins(section, settings, strength_of(section.strata, settings.flow).friction)
 
 
 def _towards(
     section: Section,
     mesh: QuadMesh,
     settings: FemSettings,
-    direction: Direction,
     comm: Any,
     listener: PathListener | None,
+    ground: Ground | None,
 ) -> CriticalResult:
-    """The critical seismic coefficient for a push in one direction."""
-    settings, sign = settings.model_copy(update={"direction": direction}), sign_of(section, direction)
-    faces: list[Skin] | None = None
+    """The critical seismic coefficient for a push in the one direction of the ``settings``."""
+    sign = sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
+    ground = ground or at_rest(section, mesh, settings, comm)
     while True:
-        ground = _at_rest(section, mesh, settings, comm, faces)
-        problem, faces = ground.problem, ground.faces
-        at_rest = problem.state()
-        path = seismic_path(problem, ground.constant, ground.load, sign, settings)
-        rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-        if ground.limit is not None:
-            rule = replace(rule, known=ground.limit.multiplier)
-        limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
-        relaxed = path.relax()
-        held = max(limit.held, path.factor) if relaxed else limit.held
-        kc, found = held, ground.limit if limit.verdict == "plateau" else None
-        if found is not None and found.multiplier < settings.kh_limit:
-            kc = max(held, found.multiplier)
+        found = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
-        if faces or all(face.kh >= kc for face in sand):
+        if ground.limit is not None or ground.faces or all(face.kh >= found.kc for face in sand):
             break
-        faces = sand
+        ground = at_rest(section, mesh, settings, comm, sand)
+    return replace(found, skins=[face for face in ground.faces if face.kh < found.kc])
+
+
+def _followed(
+    ground: Ground, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
+) -> CriticalResult:
+    """The path from ``ground``, and what it has shown.
+
+    Where the limit load is known, the fields that are wanted are kept on the way; else the path is followed once more.
+    """
+    problem, known = ground.problem, ground.limit
+    start = problem.state()
+    path = seismic_path(problem, ground.constant, ground.load, sign, settings)
+    rule, kept = ASSOCIATED_RULE if problem.associated else PlateauRule(), None
+    if known is not None:
+        rule = replace(rule, known=known.multiplier)
+        kept = states_at(path, mesh, _wanted(settings, min(known.multiplier, settings.kh_limit)))
+    limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
+    relaxed = path.relax()
+    held = max(limit.held, path.factor) if relaxed else limit.held
+    kc, at_once = held, known if limit.verdict == "plateau" else None
+    if (
+        at_once is not None
+        and at_once.multiplier < settings.kh_limit
+        and held <= (1.0 + rule.close) * at_once.multiplier
+    ):
+        kc = at_once.multiplier
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
-    problem.restore(at_rest)
-    wanted = settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS)
-    again = seismic_path(problem, ground.constant, ground.load, sign, settings)
-    kept = states_at(again, mesh, [kh for kh in wanted if kh <= kc])
+    if kept is None:
+        problem.restore(start)
+        again = seismic_path(problem, ground.constant, ground.load, sign, settings)
+        kept = states_at(again, mesh, _wanted(settings, kc))
     reached = {state.kh for state in kept}
     beyond = [
         replace(last, label=f"past equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
-        for kh in sorted(wanted)
+        for kh in sorted(settings.kh)
         if kh not in reached and limit.verdict != "undecided"
     ]
     return CriticalResult(
         kc=kc,
-        lower=held,
+        lower=min(held, kc),
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,
         flow=settings.flow,
-        direction=direction,
+        direction="uphill" if settings.direction == "uphill" else "downhill",
         sign=sign,
         reason=limit.reason,
         remedy=limit.remedy,
@@ -301,9 +210,14 @@ def _towards(
         solves=path.solves,
         gravity_iterations=ground.gravity.solves,
         gravity_plastic_share=ground.gravity.steps[-1].plastic_share,
-        skins=[face for face in faces if face.kh < kc],
-        at_once=found.mechanism if found is not None else None,
+        skins=[],
+        at_once=at_once.mechanism if at_once is not None else None,
     )
+
+
+def _wanted(settings: FemSettings, kc: float) -> list[float]:
+    """The Kh up to ``kc`` whose fields are kept."""
+    return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
 
 
 def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:
@@ -347,12 +261,6 @@ def seismic_path(
     follow = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
     scale = problem.exchange.norm(constant)
     return EquilibriumPath(problem, ProportionalLoad(constant, load), control, REFERENCE_KH * elastic, scale, follow)
-
-
-def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
-    """Nodal forces (N/m) of Kh = 1 towards the right (``sign`` 1) or the left (-1), on soil and on what it carries."""
-    soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
-    return soil + shaken_load(problem, mesh, section, sign)
 
 
 def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:

@@ -71,9 +71,7 @@ def gravity_equilibrium(
     problem.use_strength(strength_factor)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
-    if settings.sides != "tied":
-        held = "y" if settings.sides == "roller" else "xy"
-        problem.hold({"base": "xy", "left": held, "right": held})
+    problem.hold(sides_held(settings))
     if settings.vertical != 0.0:
         lift = lift_of(problem, settings)
         apply_load(problem, constant, lift, settings)
@@ -85,6 +83,14 @@ def gravity_equilibrium(
     problem.plastic_strain[:] = 0.0
     problem.strain[:] = 0.0
     return problem, constant, path
+
+
+def sides_held(settings: FemSettings) -> dict[str, str]:
+    """The displacement components that are held on boundaries once the weight is borne."""
+    if settings.sides == "tied":
+        return {"base": "xy"}
+    held = "y" if settings.sides == "roller" else "xy"
+    return {"base": "xy", "left": held, "right": held}
 
 
 def under_weight(

@@ -14,6 +14,7 @@ from fem import dolfinx_api as api
 from fem.discretisation import DEGREES
 from fem.plane_strain import PlaneStrain
 from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 # Pressure (n,) in Pa at points (n, 2) in m, with points near them and their strata.
@@ -49,6 +50,13 @@ def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: in
     if not surface.present:
         return 0.0
     return ground_force(problem, mesh, lambda *place: surface.shaken(sign, *place))
+
+
+def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of Kh = 1 towards the right (``sign`` 1) or the left (-1), on soil and what it
+    carries."""
+    soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
+    return soil + shaken_load(problem, mesh, section, sign)
 
 
 def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:

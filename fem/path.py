@@ -12,8 +12,10 @@ import numpy as np
 from fem.continuation import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
 from fem.plane_strain import PlaneStrain
 
-# Weights of the elastic stress under which ground is brought to rest, one after the other, and Newton's method for it.
-FADING, FADING_NEWTON = (0.3, 0.1, 0.03, 0.01), NewtonSettings(tolerance=1e-4, iterations=25, line_search=4)
+# Weights of the elastic stress under which ground is brought to rest, one after the other, fainter ones where it does
+# not rest without any after the first; and Newton's method for it.
+FADING, FAINTER = (0.3, 0.1, 0.03, 0.01), ((), (0.003, 0.001), (0.0003, 0.0001))
+FADING_NEWTON = NewtonSettings(tolerance=1e-4, iterations=25, line_search=4)
 
 
 @dataclass(frozen=True)
@@ -193,7 +195,7 @@ class EquilibriumPath:
         found = self._newton(factor, increment, None)
         rate_independent = self.settings.relaxation <= 0.0
         if found.converged:
-            self._accept(found, self._length_of(found), 0, at_rest=rate_independent)
+            self._accept(found, self._length_of(found), 0, at_rest=False)
         if found.converged and (rate_independent or self._relax(None)):
             self._last = None
             return True
@@ -209,17 +211,24 @@ class EquilibriumPath:
         of equilibria.
         """
         mark = self.mark()
-        increment = np.zeros_like(self.control)
-        for weight in (*FADING, 0.0):
-            self.problem.overstress = weight
-            wish = FADING_NEWTON if weight > 0.0 else replace(FADING_NEWTON, tolerance=self.settings.newton.tolerance)
-            found = self._newton(factor, increment, None, wish)
-            if not found.converged:
-                self.back(mark)
-                return False
+        at_rest = replace(FADING_NEWTON, tolerance=self.settings.newton.tolerance)
+        if all(self._settled(factor, weight, FADING_NEWTON) for weight in FADING):
+            for fainter in FAINTER:
+                if not all(self._settled(factor, weight, FADING_NEWTON) for weight in fainter):
+                    break
+                if self._settled(factor, 0.0, at_rest):
+                    self._last = None
+                    return True
+        self.back(mark)
+        return False
+
+    def _settled(self, factor: float, weight: float, newton: NewtonSettings) -> bool:
+        """Go to a given multiplier under an overstress of a weight; False, and nothing accepted, if it is not borne."""
+        self.problem.overstress = weight
+        found = self._newton(factor, np.zeros_like(self.control), None, newton)
+        if found.converged:
             self._accept(found, self._length_of(found), 0, at_rest=True)
-        self._last = None
-        return True
+        return found.converged
 
     def _relax(self, constraint: Constraint | None) -> bool:
         """Relax until the forces balance without overstress; False if that does not come about.

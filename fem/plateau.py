@@ -63,8 +63,8 @@ class PlateauRule:
     first_relaxation: float = 1.3
     next_relaxation: float = 1.3
     known: float = np.inf
-    close: float = 0.01
-    near: float = 0.02
+    close: float = 0.02
+    near: float = 0.03
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from fem.continuation import StrengthReduction
-from fem.critical import ASSOCIATED_RULE, seismic_load
+from fem.critical import ASSOCIATED_RULE
 from fem.direct_limit import DirectLimit, direct_limit
 from fem.errors import UnstableError
 from fem.fields import State
 from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, lift_of, path_settings, under_weight
 from fem.loads import push
-from fem.nodal_loads import still_load
+from fem.nodal_loads import seismic_load, still_load
 from fem.path import EquilibriumPath, PathStep
 from fem.plane_strain import PlaneStrain
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
@@ -82,11 +82,13 @@ class SafetyFactor:
         return self.factor
 
 
-def safety_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any) -> SafetyFactor:
+def safety_at_once(
+    section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, guess: float = 1.0
+) -> SafetyFactor:
     """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
 
-    Faces, sides and errors are those of ``safety_factor``. Where the push does not count, without shaking, the smaller
-    of both directions is told.
+    The search begins at ``guess``, such as the factor of a coarser mesh. Faces, sides and errors are those of
+    ``safety_factor``. Where the push does not count, without shaking, the smaller of both directions is told.
     """
     settings = settings.model_copy(update={"element": "reduced"})
     faces = _faces(section, settings, kh)
@@ -104,7 +106,7 @@ def safety_at_once(section: Section, mesh: QuadMesh, settings: FemSettings, kh: 
         except UnstableError:
             return DirectLimit(-np.inf, None)
 
-    factor, limit = _divisor(lambda f: borne(f, load), kh, 1.0)
+    factor, limit = _divisor(lambda f: borne(f, load), kh, guess)
     if kh == 0.0 and borne(factor, -load).multiplier < 0.0:
         factor, limit = _divisor(lambda f: borne(f, -load), 0.0, factor)
     skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)

@@ -76,7 +76,8 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
     from mpi4py import MPI
 
-    from fem.critical import AtOnce, CriticalResult, critical_at_once, critical_coefficient
+    from fem.at_once import AtOnce, critical_at_once
+    from fem.critical import CriticalResult, critical_coefficient
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
     from fem.liquefied_ground import weight_borne

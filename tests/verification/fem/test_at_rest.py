@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import gravity_equilibrium
+from fem.gravity import gravity_equilibrium
 from fem.plane_strain import PlaneStrain
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate

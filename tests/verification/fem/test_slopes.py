@@ -8,10 +8,12 @@ import pytest
 from mpi4py import MPI
 
 from fem.adaptive import adapted_answer
-from fem.critical import critical_at_once, critical_coefficient, seismic_load, seismic_path
+from fem.at_once import critical_at_once
+from fem.critical import critical_coefficient, seismic_path
 from fem.fields import touched_sides
 from fem.given_surface import critical_above
 from fem.gravity import gravity_equilibrium
+from fem.nodal_loads import seismic_load
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY

@@ -1,0 +1,190 @@
+"""Ground at rest before a push, and the critical Kh of its mesh found at once, without a path.
+
+What rests can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
+sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's substitute, which is
+the weaker ground, never bears more than ψ = φ.
+"""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.direct_limit import DirectLimit, direct_limit
+from fem.fields import State
+from fem.gravity import element_for, gravity_equilibrium, sides_held
+from fem.loads import Direction, push
+from fem.nodal_loads import seismic_load
+from fem.path import EquilibriumPath
+from fem.plane_strain import PlaneStrain
+from fem.plateau import Verdict
+from fem.settings import FemSettings
+from fem.skin import Skin, skins
+from fem.strength import Flow, is_associated, strength_of
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The section at rest before a push to one side, and what is known of the push.
+
+    Attributes
+    ----------
+    problem : PlaneStrain
+        The ground in equilibrium under its weight.
+    constant : ndarray (dofs,)
+        Nodal forces that stay (N/m).
+    gravity : EquilibriumPath
+        How the weight was brought on.
+    faces : list of Skin
+        Cohesionless faces that were strengthened, since their grains roll down first.
+    load : ndarray (dofs,)
+        Nodal forces of Kh = 1 (N/m).
+    limit : DirectLimit or None
+        The limit load of the push where it is unique and the element is one for it.
+    settings : FemSettings
+        Flow rule, sides and direction.
+    """
+
+    problem: PlaneStrain
+    constant: np.ndarray
+    gravity: EquilibriumPath
+    faces: list[Skin]
+    load: np.ndarray
+    limit: DirectLimit | None
+    settings: FemSettings
+
+
+@dataclass(frozen=True, eq=False)
+class AtOnce:
+    """The critical Kh of a mesh found at once (``fem/direct_limit.py``).
+
+    Attributes
+    ----------
+    kc : float
+        The limit load (-); ``kh_limit`` where it is larger than that.
+    verdict : Verdict
+        "plateau" or "no failure".
+    flow : Flow
+        The flow rule: "davis" or "associated".
+    direction : Direction
+        Where the ground is pushed.
+    reason : str
+        What the verdict means.
+    mechanism : State or None
+        The mechanism; None without a limit load.
+    skins : list of Skin
+        Cohesionless faces whose grains roll down before.
+    ground : Ground
+        What was pushed.
+    """
+
+    kc: float
+    verdict: Verdict
+    flow: Flow
+    direction: Direction
+    reason: str
+    mechanism: State | None
+    skins: list[Skin]
+    ground: Ground
+
+    @property
+    def value(self) -> float:
+        """The critical Kh (-)."""
+        return self.kc
+
+    @property
+    def upper(self) -> float:
+        """The limit load of the mesh, which ``kc`` is (-)."""
+        return self.kc
+
+
+def critical_at_once(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+) -> AtOnce:
+    """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
+
+    ``faces`` as in ``at_rest``. Raises what ``gravity_equilibrium`` does, NoAnswerError if the solver leaves no answer.
+    """
+    ground = at_rest(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
+    if ground.limit is None:
+        raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
+    return _told(section, mesh, settings, ground)
+
+
+def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSettings) -> AtOnce:
+    """The limit load of ground at rest that was ``found`` with other settings, by the flow rule and between the sides
+    of ``settings``.
+
+    Raises NoAnswerError if the solver leaves no answer.
+    """
+    ground = found.ground
+    try:
+        _ask(ground.problem, settings)
+        limit = direct_limit(ground.problem, mesh, ground.constant, ground.load)
+    finally:
+        _ask(ground.problem, ground.settings)
+    return _told(section, mesh, settings, replace(ground, limit=limit))
+
+
+def _ask(problem: PlaneStrain, settings: FemSettings) -> None:
+    """Give a problem the flow rule and the sides of ``settings``."""
+    problem.flow = settings.flow
+    problem.use_strength(1.0)
+    problem.hold(sides_held(settings))
+
+
+def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> AtOnce:
+    """The answer that a limit load is."""
+    assert ground.limit is not None
+    kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
+    verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
+    reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
+    rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
+    direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
+    return AtOnce(kc, verdict, settings.flow, direction, reason, ground.limit.mechanism, rolling, ground)
+
+
+def at_rest(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+) -> Ground:
+    """The section under its weight, with ``faces`` strengthened, and the limit load of a push if it is unique.
+
+    Where faces are not given, all cohesionless ones are strengthened if grains of any roll down before the ground below
+    fails, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh. Where no limit load
+    tells, they are if they do not even stand by their own weight.
+    """
+    if faces is not None:
+        return _under_push(section, mesh, settings, comm, faces)
+    sand = cohesionless_faces(section, settings)
+    first = min((face.kh for face in sand), default=np.inf)
+    if first > 0.0 and not _is_unique(section, settings):
+        return _under_push(section, mesh, settings, comm, [])
+    ground = _under_push(section, mesh, settings, comm, sand)
+    if ground.limit is not None and 0.0 < ground.limit.multiplier <= first < np.inf:
+        return _under_push(section, mesh, settings, comm, [])
+    return ground
+
+
+def _is_unique(section: Section, settings: FemSettings) -> bool:
+    """Whether the limit load is unique, and the element one to find it with at once."""
+    return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
+
+
+def _under_push(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
+    """The section under its weight with ``faces`` strengthened, and the limit load where there is one."""
+    problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
+    load = seismic_load(problem, mesh, section, push(section, settings))
+    limit = None
+    if _is_unique(section, settings):
+        with suppress(NoAnswerError):  # else a path has to do
+            limit = direct_limit(problem, mesh, constant, load)
+    return Ground(problem, constant, gravity, faces, load, limit, settings)
+
+
+def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:
+    """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
+    return skins(section, settings, strength_of(section.strata, settings.flow).friction)
