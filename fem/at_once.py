@@ -1,19 +1,19 @@
-"""Ground at rest before a push, and the critical Kh of its mesh found at once, without a path.
+"""Ground before a push, and the critical Kh of its mesh found at once, without a path.
 
-What rests can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
+It can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
 sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's substitute, which is
 the weaker ground, never bears more than ψ = φ.
 """
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fem.direct_limit import DirectLimit, direct_limit
+from fem.errors import UnstableError
 from fem.fields import State
-from fem.gravity import element_for, gravity_equilibrium, sides_held
+from fem.gravity import at_the_sides, bring_to_rest, element_for, gravity_equilibrium, sides_held
 from fem.loads import Direction, push
 from fem.nodal_loads import seismic_load
 from fem.path import EquilibriumPath
@@ -29,15 +29,17 @@ from meshes.section.section import Section
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """The section at rest before a push to one side, and what is known of the push.
+    """The section before a push to one side, and what is known of the push.
 
     Attributes
     ----------
     problem : PlaneStrain
-        The ground in equilibrium under its weight.
+        The ground: in equilibrium under its weight, or without stress where ``gravity`` is None.
+    weight : ndarray (dofs,)
+        Nodal forces of its weight (N/m).
     constant : ndarray (dofs,)
         Nodal forces that stay (N/m).
-    gravity : EquilibriumPath
+    gravity : EquilibriumPath or None
         How the weight was brought on.
     faces : list of Skin
         Cohesionless faces that were strengthened, since their grains roll down first.
@@ -50,8 +52,9 @@ class Ground:
     """
 
     problem: PlaneStrain
+    weight: np.ndarray
     constant: np.ndarray
-    gravity: EquilibriumPath
+    gravity: EquilibriumPath | None
     faces: list[Skin]
     load: np.ndarray
     limit: DirectLimit | None
@@ -107,16 +110,16 @@ def critical_at_once(
 ) -> AtOnce:
     """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
 
-    ``faces`` as in ``at_rest``. Raises what ``gravity_equilibrium`` does, NoAnswerError if the solver leaves no answer.
+    ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
     """
-    ground = at_rest(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
+    ground = pushed(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
     if ground.limit is None:
         raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
     return _told(section, mesh, settings, ground)
 
 
 def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSettings) -> AtOnce:
-    """The limit load of ground at rest that was ``found`` with other settings, by the flow rule and between the sides
+    """The limit load of ground that was ``found`` with other settings, by the flow rule and between the sides
     of ``settings``.
 
     Raises NoAnswerError if the solver leaves no answer.
@@ -148,25 +151,33 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     return AtOnce(kc, verdict, settings.flow, direction, reason, ground.limit.mechanism, rolling, ground)
 
 
-def at_rest(
+def pushed(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
 ) -> Ground:
-    """The section under its weight, with ``faces`` strengthened, and the limit load of a push if it is unique.
+    """The ground with ``faces`` strengthened, and the limit load of a push if it is unique; at rest if it is not.
 
     Where faces are not given, all cohesionless ones are strengthened if grains of any roll down before the ground below
     fails, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh. Where no limit load
-    tells, they are if they do not even stand by their own weight.
+    tells, they are if they do not even stand by their own weight. Raises InputError, UnstableError.
     """
     if faces is not None:
-        return _under_push(section, mesh, settings, comm, faces)
+        return _pushed(section, mesh, settings, comm, faces)
     sand = cohesionless_faces(section, settings)
     first = min((face.kh for face in sand), default=np.inf)
     if first > 0.0 and not _is_unique(section, settings):
-        return _under_push(section, mesh, settings, comm, [])
-    ground = _under_push(section, mesh, settings, comm, sand)
-    if ground.limit is not None and 0.0 < ground.limit.multiplier <= first < np.inf:
-        return _under_push(section, mesh, settings, comm, [])
+        return _pushed(section, mesh, settings, comm, [])
+    ground = _pushed(section, mesh, settings, comm, sand)
+    if ground.limit is not None and ground.limit.multiplier <= first < np.inf and first > 0.0:
+        return _pushed(section, mesh, settings, comm, [])
     return ground
+
+
+def at_rest(ground: Ground) -> Ground:
+    """The same ground in equilibrium under its weight; raises UnstableError if it fails."""
+    if ground.gravity is not None:
+        return ground
+    gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
+    return replace(ground, gravity=gravity)
 
 
 def _is_unique(section: Section, settings: FemSettings) -> bool:
@@ -174,15 +185,24 @@ def _is_unique(section: Section, settings: FemSettings) -> bool:
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 
-def _under_push(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
-    """The section under its weight with ``faces`` strengthened, and the limit load where there is one."""
+def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
+    """The ground with ``faces`` strengthened, and the limit load where there is one; at rest where there is none."""
+    if _is_unique(section, settings):
+        problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
+        load = seismic_load(problem, mesh, section, push(section, settings))
+        limit = None
+        try:
+            limit = direct_limit(problem, mesh, constant, load)
+        except UnstableError:
+            raise
+        except NoAnswerError:  # a path has to do
+            pass
+        if limit is not None and limit.multiplier < 0.0:
+            raise UnstableError("the section fails under its own weight")
+        return Ground(problem, weight, constant, None, faces, load, limit, settings)
     problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
     load = seismic_load(problem, mesh, section, push(section, settings))
-    limit = None
-    if _is_unique(section, settings):
-        with suppress(NoAnswerError):  # else a path has to do
-            limit = direct_limit(problem, mesh, constant, load)
-    return Ground(problem, constant, gravity, faces, load, limit, settings)
+    return Ground(problem, constant, constant, gravity, faces, load, None, settings)
 
 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.at_once import Ground, at_rest, cohesionless_faces
+from fem.at_once import Ground, at_rest, cohesionless_faces, pushed
 from fem.continuation import ProportionalLoad
 from fem.fields import State, state_of, touched_sides
 from fem.gravity import path_settings
@@ -149,13 +149,14 @@ def _towards(
 ) -> CriticalResult:
     """The critical seismic coefficient for a push in the one direction of the ``settings``."""
     sign = sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
-    ground = ground or at_rest(section, mesh, settings, comm)
+    ground = ground or pushed(section, mesh, settings, comm)
     while True:
+        ground = at_rest(ground)
         found = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
         if ground.limit is not None or ground.faces or all(face.kh >= found.kc for face in sand):
             break
-        ground = at_rest(section, mesh, settings, comm, sand)
+        ground = pushed(section, mesh, settings, comm, sand)
     return replace(found, skins=[face for face in ground.faces if face.kh < found.kc])
 
 
@@ -166,7 +167,8 @@ def _followed(
 
     Where the limit load is known, the fields that are wanted are kept on the way; else the path is followed once more.
     """
-    problem, known = ground.problem, ground.limit
+    problem, known, gravity = ground.problem, ground.limit, ground.gravity
+    assert gravity is not None
     start = problem.state()
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
     rule, kept = ASSOCIATED_RULE if problem.associated else PlateauRule(), None
@@ -208,8 +210,8 @@ def _followed(
         steps=path.steps,
         states=[*kept, last, *beyond],
         solves=path.solves,
-        gravity_iterations=ground.gravity.solves,
-        gravity_plastic_share=ground.gravity.steps[-1].plastic_share,
+        gravity_iterations=gravity.solves,
+        gravity_plastic_share=gravity.steps[-1].plastic_share,
         skins=[],
         at_once=at_once.mechanism if at_once is not None else None,
     )

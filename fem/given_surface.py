@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from fem.critical import cohesionless_faces, seismic_load
+from fem.at_once import cohesionless_faces
 from fem.direct_limit import direct_limit
-from fem.gravity import gravity_equilibrium
+from fem.gravity import at_the_sides
 from fem.loads import push
+from fem.nodal_loads import seismic_load
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -45,12 +46,12 @@ def critical_above(
 ) -> GivenSurface:
     """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
 
-    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``gravity_equilibrium``
+    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``at_the_sides``
     does, NoAnswerError where the flow has no unique limit load or the solver leaves none.
     """
     settings = settings.model_copy(update={"element": "reduced"})
     faces = cohesionless_faces(section, settings)
-    problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces)
+    problem, _, constant = at_the_sides(section, mesh, settings, comm, faces)
     if not problem.associated:
         raise NoAnswerError("without normality there is no unique limit load", 'set fem.flow = "davis"')
     load = seismic_load(problem, mesh, section, push(section, settings))

@@ -14,6 +14,7 @@ from fem.nodal_loads import excess_load, still_load
 from fem.path import EquilibriumPath, PathSettings
 from fem.plane_strain import PlaneStrain
 from fem.settings import Element, FemSettings
+from fem.side_force import side_force
 from fem.skin import Skin, strengthened
 from fem.strength import is_associated
 from meshes.errors import InputError
@@ -79,10 +80,59 @@ def gravity_equilibrium(
     if shaken and (excess := excess_load(problem, mesh, section)) is not None:
         apply_load(problem, constant, excess, settings)
         constant = constant + excess
+    _begin_here(problem)
+    return problem, constant, path
+
+
+def at_the_sides(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    faces: Sequence[Skin] = (),
+    shaken: bool = True,
+) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
+    """The section without stress, held as in the search for Kh; nodal forces (N/m) of its weight, and all that stay.
+
+    On rollers the K0 stress is that of ``fem/side_stress.py``, as in the bounds. The pore pressure that shaking adds is
+    there if the ground is ``shaken``. Raises InputError.
+    """
+    problem, weight = under_weight(section, mesh, settings, comm, faces)
+    constant = weight
+    if settings.sides == "roller":
+        constant = constant + side_force(problem, mesh, section, weight)
+    problem.hold(sides_held(settings))
+    if settings.vertical != 0.0:
+        constant = constant + lift_of(problem, settings)
+    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+        constant = constant + excess
+    return problem, weight, constant
+
+
+def bring_to_rest(
+    problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
+) -> EquilibriumPath:
+    """Load ground without stress by its weight, sides held, then by what else stays; the path of the first.
+
+    Displacement and strain are counted from there. Raises UnstableError.
+    """
+    if settings.sides != "tied":
+        problem.hold(UNDER_GRAVITY)
+    path = apply_load(problem, np.zeros_like(weight), weight, settings)
+    borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    problem.hold(sides_held(settings))
+    more = np.where(problem.free, constant - borne, 0.0)
+    if problem.exchange.norm(more) > settings.tolerance * problem.exchange.norm(constant):
+        apply_load(problem, constant - more, more, settings)
+    _begin_here(problem)
+    return path
+
+
+def _begin_here(problem: PlaneStrain) -> None:
+    """Count displacement and strain from here."""
     problem.displacement[:] = 0.0
     problem.plastic_strain[:] = 0.0
     problem.strain[:] = 0.0
-    return problem, constant, path
 
 
 def sides_held(settings: FemSettings) -> dict[str, str]:

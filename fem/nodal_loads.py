@@ -81,8 +81,8 @@ def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarr
     return ground_force(problem, mesh, traction)
 
 
-def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction) -> np.ndarray:
-    """Nodal forces (dofs,) in N/m of a traction on the ground."""
+def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a traction on the ground, or on another boundary."""
     grid, degree = problem.grid, DEGREES[problem.grid.element]
     s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)
     s, weight = 0.5 * (s + 1.0), 0.5 * weight
@@ -90,7 +90,7 @@ def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction) -> np
     if degree == 2:
         shapes = np.column_stack([(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)])
     key = np.array([len(mesh.points), 1])
-    wanted = np.sort(mesh.boundaries["surface"], axis=1).astype(np.int64) @ key
+    wanted = np.sort(mesh.boundaries[boundary], axis=1).astype(np.int64) @ key
     local = np.zeros(len(grid.global_dofs))
     for number, (a, b) in enumerate(api.REFERENCE_EDGES):
         ends = grid.corners[:, [a, b]].astype(np.int64)

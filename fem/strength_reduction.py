@@ -17,11 +17,18 @@ from fem.critical import ASSOCIATED_RULE
 from fem.direct_limit import DirectLimit, direct_limit
 from fem.errors import UnstableError
 from fem.fields import State
-from fem.gravity import UNDER_GRAVITY, apply_load, gravity_equilibrium, lift_of, path_settings, under_weight
+from fem.gravity import (
+    UNDER_GRAVITY,
+    apply_load,
+    at_the_sides,
+    gravity_equilibrium,
+    lift_of,
+    path_settings,
+    under_weight,
+)
 from fem.loads import push
 from fem.nodal_loads import seismic_load, still_load
 from fem.path import EquilibriumPath, PathStep
-from fem.plane_strain import PlaneStrain
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
 from fem.skin import Skin, skins
@@ -96,7 +103,7 @@ def safety_at_once(
         problem, constant = under_weight(section, mesh, settings, comm, faces)
         constant = constant + lift_of(problem, settings)
     else:
-        problem, constant = _standing(section, mesh, settings, comm, faces, kh != 0.0)
+        problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     load = seismic_load(problem, mesh, section, push(section, settings))
 
     def borne(factor: float, live: np.ndarray) -> DirectLimit:
@@ -112,18 +119,6 @@ def safety_at_once(
     skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
     reason = f"it is that of {len(mesh.cells)} cells"
     return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, limit.mechanism)
-
-
-def _standing(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin], shaken: bool
-) -> tuple[PlaneStrain, np.ndarray]:
-    """The section in equilibrium under its weight, made stronger where it does not stand; and the forces that stay."""
-    for start in STARTS:
-        try:
-            return gravity_equilibrium(section, mesh, settings, comm, faces, start, shaken)[:2]
-        except UnstableError as error:
-            failure = error
-    raise failure
 
 
 def _divisor(borne: Callable[[float], DirectLimit], kh: float, guess: float) -> tuple[float, DirectLimit]:

@@ -13,14 +13,16 @@ from typing import Any
 from mpi4py import MPI
 
 from fem import BoundsSettings, FemSettings, UnstableError, kh_bounds
-from fem.adaptive import adapted_answer
+from fem.adaptive import adapted_answer, beside_full_dilation
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
 from tests.support.random_sections import NUMBERS, random_section
 
 SETTINGS = FemSettings(direction="downhill")
-BOUNDS = BoundsSettings(gap=0.02, seconds=60.0)
+BOUNDS = BoundsSettings(gap=0.02)
+# Seconds of processor time in which the gap of the bounds with ψ = φ is to be closed.
+SECONDS = 60.0
 # How far the elements may lie above the strict upper bound; how far below the lower one, since between their points
 # they ask for nothing; and by how much in Kh where that is more.
 ABOVE, BELOW, SMALL = 1.02, 0.98, 0.002
@@ -33,18 +35,21 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     started = time.process_time()
     meshing = MeshSettings(refine=refine)
     mesh = generate(section, meshing)
-    for flow in ("davis", "associated"):
-        wish = SETTINGS.model_copy(update={"flow": flow})
-        try:
-            found = adapted_answer(section, meshing, mesh, wish, MPI.COMM_SELF, lambda _: None)
-            row[flow], row[f"{flow}_meshes"] = round(found.result.kc, 4), [one.cells for one in found.rounds]
-        except NoAnswerError:
-            row[flow] = None
+    wish = SETTINGS.model_copy(update={"flow": "davis"})
+    try:
+        found = adapted_answer(section, meshing, mesh, wish, MPI.COMM_SELF, lambda _: None)
+        found, full = beside_full_dilation(section, meshing, found, wish, MPI.COMM_SELF, lambda _: None)
+        for flow, answer in (("davis", found), ("associated", full)):
+            row[flow], row[f"{flow}_meshes"] = round(answer.result.kc, 4), [one.cells for one in answer.rounds]
+        row["davis_change"] = round(found.rounds[-1].change, 4)
+    except NoAnswerError as error:
+        row.update(davis=None, associated=None, davis_change=None, failed=str(error))
     row["seconds"] = round(time.process_time() - started, 1)
     started = time.process_time()
     try:
         bounds = kh_bounds(section, SETTINGS, BOUNDS)
         row["bounds"] = [round(bounds.lower, 4), round(bounds.upper, 4)]
+        row["gap"], row["ended"] = round(bounds.gap, 4), bounds.ended
         if bounds.substitute is not None:
             row["davis_bounds"] = [round(bounds.substitute.lower, 4), round(bounds.substitute.upper, 4)]
     except UnstableError:
@@ -57,7 +62,7 @@ def contradictions(row: dict[str, Any]) -> list[str]:
     """What must not be: Davis above ψ = φ, either above its upper bound or below its lower one by more than allowed."""
     found = []
     davis, full = row["davis"], row["associated"]
-    if davis is not None and full is not None and davis > 1.015 * full:
+    if davis is not None and full is not None and davis > full:
         found.append("Davis above ψ = φ")
     for kc, name in ((full, "bounds"), (davis, "davis_bounds")):
         if kc is None or row.get(name) is None:

@@ -8,7 +8,8 @@ from workflow.settings import Input
 from workflow.study.sample import Numbers, Sample
 
 if TYPE_CHECKING:
-    from fem.critical import AtOnce, CriticalResult
+    from fem.at_once import AtOnce
+    from fem.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
 
 

@@ -8,12 +8,10 @@ import pytest
 from mpi4py import MPI
 
 from fem.adaptive import adapted_answer
-from fem.at_once import critical_at_once
+from fem.at_once import at_rest, critical_at_once
 from fem.critical import critical_coefficient, seismic_path
 from fem.fields import touched_sides
 from fem.given_surface import critical_above
-from fem.gravity import gravity_equilibrium
-from fem.nodal_loads import seismic_load
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
@@ -114,11 +112,17 @@ def test_uphill_the_infinite_slope_resists_by_tan_of_the_sum(element):
 def mirrored(ground, shift=0.0):
     """A section seen from behind, and moved along x (m)."""
     length = ground.surface[-1][0]
-    return ground.model_copy(update={"surface": [(shift + length - x, z) for x, z in reversed(ground.surface)]})
+    return with_surface(ground, [(shift + length - x, z) for x, z in reversed(ground.surface)])
 
 
 def moved(ground, shift):
-    return ground.model_copy(update={"surface": [(x + shift, z) for x, z in ground.surface]})
+    return with_surface(ground, [(x + shift, z) for x, z in ground.surface])
+
+
+def with_surface(ground, surface):
+    """A section with another surface, whose layers are found anew."""
+    data = ground.model_dump(mode="python", exclude_none=True, by_alias=True, include=set(Section.model_fields))
+    return Section.parse({**data, "surface": surface})
 
 
 @every_element
@@ -214,8 +218,8 @@ def test_a_path_comes_to_the_limit_load_found_at_once(flow):
     ground = section([[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]], 6.0, soil(c=5e3, phi=30.0, psi=0.0))
     mesh, wish = generate(ground, MeshSettings(columns=18, rows=6)), FemSettings(flow=flow, direction="downhill")
     at_once = critical_at_once(ground, mesh, wish, MPI.COMM_SELF)
-    problem, constant, _ = gravity_equilibrium(ground, mesh, wish, MPI.COMM_SELF)
-    path = seismic_path(problem, constant, seismic_load(problem, mesh, ground, 1), 1, wish)
+    start = at_rest(at_once.ground)
+    path = seismic_path(start.problem, start.constant, start.load, 1, wish)
     for _ in range(40):
         path.advance()
     assert max(step.factor for step in path.steps) <= at_once.kc * (1.0 + 1e-4)

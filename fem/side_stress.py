@@ -1,0 +1,97 @@
+"""The K0 stress that stays on the sides of a section on rollers: for finite elements and limit analysis alike.
+
+It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a factor
+for each stratum that makes its resultant there the one of plane elasticity under weight with the sides held
+horizontally: where the ground slopes, one side takes more and the other less. It stays nearer to the plain K0 stress
+than to Rankine's active and passive ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+
+UPWARDS = np.array([[0.0, 1.0]])
+
+
+@dataclass(frozen=True, eq=False)
+class SideStress:
+    """The horizontal stress on a side, linear over the thickness of each of the k strata there.
+
+    Attributes
+    ----------
+    strata : ndarray (k,)
+        Numbers of the strata, from the top down.
+    elevation : ndarray (k, 2)
+        Elevation of the top and the bottom of each in m.
+    stress : ndarray (k, 2)
+        Horizontal stress at both in Pa, tension positive.
+    """
+
+    strata: np.ndarray
+    elevation: np.ndarray
+    stress: np.ndarray
+
+    def stratum_at(self, elevation: np.ndarray) -> np.ndarray:
+        """Numbers of the strata (n,) at elevations (n,) in m."""
+        below = np.searchsorted(-self.elevation[:, 1], -np.asarray(elevation))
+        return self.strata[np.minimum(below, len(self.strata) - 1)]
+
+    def at(self, elevation: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """The stress (Pa) at elevations (m) within strata."""
+        place = np.searchsorted(self.strata, stratum)
+        top, bottom = self.elevation[place].T
+        share = np.clip((top - elevation) / (top - bottom), 0.0, 1.0)
+        return (1.0 - share) * self.stress[place, 0] + share * self.stress[place, 1]
+
+
+def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndarray) -> SideStress:
+    """The stress on the "left" or "right" side, of which ``resultants`` (strata,) in N/m, tension positive, are the
+    forces of plane elasticity in every stratum there."""
+    layers = section.layering
+    elevation = layers.left[0] if side == "left" else layers.right[-1]
+    effective = _vertical_stress(section, side, elevation)
+    here = np.flatnonzero(elevation[:-1] > elevation[1:])
+    found = []
+    for k in here:
+        soil = section.strata[k]
+        vertical = effective[k]
+        ratio = soil.poissons_ratio / (1.0 - soil.poissons_ratio)
+        plain = ratio * vertical
+        force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
+        factor = -resultants[k] / force if force > 0.0 else 1.0
+        sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
+        active = np.maximum(((1.0 - sin) * vertical - 2.0 * soil.cohesion * cos) / (1.0 + sin), 0.0)
+        passive = ((1.0 + sin) * vertical + 2.0 * soil.cohesion * cos) / (1.0 - sin)
+        # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
+        lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
+        found.append(-np.clip(factor * plain, lowest, highest))
+    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(found))
+
+
+def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
+    """Vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure positive.
+
+    ``elevation`` (interfaces,) is that of the layers there. What presses on the ground counts as if it went on level.
+    """
+    water, layers = section.water_pressure, section.layering
+    strata = len(section.strata)
+    x, near = layers.x[0], layers.x[:2].mean()
+    if side == "right":
+        x, near = layers.x[-1], layers.x[-2:].mean()
+    found = np.zeros((strata, 2))
+    thickness = elevation[:-1] - elevation[1:]
+    weight = GRAVITY * np.array([s.density_ordinary for s in section.strata]) * thickness
+    found[:, 1] = np.cumsum(weight)
+    found[1:, 0] = found[:-1, 1]
+    if water.present or section.surcharges:
+        places = np.column_stack([np.full(2 * strata, x), np.repeat(elevation, 2)[1:-1]])
+        beside = np.column_stack([np.full(2 * strata, near), np.zeros(2 * strata)])
+        ground = np.array([[x, elevation[0]]])
+        on_ground = water.on_ground(ground, beside[:1]) - section.surface_loads.dead(ground, beside[:1], UPWARDS)[:, 1]
+        pores = water.at_rest(places, beside, np.repeat(np.arange(strata), 2))
+        found = np.maximum(found + on_ground - pores.reshape(strata, 2), 0.0)
+    return found
