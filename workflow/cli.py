@@ -363,6 +363,7 @@ def slide(
     from workflow.terminal import Voice
 
     request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
+    request.refuse_unknown(cases or ())
     _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 

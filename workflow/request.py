@@ -1,6 +1,6 @@
 """What a command asks for: a section with settings and options of the command line over it, its folder, its job."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -58,6 +58,13 @@ class Request:
 
             shaking_of(read, ())
         return cls(read, store, mesh or carried, bool(carried))
+
+    def refuse_unknown(self, cases: Sequence[int]) -> None:
+        """Raise InputError for numbers of cases in which no stratum liquefies."""
+        possible = sorted({number for stratum in self.given.strata for number in stratum.liquefies_in})
+        if unknown := sorted(set(cases) - set(possible)):
+            told = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible)) or 'which none is'}"
+            raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
 
     def job(self, **more: Any) -> Job:
         """The job of all stages."""

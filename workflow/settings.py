@@ -228,6 +228,11 @@ class Input(Section):
             found.append(Case(name=name, residual=ratios, volumetric_strain=min(0.2, drained)))
         return (*self.slide.cases, *found)
 
+    def called(self, case: int) -> str:
+        """What a case is called in pictures: its number, and its name if it has one."""
+        name = self.cases[case - 1].name if 0 < case <= len(self.cases) else ""
+        return f"case {case}, {name}" if name else f"case {case}"
+
     def assessment(self) -> Assessment:
         """F_L at every blow count; raises InputError where borings or the earthquake do not allow it."""
         return assess(self, self.earthquake, self.triggering)

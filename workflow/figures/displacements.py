@@ -21,7 +21,9 @@ def displacements(results: Results, name: str) -> bool:
     others = estimates(results.given, results.kc, results.slip_surface)
     rows = [(one.method, one.displacement_m, OTHERS) for one in others if one.displacement_m is not None]
     _, cases = results.case_set()
-    rows += [(f"discs, case {number}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())]
+    rows += [
+        (f"discs, {results.given.called(number)}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())
+    ]
     observed = results.given.name == "s13"
     if observed:
         rows += [(words, value, PAPERS) for words, value in PAPER]

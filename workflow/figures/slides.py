@@ -13,12 +13,12 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from PIL import Image, ImageDraw, ImageFont
 
-from meshes.section.section import Section
 from workflow.figures import fonts
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
+from workflow.settings import Input
 
 SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
 FRAME_WIDTH = 1000  # px
@@ -59,12 +59,12 @@ class Frame:
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
-def name_of(given: Section, springs: str, case: int) -> str:
+def name_of(given: Input, springs: str, case: int) -> str:
     """The title of a case."""
-    return f"{given.title or given.name}: case {case}, {SPRINGS.get(springs, springs)}"
+    return f"{given.title or given.name}: {given.called(case)}, {SPRINGS.get(springs, springs)}"
 
 
-def end(given: Section, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
+def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     window, norm = window_of(frame), frame.scale()
@@ -103,7 +103,7 @@ def end(given: Section, path: Path, case: CaseAnswer, springs: str, number: int,
     sheet.save(out)
 
 
-def animate(given: Section, paths: list[Path], springs: str, number: int, out: Path) -> None:
+def animate(given: Input, paths: list[Path], springs: str, number: int, out: Path) -> None:
     """An animated WebP of all states of a case, displacement in colour: a third of a GIF."""
     last = Frame.read(paths[-1])
     norm, window = last.scale(), window_of(Frame.read(paths[0]))
@@ -136,7 +136,7 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
-def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
+def history(given: Input, slides: Sequence[SlideHistory], out: Path) -> None:
     """Settlement uphill and largest slide against time, a line for each case."""
     sheet = Sheet(f"{given.title or given.name}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
@@ -154,7 +154,7 @@ def history(given: Section, slides: Sequence[SlideHistory], out: Path) -> None:
         time = [row.time_s for row in slide.rows]
         largest.plot(time, [row.slide_max_m for row in slide.rows], **style)
         settlement.plot(time, [row.settlement_uphill_m for row in slide.rows], **style)
-        what = f"case {slide.case}" if slide.case else "Kh alone"
+        what = given.called(slide.case) if slide.case else "Kh alone"
         handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(slide.springs, slide.springs)}", **style))
     for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
@@ -166,11 +166,13 @@ def _colour(case: int) -> str:
     return COLOURS[(case - 1) % len(COLOURS)] if case else INK
 
 
-def profiles(given: Section, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
+def profiles(given: Input, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
     """The surface of every case over all packings: its median, and the band in which nine of ten lie."""
     sheet = Sheet(f"{given.title or given.name}: the surface on {seeds} random packings", [0.16] * len(cases), "", 1)
     for view, (number, profile) in enumerate(cases.items()):
-        axes = sheet.plot(view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", f"case {number}")
+        axes = sheet.plot(
+            view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", given.called(number)
+        )
         colour = _colour(number)
         axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)
         axes.plot(profile.x, profile.after, color=colour, linewidth=1.2)

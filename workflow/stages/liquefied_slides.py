@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.liquefaction import Slide
-from meshes.errors import InputError
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
 from workflow.results.continuum import FemAnswer
@@ -25,7 +24,7 @@ from workflow.stages.sliding import ALONE, Run, Task, liquefying, slid, task
 
 
 def slide_stage(job: Job) -> None:
-    """Slides of the cases asked for, or of all. Raises InputError for cases that there are not."""
+    """Slides of the cases asked for, or of all."""
     given, store = job.given, job.store
     wanted = _wanted(given, job.cases)
     starts = _starts(given, store)
@@ -48,12 +47,7 @@ def slide_stage(job: Job) -> None:
 
 def _wanted(given: Input, cases: tuple[int, ...] | None) -> list[int]:
     """The numbers of the cases to compute."""
-    possible = list(liquefying(given))
-    if cases is not None and (unknown := sorted(set(cases) - set(possible))):
-        there = ", ".join(map(str, possible)) or "which there are none"
-        told = f"expected cases in which a stratum liquefies, of {there}"
-        raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
-    return [number for number in possible if cases is None or number in cases]
+    return [number for number in liquefying(given) if cases is None or number in cases]
 
 
 def _starts(given: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:

@@ -9,8 +9,10 @@ import tomli_w
 
 from meshes.errors import InputError
 from meshes.section.recorded_kh import in_name
+from tests.support import SECTIONS
 from tests.support.sections import slope
 from workflow.example import example
+from workflow.request import Request
 from workflow.settings import Input, dotted, merged
 
 
@@ -129,3 +131,16 @@ def test_every_kh_that_is_kept_has_a_name_of_its_own() -> None:
         "0.30",
         "5.00",
     ]
+
+
+def test_a_case_that_there_is_not_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
+    request = Request.of(SECTIONS / "s13.toml", tmp_path / "run", {}, None)
+    request.refuse_unknown((1, 3))
+    with pytest.raises(InputError, match="9: expected cases in which a stratum liquefies, of 1, 2, 3"):
+        request.refuse_unknown((2, 9))
+
+
+def test_cases_are_called_by_number_and_name() -> None:
+    data = {**slope(), "slide": {"cases": [{"stiffness": 0.1}, {"stiffness": 0.1, "name": "low strength"}]}}
+    given = Input.parse(data)
+    assert [given.called(number) for number in (1, 2)] == ["case 1", "case 2, low strength"]
