@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
+import numpy as np
+
 from fem.at_once import AtOnce, asked_again, critical_at_once
 from fem.fields import State, touched_sides
 from fem.loads import Direction
@@ -23,6 +25,7 @@ from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
+from meshes.strips import with_finer_strips
 
 # The next mesh has this many times the cells of the last one.
 MORE_CELLS = 2.0
@@ -130,9 +133,20 @@ def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, setting
     They are not where no accuracy is asked for; where the flow is not associated, whose answer no mesh makes unique;
     where columns and rows, or the mesh itself, were given.
     """
-    chosen = meshing.method == "mapped" or meshing.columns or meshing.rows or first.method == "given"
+    chosen = meshing.columns or meshing.rows or first.method == "given"
     associated = settings.flow != "section" or is_dilating_fully(section.strata)
     return settings.accuracy > 0.0 and not chosen and associated
+
+
+def next_mesh(section: Section, meshing: MeshSettings, mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
+    """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
+
+    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one.
+    Raises what ``adapted`` does.
+    """
+    if meshing.method == "mapped":
+        return with_finer_strips(mesh, strain, cells)
+    return adapted(section, meshing, mesh, strain, cells)
 
 
 def adapted_answer(
@@ -192,7 +206,7 @@ def answer_beside(
     if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
         return first
     try:
-        mesh = adapted(section, meshing, found.mesh, same.mechanism.plastic_shear_strain, len(found.mesh.cells))
+        mesh = next_mesh(section, meshing, found.mesh, same.mechanism.plastic_shear_strain, len(found.mesh.cells))
         listener(f"limit load of {len(mesh.cells)} cells")
         own = critical_at_once(section, mesh, other, comm, found.result.ground.faces)
     except NoAnswerError:
@@ -297,7 +311,7 @@ def solve_adaptively(
         if not reason:
             assert result.mechanism is not None
             try:
-                finer = adapted(section, settings, mesh, result.mechanism.plastic_shear_strain, wanted)
+                finer = next_mesh(section, settings, mesh, result.mechanism.plastic_shear_strain, wanted)
                 answer = solve(finer)
                 if answer.mechanism is None:
                     reason = f"there is no answer on the next mesh: {answer.reason}"

@@ -1,0 +1,100 @@
+"""Columns and rows of a mapped mesh, and finer ones where a mechanism goes through.
+
+Opposite edges of quadrilaterals follow each other through a strip of cells from boundary to boundary; in a mapped mesh
+these strips are its columns and its rows. A strip that is cut lengthwise leaves all others as they are.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from meshes.quad_mesh import QuadMesh
+from meshes.quality import areas
+
+
+@dataclass(frozen=True, eq=False)
+class Strips:
+    """The strips of a mesh of m cells and e edges.
+
+    Attributes
+    ----------
+    edges : ndarray (e, 2)
+        Ends of the edges, the smaller number first.
+    of_cell : ndarray (m, 4)
+        Numbers of the edges from corner to corner of every cell.
+    of_edge : ndarray (e,)
+        The strip that every edge lies across.
+    """
+
+    edges: np.ndarray
+    of_cell: np.ndarray
+    of_edge: np.ndarray
+
+
+def strips_of(mesh: QuadMesh) -> Strips:
+    """The strips of a mesh."""
+    ends = np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=-1)
+    edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    of_cell = number.reshape(-1, 4)
+    opposite = np.concatenate([of_cell[:, [0, 2]], of_cell[:, [1, 3]]])
+    graph = coo_array((np.ones(len(opposite)), opposite.T), shape=(len(edges), len(edges)))
+    return Strips(edges, of_cell, connected_components(graph, directed=False)[1])
+
+
+def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> QuadMesh:
+    """The mesh with strips cut lengthwise, where it helps most, so that it has about so many ``cells``, no fewer.
+
+    What helps is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a strip, for
+    each cell that the cut adds.
+    """
+    strips = strips_of(mesh)
+    size = areas(mesh.points, mesh.cells)
+    length = np.hypot(*(mesh.points[strips.edges[:, 0]] - mesh.points[strips.edges[:, 1]]).T)
+    own = strips.of_edge[strips.of_cell[:, :2]]
+    width = 0.5 * (length[strips.of_cell[:, :2]] + length[strips.of_cell[:, 2:]])
+    count = int(strips.of_edge.max()) + 1
+    worth = np.bincount(own.ravel(), ((indicator * size)[:, None] * width).ravel(), minlength=count)
+    added = np.bincount(own.ravel(), minlength=count)
+    order = np.argsort(-worth / np.maximum(added, 1), kind="stable")
+    cut = order[: 1 + int(np.searchsorted(np.cumsum(added[order]), cells - len(mesh.cells)))]
+    return _cut(mesh, strips, np.isin(strips.of_edge, cut))
+
+
+def _cut(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:
+    """The mesh with the ``marked`` edges halved, opposite ones together."""
+    n, (a, b, c, d) = len(mesh.points), mesh.cells.T
+    place = np.full(len(marked), -1)
+    place[marked] = n + np.arange(np.count_nonzero(marked))
+    first, second, third, fourth = place[strips.of_cell].T
+    along, across = first >= 0, second >= 0
+    both = along & across
+    centre = np.full(len(mesh.cells), -1)
+    centre[both] = n + np.count_nonzero(marked) + np.arange(np.count_nonzero(both))
+    parts = (
+        (~along & ~across, ((a, b, c, d),)),
+        (along & ~across, ((a, first, third, d), (first, b, c, third))),
+        (across & ~along, ((a, b, second, fourth), (fourth, second, c, d))),
+        (both, ((a, first, centre, fourth), (first, b, second, centre), (centre, second, c, third),
+                (fourth, centre, third, d))),
+    )  # fmt: skip
+    cells = [np.column_stack(corners)[which] for which, quads in parts for corners in quads]
+    stratum = [mesh.stratum[which] for which, quads in parts for _ in quads]
+    middles = mesh.points[strips.edges[marked]].mean(axis=1)
+    centres = mesh.points[mesh.cells[both]].mean(axis=1)
+    key = np.array([n, 1])
+
+    def halves(boundary: np.ndarray) -> np.ndarray:
+        between = place[np.searchsorted(strips.edges @ key, np.sort(boundary, axis=1) @ key)]
+        whole = between < 0
+        pairs = [np.column_stack([boundary[:, 0], between]), np.column_stack([between, boundary[:, 1]])]
+        return np.concatenate([boundary[whole], *(pair[~whole] for pair in pairs)])
+
+    return replace(
+        mesh,
+        points=np.vstack([mesh.points, middles, centres]),
+        cells=np.concatenate(cells),
+        stratum=np.concatenate(stratum),
+        boundaries={name: halves(edges) for name, edges in mesh.boundaries.items()},
+    )
