@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import workflow.stages
+from dem.team import Team
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import (
     AssemblyProperties,
@@ -35,6 +36,7 @@ from workflow.results.discs import (
 from workflow.results.history import write_histories
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
+from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -144,7 +146,7 @@ def draw(store: Store, name: str, title: str) -> None:
         figure.savefig(path, format="png")
 
 
-def calibrate_stage(run: Input, store: Store, progress: Progress, reached: bool = True) -> None:
+def calibrate_stage(run: Input, store: Store, progress: Progress, team: Team, reached: bool = True) -> None:
     """As if calibrated: a journal that grows, then the answer."""
     kc = FemAnswer.read(store).kc
     journal = store.folder / "dem/trials.jsonl"
@@ -161,13 +163,14 @@ def calibrate_stage(run: Input, store: Store, progress: Progress, reached: bool 
         raise NoAnswerError("the range of stiffness does not reach it", "widen [dem] range")
 
 
-def out_of_reach(run: Input, store: Store, progress: Progress) -> None:
+def out_of_reach(run: Input, store: Store, progress: Progress, team: Team) -> None:
     """As if the calibration were out of reach."""
-    calibrate_stage(run, store, progress, reached=False)
+    calibrate_stage(run, store, progress, team, reached=False)
 
 
-def slide_stage(run: Input, store: Store, progress: Progress, cases: tuple[int, ...] | None) -> None:
+def slide_stage(job: Job) -> None:
     """As if the cases had been computed."""
+    store, progress, cases = job.store, job.progress, job.cases
     CalibrationAnswer.read(store)
     wanted = {number: CASES[number] for number in CASES if cases is None or number in cases}
     for number in wanted:
