@@ -64,11 +64,12 @@ def assess(
     settings: FemSettings,
     comm: Any,
     listener: AssessmentListener,
+    box_depth: float = 0.0,
 ) -> Assessment:
     """Find the critical Kh and what stands beside it, beginning with a ``first`` mesh.
 
-    Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its own
-    weight.
+    ``box_depth`` (m): in the rigid box, failures of cohesionless faces are left out down to this depth at least. Raises
+    InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its weight.
     """
     search = _Search(section, meshing, first, comm, listener)
     try:
@@ -89,8 +90,9 @@ def assess(
     if associated is None and search.is_substituted(settings):
         associated = search.at_once("Kh with ψ = φ", one_way.model_copy(update={"flow": "associated"}))
     box: AdaptiveResult[CriticalResult] | None = None
-    if settings.rigid_box and settings.sides != "fixed" and critical.verdict != "undecided":
-        box = search.rigid_box(one_way, adapted, mesh)
+    deeper = box_depth > settings.least_depth and bool(critical.skins)
+    if settings.rigid_box and (settings.sides != "fixed" or deeper) and critical.verdict != "undecided":
+        box = search.rigid_box(one_way, adapted, mesh, box_depth)
     doubts = doubts_of(critical, mesh, associated.result if associated else None)
     factors = [found for kh in settings.safety_factor_at if (found := search.or_doubt(one_way, kh, mesh, doubts))]
     return Assessment(critical, mesh, adapted, opposite, associated, box, factors, doubts)
@@ -137,10 +139,12 @@ class _Search:
         return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, self._saying(what))
 
     def rigid_box(
-        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, depth: float
     ) -> AdaptiveResult[CriticalResult]:
-        """The answer between fixed sides, with a push where the ground fails, as discs are pushed."""
-        fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
+        """The answer between fixed sides, with a push where the ground fails, as discs are pushed; no failures of
+        cohesionless faces that are less deep."""
+        depth = max(depth, settings.least_depth)
+        fixed = settings.model_copy(update={"sides": "fixed", "kh": (), "least_depth": depth})
         start = None
         if adapted and settings.sides != "tied":
             told = self._saying("Kh, fixed sides")

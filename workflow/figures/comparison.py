@@ -107,16 +107,16 @@ def _surfaces(results: Results, name: str) -> bool:
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
-        sides = results.fem.sides_for_discs if results.fem is not None else "the same"
-        label = f"FEM, {sides} sides: largest shear strain along x"
+        terms = results.fem.terms_for_discs if results.fem is not None else "the same sides"
+        label = f"FEM, {terms}: middle of the shear"
         lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
         if end is not None and end.slip_surface:
-            label = f"FEM: largest shear strain along x, {end.label}"
+            label = f"FEM: middle of the shear, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
     if both is not None and both.dem:
-        label = "discs: largest shear strain along x, when they fail"
+        label = "discs: middle of the shear, when they fail"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
         return False

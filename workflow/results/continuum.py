@@ -56,7 +56,7 @@ class KeptState(Part):
     past_equilibrium: bool = Field(description="whether there is no equilibrium at this Kh")
     largest_displacement_m: float = Field(description="since gravity")
     failed_share_by_stratum: dict[str, float] = Field(description="share of the cells at failure, 0 to 1")
-    slip_surface: Line = Field(description="points [x, elevation] of the largest shear strain along x (m)")
+    slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
 
 
 class FactorOfSafety(Part):
@@ -107,8 +107,11 @@ class RigidBox(Part):
     kc_upper: float = Field(description="what the critical Kh may be at most")
     verdict: Verdict
     reason: str
-    slip_surface: Line = Field(description="points [x, elevation] of the largest shear strain along x (m)")
+    slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
     curve: tuple[PathStep, ...]
+    deeper_than_m: float | None = Field(
+        default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
+    )
 
     @property
     def has_kc(self) -> bool:
@@ -179,6 +182,12 @@ class FemAnswer(Answer):
         curve = self._for_discs.curve
         near = (step.displacement for step in curve if step.factor >= YIELDED * self.kc_for_discs)
         return min(near, default=curve[-1].displacement)
+
+    @property
+    def terms_for_discs(self) -> str:
+        """In words, what this critical Kh is for: sides, and how deep failures are."""
+        deep = self._for_discs.deeper_than_m if isinstance(self._for_discs, RigidBox) else None
+        return f"{self.sides_for_discs} sides" + (f", failures deeper than {deep:.2g} m" if deep else "")
 
     @property
     def sides_for_discs(self) -> str:

@@ -15,6 +15,9 @@ def inputs(stage: Stage, job: Job) -> dict[str, str]:
     prints = {"section": fingerprint_of(section_data(job.given)), "the program": program(stage)}
     for table in stage.tables:
         prints[f"[{table}]"] = fingerprint_of(_settings(stage, table, job.given))
+    for name in stage.heeds:
+        table, key = name.split(".")
+        prints[name] = fingerprint_of(getattr(job.given, table).model_dump(mode="json")[key])
     for name, path in stage.files(job).items():
         prints[name] = _of_file(path)
     for other in job.stages:

@@ -58,6 +58,7 @@ class Stage:
     needs: the stages whose results it reads.
     tables: the tables of settings that matter to it.
     ignores: settings in these tables that change nothing in its results, as "table.key".
+    heeds: settings of other tables that matter to it, as "table.key".
     files: the user's own files that it reads, by what people call them.
     results: patterns of the files in which it leaves its results.
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
@@ -79,6 +80,7 @@ class Stage:
     needs: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
     ignores: tuple[str, ...] = ()
+    heeds: tuple[str, ...] = ()
     files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
     results: tuple[str, ...] = ()
     read: Callable[[Store], object] = lambda store: None

@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
+# Radii of discs down to which they cannot fail like a cohesionless face, grain by grain: two discs.
+DISCS_DEEP = 4.0
+
+
 def work(job: Job) -> None:
     """Find the critical Kh with all ranks that there are, and draw what it was found from."""
     from workflow.results.stored_mesh import stored_mesh
@@ -68,6 +72,7 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
+    from dem.ground import disc_radius
     from fem.assessment import assess
     from meshes.quad_mesh import save
     from workflow.figures.fem import draw_all
@@ -85,12 +90,13 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         )
 
     progress("gravity", None)
-    found = assess(given, given.mesh, mesh, given.fem, comm, tell)
+    depth = DISCS_DEEP * disc_radius(given, given.dem) if given.dem.model == "soil" else 0.0
+    found = assess(given, given.mesh, mesh, given.fem, comm, tell, depth)
     result = found.critical
     if store is not None:
         with store.writing(FEM_FILE) as path:
             save(found.mesh, path)
-        answer_of(given, found).write(store)
+        answer_of(given, found, depth).write(store)
         write_fields(given, found.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}; pictures", None)
         draw_all(given, FemResults.load(given, store), store)
@@ -98,8 +104,11 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(given: Input, found: "Assessment") -> FemAnswer:
-    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
+def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswer:
+    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety.
+
+    ``depth`` (m): of failures that the discs of the rigid box cannot show.
+    """
     from fem.judges import is_doubtful
 
     result, mesh, adapted = found.critical, found.mesh, found.adapted
@@ -142,7 +151,7 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state, result) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor) for factor in found.safety),
-        rigid_box=_rigid_box(found.rigid_box),
+        rigid_box=_rigid_box(found.rigid_box, depth),
     )
 
 
@@ -162,8 +171,8 @@ def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
     )
 
 
-def _rigid_box(found: "AdaptiveResult[CriticalResult] | None") -> RigidBox | None:
-    """What is kept of the same search with fixed sides."""
+def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> RigidBox | None:
+    """What is kept of the same search with fixed sides; ``depth`` as in ``answer_of``."""
     from fem.slip_surface import slip_surface
 
     if found is None:
@@ -175,6 +184,7 @@ def _rigid_box(found: "AdaptiveResult[CriticalResult] | None") -> RigidBox | Non
         reason=found.result.reason,
         slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
         curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
+        deeper_than_m=depth if found.result.skins else None,
     )
 
 
@@ -239,6 +249,7 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     tables=("fem",),
+    heeds=("dem.model", "dem.radius", "dem.elements"),  # how small the failures are that discs can show
     seconds=lambda given: 20.0 if given.mesh.columns or given.fem.accuracy == 0.0 else 100.0,
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,

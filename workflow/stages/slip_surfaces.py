@@ -40,7 +40,9 @@ def _excess_above(given: Input, store: Store, line: np.ndarray, fem: FemAnswer) 
     from fem.given_surface import critical_above
 
     mesh = fem_mesh(given, store, fem.mesh.method)
-    settings = given.fem.model_copy(update={"sides": fem.sides_for_discs, "direction": fem.direction})
+    depth = (fem.rigid_box and fem.rigid_box.deeper_than_m) or given.fem.least_depth
+    wish = {"sides": fem.sides_for_discs, "direction": fem.direction, "least_depth": depth}
+    settings = given.fem.model_copy(update=wish)
     try:
         excess = critical_above(given, mesh, settings, line, MPI.COMM_SELF).excess
     except NoAnswerError:
