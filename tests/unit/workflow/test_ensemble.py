@@ -17,8 +17,6 @@ from workflow.ensemble.ensemble import Ensemble, Row
 from workflow.ensemble.kept import Kept, Outcome
 from workflow.ensemble.task import Task
 
-OVERHEAD = 0.02  # s for each task, beyond the import of a worker
-
 
 def totals(count: int) -> list[Task[Numbers, Number]]:
     return [Task(total, Numbers(values=(0.1 * k, 0.2))) for k in range(count)]
@@ -134,13 +132,3 @@ def test_a_scheduler_that_exists_is_used_and_one_that_does_not_is_told(tmp_path:
     assert [row.answer for row in rows] == [Number(value=0.1 * k + 0.2) for k in range(3)]
     with pytest.raises(InputError, match="expected an address such as tcp://"):
         Ensemble(tmp_path, scheduler="nowhere").rows(totals(4))
-
-
-def test_overhead_of_a_task(tmp_path: Path) -> None:
-    count = 300
-    start = time.perf_counter()
-    Ensemble(tmp_path, 2).rows([Task(total, Numbers(values=(0.5,)))])  # the import of workers and one task
-    alone = time.perf_counter() - start
-    start = time.perf_counter()
-    Ensemble(tmp_path, 2).rows([Task(total, Numbers(values=(0.1 * k, 3.0))) for k in range(count)])
-    assert (time.perf_counter() - start - alone) / count < OVERHEAD
