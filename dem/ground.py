@@ -133,7 +133,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
 
 def ground_of(section: Section, settings: DemSettings) -> Ground:
     """Discs of a section as the settings say. Raises InputError where they cannot be had."""
-    radius = disc_radius(section, settings)
+    radius = settings.mean_radius(section)
     kind = settings.packing
     fits = box_fits(section, radius)
     if kind == "auto":
@@ -150,16 +150,6 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
         return _box(section, radius) if kind == "box" else _cut(section, settings, kind, radius)
     except ValueError as error:
         raise InputError(section.name, [f"dem, packing: {error}"]) from error
-
-
-def radius_for(section: Section, elements: int) -> float:
-    """Radius (m) of which about so many discs of a triangular lattice fill the section."""
-    return float(np.sqrt(section.layering.areas().sum() / elements / (4.0 * ROW)))
-
-
-def disc_radius(section: Section, settings: DemSettings) -> float:
-    """Mean radius (m) of random packings: as given, or for about as many discs as are."""
-    return settings.radius or radius_for(section, settings.elements)
 
 
 def downhill(section: Section) -> int:

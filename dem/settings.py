@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, StrictBool
 
 from meshes.section.quantity import Length
@@ -122,10 +123,16 @@ class DemSettings(Model):
             found.append(f"dem, range = {list(self.range)}: expected two rising positive numbers")
         return found
 
+    def mean_radius(self, section: Section) -> float:
+        """Mean radius of the discs (m): as given, or that with which `elements` fill the section as a lattice."""
+        return self.radius or float(np.sqrt(section.layering.areas().sum() / self.elements / np.sqrt(12.0)))
+
 
 Seconds = Annotated[float, Field(ge=0.0)]
 Seed = Annotated[int, Field(ge=0)]
 PackingCount = Annotated[int, Field(ge=1, le=10_000)]
+
+
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
 

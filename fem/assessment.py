@@ -92,7 +92,7 @@ def assess(
     box: AdaptiveResult[CriticalResult] | None = None
     deeper = box_depth > settings.least_depth and bool(critical.skins)
     if settings.rigid_box and (settings.sides != "fixed" or deeper) and critical.verdict != "undecided":
-        box = search.rigid_box(one_way, adapted, mesh, box_depth)
+        box = search.rigid_box(one_way, adapted, mesh, box_depth if deeper else 0.0)
     doubts = doubts_of(critical, mesh, associated.result if associated else None)
     factors = [found for kh in settings.safety_factor_at if (found := search.or_doubt(one_way, kh, mesh, doubts))]
     return Assessment(critical, mesh, adapted, opposite, associated, box, factors, doubts)

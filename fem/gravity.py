@@ -181,7 +181,8 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
     inside = strong.stratum_at(*problem.points().T)
     names, own = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
     for strip in strips:
-        problem.material[inside == names.index(strip.name)] = own.index(strip.name)
+        if strip.name in names:  # one that is strengthened as a whole is not
+            problem.material[inside == names.index(strip.name)] = own.index(strip.name)
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.loads import push
 from fem.settings import FemSettings
+from meshes.section.layering import CENTIMETRE
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
@@ -105,13 +106,15 @@ def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings)
 
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
     the least depth, vertically: with it they carry Kh = (γ / γs - Kv) tan φ, at which the same sand would fail on level
-    ground. It goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7 kPa.
+    ground. It goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7 kPa. A stratum that is
+    nowhere thicker than that is such a stratum as a whole.
     """
     strips = [(_number(section, face), _strip(section, face, settings)) for face in faces]
     strata: list[Stratum] = []
     for k, stratum in enumerate(section.strata):
         strata += [strip for number, strip in strips if number == k]
-        strata.append(stratum)
+        if _left_over(section, k, faces, settings) > CENTIMETRE:
+            strata.append(stratum)
     data = section.model_dump(mode="python", exclude_none=True, by_alias=True, include=set(Section.model_fields))
     data["strata"] = [s.model_dump(mode="python", exclude_none=True, by_alias=True) for s in strata]
     return Section.parse(data, section.name)
@@ -119,6 +122,17 @@ def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings)
 
 def _number(section: Section, face: Skin) -> int:
     return next(k for k, stratum in enumerate(section.strata) if stratum.name == face.stratum)
+
+
+def _left_over(section: Section, k: int, faces: Sequence[Skin], settings: FemSettings) -> float:
+    """The largest thickness (m) of a stratum outside of the strips below its faces."""
+    layers = section.layering
+    thickness = np.maximum(layers.left[:, k] - layers.left[:, k + 1], layers.right[:, k] - layers.right[:, k + 1])
+    for face in faces:
+        if face.stratum == section.strata[k].name:
+            below = (layers.x[:-1] >= face.start) & (layers.x[1:] <= face.end)
+            thickness = thickness - np.where(below, settings.least_depth, 0.0)
+    return float(thickness.max())
 
 
 def _strip(section: Section, face: Skin, settings: FemSettings) -> Stratum:

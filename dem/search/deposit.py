@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dem.ground import Ground, disc_radius, downhill, in_stratum
+from dem.ground import Ground, downhill, in_stratum
 from dem.laboratory.patch import POROSITY
 from dem.model import DiscModel
 from dem.packing import Packing, random_packing
@@ -62,7 +62,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
     layers_of gives the springs of all strata for a mean radius and a void ratio. Raises InputError where no packing
     fits, NotSettledError where the ground does not come to rest.
     """
-    radius = disc_radius(section, settings)
+    radius = settings.mean_radius(section)
     ground = _filled(section, settings, radius)
     layers = list(layers_of(radius, FIRST_VOIDS))
     settled = settle(ground, layers, settings, shaken=False)
@@ -93,7 +93,7 @@ def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
     """The ground that a checkpoint of settled soil discs stands for."""
     packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
-    radius = disc_radius(section, settings)
+    radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
 
 

@@ -72,7 +72,6 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
-    from dem.ground import disc_radius
     from fem.assessment import assess
     from meshes.quad_mesh import save
     from workflow.figures.fem import draw_all
@@ -90,7 +89,7 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         )
 
     progress("gravity", None)
-    depth = DISCS_DEEP * disc_radius(given, given.dem) if given.dem.model == "soil" else 0.0
+    depth = DISCS_DEEP * given.dem.mean_radius(given) if given.dem.model == "soil" else 0.0
     found = assess(given, given.mesh, mesh, given.fem, comm, tell, depth)
     result = found.critical
     if store is not None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 
-from dem.ground import radius_for
 from meshes.errors import InputError, NoAnswerError
 from workflow.ensemble.ensemble import Ensemble, OnRow, Row
 from workflow.results.answer import SectionLabel
@@ -28,7 +27,7 @@ def run(
     if not any(stratum.liquefies_in for stratum in given.strata):
         raise InputError(given.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"])
     store.write_text("section.toml", given.to_toml())
-    radius = given.dem.radius or radius_for(given, given.dem.elements)
+    radius = given.dem.mean_radius(given)
     finer = [_with(given, radius=radius * share, step=given.slide.step) for share in RADII]
     slower = [_with(given, radius=radius, step=given.slide.step * share) for share in STEPS]
     rows = ensemble.rows([task_of(one, SLIDES, store) for one in (*finer, *slower)], on_row)

@@ -61,6 +61,17 @@ def test_the_strip_follows_the_face_and_ends_with_its_stratum():
     )
 
 
+def test_a_stratum_thinner_than_the_least_depth_is_strengthened_as_a_whole() -> None:
+    """S-13's first sand is 2 m thick at most: below 3 m of it nothing is left that could have a thickness."""
+    section = Section.read(SECTIONS / "s13.toml")
+    deep = FemSettings(least_depth=3.0)
+    [face] = skins(section, deep)
+    strong = strengthened(section, [face], deep)
+    assert len(strong.strata) == len(section.strata)
+    assert strong.strata[0].name.startswith("1 Ts, skin")
+    assert strong.layering.areas() == pytest.approx(section.layering.areas())
+
+
 def test_the_skin_governs_a_bank_of_sand_and_not_a_gentle_slope():
     [face] = governing_skins(bank(), FIXED)
     whole = kh_bounds(strengthened(bank(), [face], FIXED), FIXED, BoundsSettings(gap=0.2, max_cells=1500))

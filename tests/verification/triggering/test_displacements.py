@@ -110,7 +110,7 @@ def test_towhatas_truss_on_s13() -> None:
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
-    found = {one.method: one for one in empirical(Input.parse(data), 0.2)}
+    found = {one.method: one for one in empirical(Input.parse(data), 0.2, np.zeros((0, 2)))}
     level = found["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words
