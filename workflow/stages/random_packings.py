@@ -74,7 +74,7 @@ def random_packings(job: Job, continuum: Continuum, first: First) -> RandomPacki
             for number, slide in found.items():
                 slides[number].append(slide)
         done += len(some)
-    return RandomPackings(seeds=tuple(seeds), cases={number: _case(found) for number, found in slides.items()})
+    return RandomPackings(seeds=tuple(seeds), cases={number: _case(slides[number]) for number in sorted(slides)})
 
 
 @dataclass(frozen=True)
