@@ -6,6 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+# Code that is called by what ignores exceptions: imports, and what LLVM tells of a kernel that it has compiled.
+SWALLOWING = ("<frozen importlib", "llvmlite/binding/executionengine.py")
+
 
 class _Memory:
     """What SIGINT calls in a block of `remembered`."""
@@ -15,7 +18,7 @@ class _Memory:
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         self.came = True
-        if not _importing(frame):
+        if not _is_lost_in(frame):
             raise KeyboardInterrupt
 
     def check(self) -> None:
@@ -29,9 +32,9 @@ def remembered() -> Iterator[Callable[[], None]]:
     """Remember every Ctrl-C in this block, so that one which a library swallows can be raised again.
 
     Yields a function to be called now and then: it raises KeyboardInterrupt if there was a Ctrl-C and the program has
-    gone on all the same. Ctrl-C still raises KeyboardInterrupt at once, except in the middle of an import, where Python
-    would print the exception and go on. A block within a block shares its memory. A program that was told to ignore
-    Ctrl-C (as by nohup) keeps ignoring it.
+    gone on all the same. Ctrl-C still raises KeyboardInterrupt at once, except in the middle of an import, or where the
+    compiler of kernels calls back: there Python would print the exception and go on. A block within a block shares its
+    memory. A program that was told to ignore Ctrl-C (as by nohup) keeps ignoring it.
     """
     before = signal.getsignal(signal.SIGINT)
     if isinstance(before, _Memory):
@@ -65,9 +68,9 @@ def postponed() -> Iterator[None]:
         before(*came[0])
 
 
-def _importing(frame: FrameType | None) -> bool:
+def _is_lost_in(frame: FrameType | None) -> bool:
     while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
+        if any(place in frame.f_code.co_filename for place in SWALLOWING):
             return True
         frame = frame.f_back
     return False

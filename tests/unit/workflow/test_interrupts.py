@@ -26,6 +26,19 @@ def test_a_swallowed_interrupt_comes_again() -> None:
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_in_a_callback_of_the_compiler_it_waits() -> None:
+    """What is raised there Python prints and forgets."""
+    code = compile(
+        "def notify():\n    kill()\n    return 'went on'", "/lib/llvmlite/binding/executionengine.py", "exec"
+    )
+    space = {"kill": lambda: os.kill(os.getpid(), signal.SIGINT)}
+    exec(code, space)
+    with remembered() as check:
+        assert space["notify"]() == "went on"  # type: ignore[operator]
+        with pytest.raises(KeyboardInterrupt):
+            check()
+
+
 def test_a_block_within_a_block_shares_its_memory() -> None:
     with remembered() as outer:
         swallow()
