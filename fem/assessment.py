@@ -146,7 +146,7 @@ class _Search:
         depth = max(depth, settings.least_depth)
         fixed = settings.model_copy(update={"sides": "fixed", "kh": (), "least_depth": depth})
         start = None
-        if adapted and depth > settings.least_depth and adapted.result.skins:  # another ground just below the faces
+        if adapted and depth > settings.least_depth:  # another ground just below the faces
             mesh = self.at_once("Kh, fixed sides", fixed).mesh
         elif adapted and settings.sides != "tied":
             told = self._saying("Kh, fixed sides")

@@ -9,13 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from fem.at_once import cohesionless_faces
+from fem.at_once import critical_at_once
 from fem.direct_limit import direct_limit
-from fem.gravity import at_the_sides
-from fem.loads import push
-from fem.nodal_loads import seismic_load
 from fem.settings import FemSettings
-from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
@@ -46,19 +42,15 @@ def critical_above(
 ) -> GivenSurface:
     """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
 
-    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``at_the_sides``
-    does, NoAnswerError where the flow has no unique limit load or the solver leaves none.
+    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``critical_at_once``
+    does.
     """
-    settings = settings.model_copy(update={"element": "reduced"})
-    faces = cohesionless_faces(section, settings)
-    problem, _, constant = at_the_sides(section, mesh, settings, comm, faces)
-    if not problem.associated:
-        raise NoAnswerError("without normality there is no unique limit load", 'set fem.flow = "davis"')
-    load = seismic_load(problem, mesh, section, push(section, settings))
-    anywhere = direct_limit(problem, mesh, constant, load)
-    below = _below(section, line, problem.grid.node_points)
+    ground = critical_at_once(section, mesh, settings, comm).ground
+    assert ground.limit is not None
+    problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
     problem.hold_components(~problem.free | np.repeat(below, 2))
-    return GivenSurface(anywhere.multiplier, direct_limit(problem, mesh, constant, load).multiplier)
+    above = direct_limit(problem, mesh, ground.constant, ground.load)
+    return GivenSurface(ground.limit.multiplier, above.multiplier)
 
 
 def _below(section: Section, line: np.ndarray, points: np.ndarray) -> np.ndarray:
