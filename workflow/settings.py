@@ -16,6 +16,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
+from meshes.section.quantity import Length
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.accelerogram import Accelerogram
@@ -24,6 +25,7 @@ from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
 from workflow.triggering.assessment import Assessment, assess
 from workflow.triggering.consequences import left, pore_pressures
+from workflow.triggering.free_face import FreeFaceSettings
 from workflow.triggering.settings import TriggeringSettings
 from workflow.uncertain.path import changed, plain
 from workflow.uncertain.settings import StudySettings, UncertainSettings
@@ -47,6 +49,14 @@ class FigureSettings(Model):
     )
 
 
+class Observed(Model):
+    """A displacement that was measured, a table [[report.observed]]."""
+
+    name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
+    displacement: Length = Field(description='how far the ground went, such as "0.26 m"')
+    source: str = Field(default="", description="where that is told")
+
+
 class ReportSettings(Model):
     """What stands at the head of the report, a table [report]; what is empty is left out."""
 
@@ -56,6 +66,9 @@ class ReportSettings(Model):
     number: str = Field(default="", description="the number of the report, or its revision")
     standard: str = Field(default="", description="the standard that it follows")
     logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
+    observed: tuple[Observed, ...] = Field(
+        default=(), description="one table [[report.observed]] for each measured displacement, drawn beside all others"
+    )
 
 
 Variant = Literal["mesh", "element", "step", "dilation", "sides"]
@@ -116,6 +129,9 @@ class Input(Section):
     triggering: TriggeringSettings = Field(
         default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"
     )
+    free_face: FreeFaceSettings = Field(
+        default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
+    )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),
         description="a table [uncertain] of numbers that have a distribution, by their paths",
@@ -130,7 +146,7 @@ class Input(Section):
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
-        problems = self.mesh.problems(self) + self.dem.problems(self)
+        problems = self.mesh.problems(self) + self.dem.problems(self) + self.free_face.problems(self.ground)
         count = len(self.slide.cases) + len(self.triggering.cases)
         problems += [
             f'strata {k} "{s.name}", liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, '

@@ -22,6 +22,7 @@ from workflow.estimates.lateral_spread import (
     why_not_youd,
     youd,
     zhang,
+    zhang_free_face,
 )
 from workflow.estimates.sliding_block import newmark
 from workflow.estimates.slope_displacement import (
@@ -40,9 +41,10 @@ from workflow.triggering.assessment import Judged, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
 YOUD_RANGE = (
-    "M 6-8, slopes of 0.1-6 %, 1-15 m with (N1)60 below 15, fines up to 50 %, D50 0.1-1 mm; within a factor of 2"
+    "M 6-8, slopes of 0.1-6 % or free faces of W = 1-20 %, 1-15 m with (N1)60 below 15, fines up to 50 %, "
+    "D50 0.1-1 mm; within a factor of 2"
 )
-ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %; strains down to 23 m; within a factor of 2"
+ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free face; strains down to 23 m; factor of 2"
 
 
 def empirical(given: Input, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
@@ -133,8 +135,7 @@ def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
 
 
 def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
-    slope = 100.0 * math.tan(mean_inclination(given))
-    yield _zhang(given, tests, slope)
+    yield _zhang(given, tests)
     distance, magnitude = given.earthquake.distance, given.earthquake.magnitude
     if magnitude is None or distance is None:
         return
@@ -148,20 +149,30 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
     site = Spreading(
         magnitude,
         distance / 1000.0,
-        slope,
+        _slope(given),
         _mean_of_borings(tests, lambda its: sum(t.bottom - t.top for t in its if t in loose)),
         _weighted([test for test, _ in known], [float(one.fines or 0.0) for _, one in known]),
         _weighted([test for test, _ in known], [1000.0 * float(one.d50 or 0.0) for _, one in known]),
+        bool(given.free_face),
     )
     outside = why_not_youd(site)
-    words = f"outside its range: {outside}" if outside else (
-        f"M {magnitude:g}, R = {site.distance:g} km, S = {slope:.2f} %, T15 = {site.thickness:.1f} m, "
-        f"F15 = {site.fines:.0f} %, D50 = {site.d50:.2g} mm"
-    )  # fmt: skip
+    words = (
+        f"M {magnitude:g}, R = {site.distance:g} km, {'W' if site.free_face else 'S'} = {site.slope:.3g} %, "
+        f"T15 = {site.thickness:.1f} m, F15 = {site.fines:.0f} %, D50 = {site.d50:.2g} mm"
+    )
+    words += f": outside its range: {outside}" if outside else ""
     yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None if outside else youd(site), words, YOUD, YOUD_RANGE)
 
 
-def _zhang(given: Input, tests: Sequence[Judged], slope: float) -> Estimate:
+def _slope(given: Input) -> float:
+    """W = 100 H/L (%) where there is a free face, else the mean slope of the ground (%)."""
+    if given.free_face:
+        distance, height = given.free_face.distance_and_height(given.ground)
+        return 100.0 * height / distance
+    return 100.0 * math.tan(mean_inclination(given))
+
+
+def _zhang(given: Input, tests: Sequence[Judged]) -> Estimate:
     def index(its: Sequence[Judged]) -> float:
         return displacement_index(
             [
@@ -172,11 +183,18 @@ def _zhang(given: Input, tests: Sequence[Judged], slope: float) -> Estimate:
         )
 
     ldi = _mean_of_borings(tests, index)
-    outside = _outside(("slope (%)", slope, (0.2, 3.5)))
-    words = f"LDI = {ldi:.2f} m, the mean of the borings, S = {slope:.2f} %"
+    words = f"LDI = {ldi:.2f} m, the mean of the borings, "
+    if given.free_face:
+        distance, height = given.free_face.distance_and_height(given.ground)
+        words += f"{distance:.1f} m from the foot of a bank of {height:.1f} m"
+        outside, slide = _outside(("L/H", distance / height, (4.0, 40.0))), zhang_free_face(ldi, distance, height)
+    else:
+        slope = _slope(given)
+        words += f"S = {slope:.2f} %"
+        outside, slide = _outside(("slope (%)", slope, (0.2, 3.5))), zhang(ldi, slope)
     words += f": outside its range: {outside}" if outside else ""
-    slide = None if outside else zhang(ldi, slope)
-    return Estimate("spread", "Zhang, Robertson & Brachman (2004)", slide, words, ZHANG, ZHANG_RANGE)
+    method = "Zhang, Robertson & Brachman (2004)"
+    return Estimate("spread", method, None if outside else slide, words, ZHANG, ZHANG_RANGE)
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:

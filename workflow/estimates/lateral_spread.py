@@ -26,10 +26,11 @@ class Spreading:
     Attributes
     ----------
     magnitude, distance : of the earthquake; the distance in km
-    slope : of the ground (%)
+    slope : of the ground (%), or W = 100 H/L (%) where a free face of height H lies L away
     thickness : of saturated layers with (N1)60 below 15 (m)
     fines : their mean content of fines (%)
     d50 : their mean grain size (mm)
+    free_face : whether there is one
     """
 
     magnitude: float
@@ -38,18 +39,21 @@ class Spreading:
     thickness: float
     fines: float
     d50: float
+    free_face: bool = False
 
 
 def youd(site: Spreading) -> float:
-    """Displacement (m) of gently sloping ground: Youd, Hansen & Bartlett (2002), Eq. 6b.
+    """Displacement (m): Youd, Hansen & Bartlett (2002), Eq. 6b for gently sloping ground, 6a towards a free face.
 
     log D = -16.213 + 1.532 M - 1.406 log R* - 0.012 R + 0.338 log S + 0.540 log T + 3.413 log(100 - F)
-    - 0.795 log(D50 + 0.1), R* = R + 10^(0.89 M - 5.64), R at least 0.5 km.
+    - 0.795 log(D50 + 0.1), R* = R + 10^(0.89 M - 5.64), R at least 0.5 km; towards a free face -16.713 and
+    0.592 log W in the place of the first and of the fourth but one.
     """
     distance = max(0.5, site.distance)
     near = distance + 10.0 ** (0.89 * site.magnitude - 5.64)
-    logarithm = -16.213 + 1.532 * site.magnitude - 1.406 * math.log10(near) - 0.012 * distance
-    logarithm += 0.338 * math.log10(site.slope) + 0.540 * math.log10(site.thickness)
+    begins, power = (-16.713, 0.592) if site.free_face else (-16.213, 0.338)
+    logarithm = begins + 1.532 * site.magnitude - 1.406 * math.log10(near) - 0.012 * distance
+    logarithm += power * math.log10(site.slope) + 0.540 * math.log10(site.thickness)
     logarithm += 3.413 * math.log10(100.0 - site.fines) - 0.795 * math.log10(site.d50 + 0.1)
     return 10.0**logarithm
 
@@ -58,7 +62,7 @@ def why_not_youd(site: Spreading) -> str:
     """Why a site lies outside the range of Youd et al.; empty where it does not."""
     limits = (
         ("magnitude", site.magnitude, 6.0, 8.0, ""),
-        ("slope", site.slope, 0.1, 6.0, " %"),
+        ("free-face ratio", site.slope, 1.0, 20.0, " %") if site.free_face else ("slope", site.slope, 0.1, 6.0, " %"),
         ("thickness with (N1)60 below 15", site.thickness, 1.0, 15.0, " m"),
         ("fines", site.fines, 0.0, 50.0, " %"),
         ("mean grain size", site.d50, 0.1, 1.0, " mm"),

@@ -1,4 +1,4 @@
-"""Displacements by all methods in one picture: other methods, the discs, and what was observed on S-13."""
+"""Displacements by all methods in one picture: other methods, the discs, and what was measured."""
 
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter
@@ -11,7 +11,6 @@ from workflow.results.results import Results
 SMALLEST = 0.005  # m: what is less is drawn here
 ROW = 0.024  # height of a row over the width of the picture
 PAPER = (("paper, case 2", 3.3), ("paper, case 3", 4.9))  # m, Sec. 4(3)
-FIELD = 3.0  # m, Sec. 3(1)
 # Colours, and marks that tell them apart on paper without colours.
 OTHERS, SLIDES, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (INK, "x")
 
@@ -24,8 +23,9 @@ def displacements(results: Results, name: str) -> bool:
     rows += [
         (f"discs, {results.given.called(number)}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())
     ]
-    observed = results.given.name == "s13"
-    if observed:
+    observed = results.given.report.observed
+    is_s13 = results.given.name == "s13"
+    if is_s13:
         rows += [(words, value, PAPERS) for words, value in PAPER]
     if len(rows) < 2:
         return False
@@ -46,10 +46,13 @@ def displacements(results: Results, name: str) -> bool:
     ]
     if any(value < SMALLEST for _, value, _ in rows):
         handles.append(Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing"))
-    if observed:
-        axes.axvline(FIELD, color=CRITICAL, linewidth=1.2)
+    if is_s13:
         handles.append(_handle(PAPERS, "the paper"))
-        handles.append(Line2D([], [], color=CRITICAL, label="measured in the field, about 3 m"))
+    for one in observed:
+        axes.axvline(one.displacement, color=CRITICAL, linewidth=1.2)
+    if observed:
+        words = ", ".join(f"{one.name}: {one.displacement:.3g} m" for one in observed)
+        handles.append(Line2D([], [], color=CRITICAL, label=words))
     sheet.legend(handles, 5)
     with results.store.writing(name) as path:
         sheet.save(path)

@@ -99,7 +99,7 @@ def _css_text(text: str) -> Markup:
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
     """What the user wants at the head of the report: pairs of a word and a text."""
-    return [(name, text) for name, text in report if name != "logo" and text]
+    return [(name, text) for name, text in report if name != "logo" and isinstance(text, str) and text]
 
 
 def _logo(file: str) -> str:
