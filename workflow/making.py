@@ -68,6 +68,9 @@ def to_be_given(path: Path) -> list[str]:
 
 
 def _told(found: Connected) -> list[str]:
-    far = [f"{one.log.name} {abs(one.beside):.1f} m" for one in found.borings if abs(one.beside) > 0.05]
+    everything = (*found.borings, *found.soundings)
+    far = [f"{one.log.name} {abs(one.beside):.1f} m" for one in everything if abs(one.beside) > 0.05]
     beside = [f"Beside the line: {', '.join(far)}."] if far else []
-    return [f"{len(found.borings)} borings, strata {', '.join(found.names)}.", *beside]
+    cones = sum(bool(one.log.cones) for one in everything)
+    more = f", cones in {cones} of {len(everything)}" if cones else ""
+    return [f"{len(found.borings)} borings with layers{more}, strata {', '.join(found.names)}.", *beside]

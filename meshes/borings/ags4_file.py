@@ -1,4 +1,4 @@
-"""Borings from an AGS4 file: its groups LOCA, GEOL and ISPT."""
+"""Borings from an AGS4 file: its groups LOCA, GEOL, ISPT, SCPG and SCPT."""
 
 import csv
 import math
@@ -7,34 +7,38 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from meshes.borings.ags4_cone import cones_of
 from meshes.borings.boring import Sample
-from meshes.borings.log import Log, LogLayer, layer_problems
+from meshes.borings.log import Log, LogLayer, cone_problems, layer_problems
 from meshes.errors import InputError
 
 
 def read_ags4(path: Path) -> list[Log]:
-    """The borings of a file that have layers, in its order. Raises InputError with all problems."""
+    """The borings of a file that have layers or a cone, in its order. Raises InputError with all problems."""
     try:
         text = path.read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         raise InputError(str(path), [f"cannot be read: {error.strerror}"]) from None
     groups = groups_of(text)
-    if missing := [name for name in ("LOCA", "GEOL") if not groups.get(name)]:
-        raise InputError(
-            str(path), [f"group {name}: missing; expected the borings and their layers" for name in missing]
-        )
+    if not groups.get("LOCA"):
+        raise InputError(str(path), ["group LOCA: missing; expected the borings"])
+    if not groups.get("GEOL") and not groups.get("SCPT"):
+        raise InputError(str(path), ["group GEOL: missing; expected the layers of the borings, or SCPT, their cones"])
     problems: list[str] = []
     found = [_log(row, groups, problems) for row in groups["LOCA"]]
     logs = [log for log in found if log is not None]
     if not logs and not problems:
-        problems.append("no boring of LOCA has layers in GEOL")
+        problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
     if problems:
         raise InputError(str(path), problems)
     return logs
 
 
 def groups_of(text: str) -> dict[str, list[dict[str, str]]]:
-    """The rows of data of every group, each by its headings (AGS4, rules 3-4: GROUP, HEADING, UNIT, TYPE, DATA)."""
+    """The rows of data of every group, each by its headings (AGS4, rules 3-4: GROUP, HEADING, UNIT, TYPE, DATA).
+
+    The units stand in a group of their own, "SCPT UNIT" of SCPT.
+    """
     groups: dict[str, list[dict[str, str]]] = {}
     group = ""
     heads: list[str] = []
@@ -45,6 +49,8 @@ def groups_of(text: str) -> dict[str, list[dict[str, str]]]:
             groups.setdefault(group, [])
         elif kind == "HEADING":
             heads = cells
+        elif kind == "UNIT" and group:
+            groups[f"{group} UNIT"] = [dict(zip(heads, cells, strict=False))]
         elif kind == "DATA" and group:
             groups[group].append(dict(zip(heads, cells, strict=False)))
     return groups
@@ -52,12 +58,14 @@ def groups_of(text: str) -> dict[str, list[dict[str, str]]]:
 
 def _log(row: dict[str, str], groups: dict[str, list[dict[str, str]]], problems: list[str]) -> Log | None:
     name = row.get("LOCA_ID", "")
-    mine = [one for one in groups["GEOL"] if one.get("LOCA_ID") == name]
-    if not mine:
-        return None
+    mine = [one for one in groups.get("GEOL", []) if one.get("LOCA_ID") == name]
     before = len(problems)
+    cones = cones_of(name, groups, problems)
+    problems += cone_problems(name, cones)
+    if not mine and not cones:
+        return None
     place = (_number(row, "LOCA_NATE", name, problems), _number(row, "LOCA_NATN", name, problems))
-    ground = _number(row, "LOCA_GL", name, problems)
+    ground = _number(row, "LOCA_GL", name, problems) if mine else math.nan
     layers = []
     for one in mine:
         label = one.get("GEOL_GEOL") or one.get("GEOL_LEG") or ""
@@ -67,11 +75,11 @@ def _log(row: dict[str, str], groups: dict[str, list[dict[str, str]]], problems:
         layers.append(LogLayer(label, top, bottom, "", one.get("GEOL_DESC", "")))
     layers = _joined(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups.get("ISPT", []), problems)
-    if len(problems) == before:
+    if len(problems) == before and mine:
         problems += layer_problems(name, layers)
     if len(problems) > before:
         return None
-    return Log(name, place, ground, tuple(layers), samples)
+    return Log(name, place, ground, tuple(layers), samples, cones=cones)
 
 
 def _joined(layers: list[LogLayer]) -> list[LogLayer]:

@@ -29,11 +29,12 @@ class Connected:
 
     Attributes
     ----------
-    borings : from left to right
+    borings : those with layers, from left to right
     names : of the strata, from the top down
     x : of borings and the middles between them (m)
     ground : elevations there
     bottoms : (strata, x) elevations of their bottoms; where a stratum is not, that of the one above
+    soundings : those without layers, from left to right
     """
 
     borings: tuple[Placed, ...]
@@ -41,12 +42,13 @@ class Connected:
     x: np.ndarray
     ground: np.ndarray
     bottoms: np.ndarray
+    soundings: tuple[Placed, ...] = ()
 
 
 def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
-    """The borings along the line through the two that are farthest apart, or at the x that they give.
+    """The borings along the line through the two with layers that are farthest apart, or at the x that they give.
 
-    Raises InputError where two share a name or a place, or where one lies off the line.
+    Raises InputError where two share a name or a place, where one lies off the line, or a sounding beyond the borings.
     """
     names = [log.name for log in logs]
     problems = [f"boring {name}: there are {names.count(name)} of this name" for name in dict.fromkeys(names)
@@ -54,8 +56,8 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     along = [math.isnan(log.place[1]) for log in logs]
     if any(along) and not all(along):
         problems.append("some borings have an x, others easting and northing; expected the same of all")
-    if len(logs) < 2:
-        problems.append("there is only one boring; expected two or more, from one end of the section to the other")
+    if sum(bool(log.layers) for log in logs) < 2:
+        problems.append("fewer than two borings have layers; expected them from one end of the section to the other")
     if problems:
         raise InputError("borings", problems)
     if all(along):
@@ -63,6 +65,8 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     else:
         points = np.array([log.place for log in logs])
         apart = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+        layered = np.array([bool(log.layers) for log in logs])
+        apart[~layered] = apart[:, ~layered] = 0.0
         first, last = sorted(np.unravel_index(int(apart.argmax()), apart.shape))
         if apart[first, last] == 0.0:
             raise InputError("borings", ["all borings stand at the same place"])
@@ -72,8 +76,12 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
                     for log, away in zip(logs, beside, strict=True) if abs(away) > off_line]  # fmt: skip
         found = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, beside, strict=True)]
     found.sort(key=lambda one: one.x)
-    problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(found)
+    layers = [one for one in found if one.log.layers]
+    problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m" for a, b in pairwise(layers)
                  if b.x - a.x < 1e-3]  # fmt: skip
+    ends = [one.x for one in layers]
+    problems += [f"sounding {one.log.name}: at x = {one.x:g} m it stands beyond the borings with layers, "
+                 f"{ends[0]:g} to {ends[-1]:g} m" for one in found if not ends[0] <= one.x <= ends[-1]]  # fmt: skip
     if problems:
         raise InputError("borings", problems)
     return tuple(found)
@@ -107,8 +115,10 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
 
     What lies below a boring's end is taken level from the nearest boring that reached it. Raises InputError.
     """
-    borings = placed(logs, off_line)
-    names = order(logs)
+    everything = placed(logs, off_line)
+    borings = tuple(one for one in everything if one.log.layers)
+    soundings = tuple(one for one in everything if not one.log.layers)
+    names = order([one.log for one in borings])
     at = np.array([one.x for one in borings])
     levels = np.array([one.log.ground_level for one in borings])
     known = [[_bottom(one.log, name, names) for name in names] for one in borings]
@@ -124,7 +134,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
             there = [value for value in values if value is not None]
             level = float(np.mean(there)) if len(there) == len(values) else float(above[place])
             bottoms[k, place] = min(level, float(above[place]))
-    return Connected(borings, names, x, ground, bottoms)
+    return Connected(borings, names, x, ground, bottoms, soundings)
 
 
 UNKNOWN = math.nan  # below the end of a boring

@@ -1,9 +1,10 @@
 """A boring log as a file has it: where it was bored, what was met, and what was measured."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from meshes.borings.boring import Sample
+from meshes.borings.boring import Cone, Sample
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,10 @@ class Log:
     name : of the boring
     place : (easting, northing) in m, or (x, nan) where it is given along the section
     ground_level : elevation of the ground (m)
-    layers : from the top down
+    layers : from the top down; none of a sounding
     samples : blow counts from the top down
     water_level : elevation of the water table (m); None if not known
+    cones : cone resistances from the top down
     """
 
     name: str
@@ -37,6 +39,7 @@ class Log:
     layers: tuple[LogLayer, ...]
     samples: tuple[Sample, ...] = field(default=())
     water_level: float | None = None
+    cones: tuple[Cone, ...] = field(default=())
 
     @property
     def bottom(self) -> float:
@@ -58,3 +61,9 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     if layers and abs(layers[0].top) > 1e-6:
         told.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
     return told
+
+
+def cone_problems(name: str, cones: Sequence[Cone]) -> list[str]:
+    """Depths of a sounding that do not rise."""
+    return [f"sounding {name}: {b.depth:g} m follows {a.depth:g} m; expected every depth below the one before"
+            for a, b in pairwise(cones) if b.depth <= a.depth]  # fmt: skip

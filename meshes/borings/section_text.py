@@ -8,6 +8,7 @@ import numpy as np
 
 from meshes.borings.boring import Sample
 from meshes.borings.connect import Connected
+from meshes.borings.log import Log
 
 CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
 STEEPEST = 45.0  # degrees
@@ -22,7 +23,7 @@ def _head(found: Connected, name: str) -> Iterator[str]:
     logs = [one.log for one in found.borings]
     yield "# Made from borings: " + ", ".join(log.name for log in logs) + "."
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way. Correct what is wrong."
-    for one in found.borings:
+    for one in (*found.borings, *found.soundings):
         if one.beside:
             yield f"# Boring {one.log.name} stood {abs(one.beside):.1f} m beside the line of the section."
     yield ""
@@ -92,18 +93,34 @@ def _borings(found: Connected) -> Iterator[str]:
     yield "# [earthquake]"
     yield "# magnitude = 7.5"
     yield '# peak_acceleration = "250 gal"'
-    for one in found.borings:
-        if not one.log.samples:
+    everything = sorted([*found.borings, *found.soundings], key=lambda one: one.x)
+    if any(one.log.cones for one in everything):
+        yield ""
+        yield "# [triggering]"
+        yield '# method = "boulanger_idriss_2014"     # judges by the cones; the default by blow counts'
+    for one in everything:
+        if not one.log.samples and not one.log.cones:
             continue
         yield ""
         yield "[[triggering.borings]]"
         yield f"name = {json.dumps(one.log.name, ensure_ascii=False)}"
         yield f"x = {one.x:g}"
+        yield from _tests(one.log)
+
+
+def _tests(log: Log) -> Iterator[str]:
+    if log.samples:
         yield "spt = ["
-        for sample in one.log.samples:
+        for sample in log.samples:
             more = f", fines = {sample.fines:g}" if sample.fines is not None else ""
             more += f', d50 = "{1000.0 * sample.d50:g} mm"' if sample.d50 is not None else ""
             yield f"  {{ depth = {sample.depth:g}, N = {sample.N:g}{more} }},"
+        yield "]"
+    if log.cones:
+        yield "cpt = ["
+        for cone in log.cones:
+            more = f", fines = {cone.fines:g}" if cone.fines is not None else ""
+            yield f'  {{ depth = {cone.depth:g}, qc = "{cone.qc / 1e6:g} MPa", fs = "{cone.fs / 1e3:g} kPa"{more} }},'
         yield "]"
 
 

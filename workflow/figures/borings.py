@@ -34,8 +34,13 @@ def draw(found: Connected, title: str, path: Path) -> None:
             axes.annotate(f"{sample.N:g}", place, (5, -3), textcoords="offset points", fontsize=7, color=INK)
         if log.water_level is not None:
             axes.plot(one.x, log.water_level, marker="v", color=WATER, markersize=7)
+    for one in found.soundings:
+        ground = float(np.interp(one.x, found.x, found.ground))
+        axes.plot([one.x, one.x], [ground - one.log.cones[-1].depth, ground], "--", color=INK, linewidth=1.2)
+        axes.annotate(one.log.name, (one.x, ground), (0, 4), textcoords="offset points", ha="center", fontsize=8)
+    cones = "; dashed: cones" if found.soundings else ""
     axes.set_title(
-        f"{title}: borings with N; triangles: water", fontsize=11, weight="bold", loc="left", parse_math=False
+        f"{title}: borings with N; triangles: water{cones}", fontsize=11, weight="bold", loc="left", parse_math=False
     )
     axes.set_xlabel("distance x (m)", fontsize=8)
     axes.set_ylabel("elevation (m)", fontsize=8)

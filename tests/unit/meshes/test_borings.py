@@ -162,6 +162,80 @@ def test_ags4(tmp_path: Path) -> None:
             read_ags4(written(tmp_path, text, "bad.ags"))
 
 
+CONES = """
+"GROUP","SCPG"
+"HEADING","LOCA_ID","SCPG_TESN","SCPG_CAR"
+"UNIT","","",""
+"TYPE","ID","X","2DP"
+"DATA","CPT1","1","0.80"
+
+"GROUP","SCPT"
+"HEADING","LOCA_ID","SCPG_TESN","SCPT_DPTH","SCPT_RES","SCPT_FRES","SCPT_PWP2"
+"UNIT","","","m","MN/m2","kN/m2","kN/m2"
+"TYPE","ID","X","2DP","2DP","1DP","1DP"
+"DATA","CPT1","1","0.00","0.00","0.0","0.0"
+"DATA","CPT1","1","2.00","1.50","12.0","50.0"
+"DATA","CPT1","1","2.02","1.60","-0.3","-20.0"
+"DATA","CPT1","1","2.04","","","15.0"
+"DATA","BH2","1","3.00","9.00","45.0",""
+"""
+SOUNDED = AGS4.replace('"DATA","TP1",', '"DATA","CPT1","115.00","220.00",""\n"DATA","TP1",') + CONES
+
+
+def test_cones_of_an_ags4_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """qt = 1.5 MPa + (1 - 0.8) 50 kPa; a sleeve friction below zero is none; units are those of the file."""
+    one, two, cone = sorted(read_ags4(written(tmp_path, SOUNDED, "cones.ags")), key=lambda log: log.name)
+    assert (one.cones, cone.layers) == ((), ())
+    assert [(c.depth, c.qc, c.fs) for c in cone.cones] == [
+        (2.0, pytest.approx(1.51e6), 12e3),
+        (2.02, pytest.approx(1.596e6), 0.0),
+    ]
+    assert [(c.depth, c.qc) for c in two.cones] == [(3.0, 9e6)]
+    kilopascals = SOUNDED.replace('"MN/m2"', '"kPa"').replace('"9.00","45.0"', '"9000","45.0"')
+    assert read_ags4(written(tmp_path, kilopascals, "cones.ags"))[1].cones[0].qc == 9e6
+    path = written(tmp_path, SOUNDED, "cones.ags")
+    assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 0
+    assert "2 borings with layers, cones in 2 of 3" in capsys.readouterr().out
+    data = tomllib.loads((tmp_path / "made.toml").read_text(encoding="utf-8"))
+    assert [(b["name"], b["x"], len(b.get("cpt", []))) for b in data["triggering"]["borings"]] == [
+        ("BH1", 0, 0), ("CPT1", 25, 2), ("BH2", 50, 1)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ('"DATA","CPT1","1","2.06","much","12.0",""', "SCPT_RES = 'much'"),
+        ('"DATA","CPT1","1","","2.00","12.0",""', "boring CPT1: a cone resistance without a depth, SCPT_DPTH"),
+        ('"DATA","CPT1","1","deep","2.00","12.0",""', "depth"),
+    ],
+)
+def test_bad_cones_of_an_ags4_file(line: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=told):
+        read_ags4(written(tmp_path, SOUNDED + line + "\n", "cones.ags"))
+
+
+def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Beside a file of borings; what is wrong has its line, and a sounding beyond the borings its x."""
+    borings = written(tmp_path, HEAD + "\n" + LINES)
+    text = "boring,x,depth (m),qc (MPa),fs (kPa)\nC-1,20,1.0,2.5,20\nC-1,20,1.1,2600 kPa,21\n"
+    (log,) = read_csv(written(tmp_path, text, "cones.csv"))
+    assert [(c.depth, c.qc, c.fs) for c in log.cones] == [(1.0, 2.5e6, 20e3), (1.1, 2.6e6, 21e3)]
+    cones = tmp_path / "cones.csv"
+    assert command_line.run("section", borings, cones, "-o", tmp_path / "made.toml") == 0
+    assert Input.load(tmp_path / "made.toml").triggering.borings[1].cpt == log.cones
+    assert "It is sound" in capsys.readouterr().out
+    told = problems(tmp_path, text + "C-1,20,1.05,-1,21\nC-1,20,1.0,2,20\n")
+    assert "line 4, qc = '-1 MPa'" in told
+    assert "sounding C-1: 1 m follows 1.1 m" in told
+    borings = written(tmp_path, HEAD + "\n" + LINES)
+    far = read_csv(written(tmp_path, text.replace("C-1,20", "C-1,120"), "cones.csv"))
+    with pytest.raises(
+        InputError, match=r"sounding C-1: at x = 120 m it stands beyond the borings with layers, 0 to 100"
+    ):
+        placed([*read_csv(borings), *far])
+
+
 def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, AGS4, "borings.ags")
     assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 0
