@@ -134,6 +134,7 @@ PackingCount = Annotated[int, Field(ge=1, le=10_000)]
 
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+AVERAGE = "average"  # in place of a file: the response of the layers to a record of the rock
 
 
 class Case(Model):
@@ -177,7 +178,8 @@ class SlideSettings(Model):
     )
     accelerogram: str = Field(
         default="",
-        description="a record of the base in the place of kh, a file .AT2, K-NET or .csv; positive pushes downhill",
+        description="a record of the base in the place of kh, a file .AT2, K-NET or .csv; positive pushes downhill; "
+        '"average" takes what [site_response] finds above the slip surface',
     )
     unit: Literal["", "g", "m/s^2", "gal"] = Field(
         default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
@@ -214,6 +216,8 @@ class SlideSettings(Model):
     @property
     def shaking(self) -> str:
         """What drives the slides, in words."""
+        if self.accelerogram == AVERAGE:
+            return "the average acceleration above the slip surface"
         return f"the record {Path(self.accelerogram).name}" if self.accelerogram else f"Kh = {self.kh:g}"
 
     def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:

@@ -11,7 +11,7 @@ from typing import Any, Literal, Self
 import tomli_w
 from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
-from dem.settings import Case, DemSettings, SlideSettings
+from dem.settings import AVERAGE, Case, DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.section.liquefies import Cases
@@ -34,7 +34,7 @@ from workflow.uncertain.settings import StudySettings, UncertainSettings
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
 # Settings that name a file, by table and key.
-AVERAGE = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
+K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
 FILES = (("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("report", "logo"))
 
 
@@ -147,6 +147,9 @@ class Input(Section):
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self) + self.free_face.problems(self.ground)
+        response = self.site_response
+        if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
+            problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
         count = len(self.slide.cases) + len(self.triggering.cases)
         problems += [
             f'strata {k} "{s.name}", liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, '
@@ -199,7 +202,7 @@ class Input(Section):
         Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
         """
         above = data.get("slide", {}).get("kh") if isinstance(data.get("slide"), Mapping) else None
-        if above == AVERAGE:
+        if above == K_MAX:
             return cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure
@@ -221,7 +224,7 @@ class Input(Section):
         given = cls.parse({**data, "slide": slide}, source)
         response = given.site_response
         if not response.record or response.slip_depth is None:
-            told = f'slide, kh = "{AVERAGE}": expected record and slip_depth in [site_response], or a number'
+            told = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
             raise InputError(source, [told])
         return round(column_of(given, response).k_max(float(response.slip_depth)), 4)
 
@@ -317,14 +320,14 @@ class Input(Section):
     def files(self) -> dict[str, Path]:
         """The files that the settings name, by table and key."""
         named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
-        return {f"{table}, {key}": Path(name) for (table, key), name in named.items() if name}
+        return {f"{table}, {key}": Path(name) for (table, key), name in named.items() if name not in ("", AVERAGE)}
 
 
 def _find_beside(data: Mapping[str, Any], folder: Path) -> None:
     """Make the paths of the files that settings name absolute ones."""
     for table, key in FILES:
         values = data.get(table)
-        if isinstance(values, dict) and isinstance(name := values.get(key), str) and name:
+        if isinstance(values, dict) and isinstance(name := values.get(key), str) and name not in ("", AVERAGE):
             values[key] = str((folder / name).absolute())
 
 

@@ -5,15 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
+from dem.settings import AVERAGE
 from dem.slides.drive import Shaking
 from workflow.earthquake import accelerogram
+from workflow.earthquake.column import column_of
 from workflow.settings import Input
 
 APART = 1e-6  # s between the two ends of a step of a record
 
 
 def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
-    """The record of [slide] with the times at which strata liquefy; None where Kh is held.
+    """What shakes the discs, with the times at which strata liquefy; None where Kh is held.
+
+    That is a record of the base, or the average acceleration of all above the slip surface in time (Makdisi & Seed
+    1978), which the layers make of a record of the rock.
 
     F_L is strength over stress, and the stress goes with the peak acceleration: ground with F_L = 0.6 is brought to
     liquefaction by a record of 0.6 of the peak, so it liquefies once that is reached. Raises InputError.
@@ -21,12 +26,25 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
     settings = given.slide
     if not settings.accelerogram:
         return None
-    record = accelerogram.read(Path(settings.accelerogram), settings.unit).scaled(settings.scale)
-    time = record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0))
+    time, push = _average(given) if settings.accelerogram == AVERAGE else _record(given)
+    push = settings.scale * push
     if settings.liquefies_at != "F_L":
-        return Shaking(time, record.acceleration, dict.fromkeys(strata, settings.liquefies_at))
+        return Shaking(time, push, dict.fromkeys(strata, settings.liquefies_at))
     lowest = [one.lowest for one in given.assessment().strata] if given.triggering.borings else []
     factors = {k: min(1.0, lowest[k] or 1.0) if k < len(lowest) else 1.0 for k in strata}
-    size = np.abs(record.acceleration)
+    size = np.abs(push)
     reached = {k: int(np.argmax(size >= factor * size.max())) for k, factor in factors.items()}
-    return Shaking(time, record.acceleration, {k: float(time[place] - time[0]) for k, place in reached.items()})
+    return Shaking(time, push, {k: float(time[place] - time[0]) for k, place in reached.items()})
+
+
+def _record(given: Input) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
+    record = accelerogram.read(Path(given.slide.accelerogram), given.slide.unit)
+    return record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
+
+
+def _average(given: Input) -> tuple[np.ndarray, np.ndarray]:
+    """The same of all above the slip surface, under the record of [site_response]."""
+    column = column_of(given, given.site_response)
+    average = column.average_above(float(given.site_response.slip_depth or 0.0))
+    return column.step * np.arange(len(average)), average

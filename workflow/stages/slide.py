@@ -1,5 +1,9 @@
 """The stage `slide`: how far the calibrated discs slide once layers have liquefied."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
+from dem.settings import AVERAGE
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
@@ -25,6 +29,14 @@ def seconds(given: Input) -> float:
     return 35.0 * given.disc_work * packings * (1 + len(given.cases))
 
 
+def files(job: Job) -> Mapping[str, Path]:
+    """The record that shakes the discs: that of the base, or that of the rock where its response does."""
+    average = job.given.slide.accelerogram == AVERAGE
+    table = "site_response," if average else "slide,"
+    return {f"{name}{', averaged' if average else ''}": path for name, path in job.given.files().items()
+            if name.startswith(table)}  # fmt: skip
+
+
 STAGE = Stage(
     name="slide",
     what="slides once layers have liquefied",
@@ -32,10 +44,10 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("calibrate",),
-    tables=("dem", "slide", "earthquake", "triggering"),
+    tables=("dem", "slide", "earthquake", "triggering", "site_response"),
     seconds=seconds,
-    ignores=("slide.accelerogram",),  # what the file holds counts, not where it lies
-    files=lambda job: {name: path for name, path in job.given.files().items() if name.startswith("slide,")},
+    ignores=("slide.accelerogram", "site_response.record"),  # what the file holds counts, not where it lies
+    files=files,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,
     pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png", "figures/profiles.png"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from meshes.errors import InputError
-from tests.support.sections import slope
+from tests.support.sections import problems, slope
 from workflow.settings import Input
 from workflow.stages.shaking import shaking_of
 
@@ -57,3 +57,29 @@ def test_kh_that_is_held_has_no_record_and_a_missing_one_is_told(tmp_path: Path)
     (tmp_path / "record.csv").unlink()
     with pytest.raises(InputError, match="no such accelerogram"):
         shaking_of(given, [0])
+
+
+def test_the_average_above_the_slip_surface_in_time(tmp_path: Path) -> None:
+    """The discs feel what the layers make of a record of the rock: its peak is k_max."""
+    time = np.arange(0.0, 8.0, 0.01)
+    values = 0.1 * np.sin(2.0 * np.pi * 1.5 * time) * np.exp(-(((time - 4.0) / 1.5) ** 2))
+    lines = "\n".join(f"{t:.3f}, {a:.7f}" for t, a in zip(time, values, strict=True))
+    (tmp_path / "rock.csv").write_text(f"time (s), a (g)\n{lines}\n")
+    response = {"record": str(tmp_path / "rock.csv"), "slip_depth": "6 m", "x": 10.0}
+    data = {**slope(), "site_response": response}
+    given = Input.parse({**data, "slide": {"accelerogram": "average", "liquefies_at": 3.0}})
+    found = shaking_of(given, [0])
+    assert found is not None
+    largest = Input.parse({**data, "slide": {"kh": "k_max"}}).slide.kh
+    assert np.abs(found.push).max() / 9.80665 == pytest.approx(largest, abs=1e-4)
+    assert len(found.push) == len(time)
+    assert found.onsets == {0: 3.0}
+    assert given.files() == {"site_response, record": tmp_path / "rock.csv"}
+    assert given.slide.shaking == "the average acceleration above the slip surface"
+    twice = Input.parse({**data, "slide": {"accelerogram": "average", "scale": -2.0}})
+    pushed = shaking_of(twice, [0])
+    assert pushed is not None
+    np.testing.assert_allclose(pushed.push, -2.0 * found.push)
+    del response["slip_depth"]
+    told = problems({**data, "slide": {"accelerogram": "average"}}, Input)
+    assert 'slide, accelerogram = "average": expected record and slip_depth in [site_response]' in "\n".join(told)
