@@ -34,6 +34,8 @@ LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
 # Iterations of Newton's method while a load is brought on associated ground: easy ground needs fewer, other ground is
 # brought to rest under an overstress that fades.
 DIRECT = 10
+# Heights of the mesh that are told apart where cohesion grows with depth.
+LEVELS = 256
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
@@ -154,9 +156,11 @@ def under_weight(
     strata = soils(section, settings)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
     strips = [s for s in strong.strata if s.name not in mesh.strata]
-    problem = PlaneStrain(mesh, [*strata, *strips], element, comm, settings.threads, settings.flow, settings.davis)
+    soil = [*strata, *strips, *(level for s in strata for level in levels(s, mesh))]
+    problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)
     _lay(strata if mesh.method == "free" else [], strong, problem)
     _lay(strips, strong, problem)
+    _lay_levels(len(strata) + len(strips), mesh, problem)
     if settings.sides == "tied":
         problem.tie("left", "right", section)
     else:
@@ -183,6 +187,26 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
     for strip in strips:
         if strip.name in names:  # one that is strengthened as a whole is not
             problem.material[inside == names.index(strip.name)] = own.index(strip.name)
+
+
+def levels(stratum: Stratum, mesh: QuadMesh) -> list[Stratum]:
+    """Soils of one cohesion each for the heights of a stratum whose cohesion grows with depth; none of any other."""
+    if not stratum.cohesion_increase:
+        return []
+    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
+    middle = low + (np.arange(LEVELS) + 0.5) * (high - low) / LEVELS
+    cohesion = np.maximum(stratum.cohesion_at(middle), 0.0)
+    return [stratum.model_copy(update={"cohesion": float(c), "cohesion_increase": 0.0}) for c in cohesion]
+
+
+def _lay_levels(first: int, mesh: QuadMesh, problem: PlaneStrain) -> None:
+    """Give the quadrature points of strata whose cohesion grows the soil of their level, of which the ``first`` is."""
+    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
+    at = np.clip((problem.points()[:, 1] - low) / (high - low) * LEVELS, 0, LEVELS - 1).astype(np.int64)
+    for k in [k for k, soil in enumerate(problem.strata) if soil.cohesion_increase]:
+        mine = problem.material == k
+        problem.material[mine] = first + at[mine]
+        first += LEVELS
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:

@@ -40,6 +40,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             cohesion = max(cohesion, LEAST * stress)
         change = {
             "cohesion": cohesion,
+            "cohesion_increase": kept.cohesion * strata[k].cohesion_increase,
             "friction_angle": friction,
             "dilation_angle": 0.0,
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),

@@ -64,8 +64,9 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         force = 0.5 * plain.sum() * (elevation[k] - elevation[k + 1])
         factor = -resultants[k] / force if force > 0.0 else 1.0
         sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
-        active = np.maximum(((1.0 - sin) * vertical - 2.0 * soil.cohesion * cos) / (1.0 + sin), 0.0)
-        passive = ((1.0 + sin) * vertical + 2.0 * soil.cohesion * cos) / (1.0 - sin)
+        cohesion = soil.cohesion_at(elevation[k : k + 2])
+        active = np.maximum(((1.0 - sin) * vertical - 2.0 * cohesion * cos) / (1.0 + sin), 0.0)
+        passive = ((1.0 + sin) * vertical + 2.0 * cohesion * cos) / (1.0 - sin)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
         found.append(-np.clip(factor * plain, lowest, highest))

@@ -65,7 +65,7 @@ def skins(section: Section, settings: FemSettings, friction: Sequence[float] | n
     for i, k in enumerate(surface_of):
         soil = section.strata[k]
         angle = float(np.arctan(sign * (layers.left[i, 0] - layers.right[i, 0]) / layers.width[i]))
-        if soil.cohesion > 0.0 or angle <= 0.0 or soil.density_seismic == 0.0:
+        if soil.cohesion + soil.cohesion_increase > 0.0 or angle <= 0.0 or soil.density_seismic == 0.0:
             continue
         phi = soil.friction_angle if friction is None else friction[k]
         seeps, light, held = _water_at(section, i, int(k), settings.least_depth)

@@ -13,6 +13,7 @@ import numpy as np
 from dem.laboratory.element_table import SHARES, middle_stresses
 from dem.laboratory.strength_map import StrengthMap, strength_map
 from dem.springs import LayerSprings, Strength, soil_discs
+from meshes.section.growth import evened
 from meshes.section.section import Section, Stratum
 
 SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
@@ -73,11 +74,12 @@ def failure_strength(stratum: Stratum, pressure: np.ndarray) -> np.ndarray:
 
 
 def soil_layers(section: Section, known: StrengthMap | None = None) -> list[SoilLayer]:
-    """All strata of a section, from the top down."""
+    """All strata of a section, from the top down; one cohesion each, where it grows with depth that of the middle."""
+    strata = evened(section.strata, section.layering)
     table = known or strength_map()
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
-    return [_fitted(s, float(v) if v > 0.0 else typical, table) for s, v in zip(section.strata, stresses, strict=True)]
+    return [_fitted(s, float(v) if v > 0.0 else typical, table) for s, v in zip(strata, stresses, strict=True)]
 
 
 def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:

@@ -77,7 +77,7 @@ def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
     """
     mean = 0.5 * (stress[..., 0] + stress[..., 1])
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
-    cohesion, friction = problem.cohesion[:, None], problem.friction[:, None]
+    cohesion, friction = problem.cohesion, problem.friction[:, None]
     return cohesion * np.cos(friction) - mean * np.sin(friction) - radius
 
 
@@ -158,7 +158,7 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
 def dissipation(problem: LimitProblem, rates: np.ndarray) -> np.ndarray:
     """An upper limit of the dissipation in every cell (m,), of strain rates (m, 3, 3) that obey the flow rule."""
     volume, shear = rates[..., 0] + rates[..., 1], np.hypot(rates[..., 0] - rates[..., 1], rates[..., 2])
-    cohesion, friction = problem.cohesion[:, None], problem.friction[:, None]
+    cohesion, friction = problem.spread_cohesion, problem.friction[:, None]
     clay = friction == 0.0
     apex = np.where(clay, 0.0, cohesion / np.tan(np.where(clay, 1.0, friction)))
     return problem.mesh.areas / 3.0 * np.sum(np.where(clay, cohesion * shear, apex * volume), axis=1)

@@ -17,7 +17,7 @@ from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
-from fem.strength import is_dilating_fully
+from fem.strength import davis_factor, is_dilating_fully
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY
@@ -129,6 +129,9 @@ def body_of(
     The pore pressure that shaking adds is there if the ground is ``shaken``.
     """
     cohesion, friction = strengths(section.strata, davis)
+    growth = np.array([s.cohesion_increase for s in section.strata])
+    if davis:
+        growth = growth * davis_factors(section.strata)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
     nothing = np.zeros(len(ordinary))
@@ -146,6 +149,7 @@ def body_of(
         live_force=np.column_stack([push(section, fem) * seismic, nothing]),
         sides=sides,
         pore_pressure=_pore_pressure(water, shaken) if water.present else None,
+        growth=growth if growth.any() else None,
     )
 
 
@@ -175,11 +179,17 @@ def _pressing(stress: SideStress, outwards: float) -> Traction:
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if asked for."""
-    cohesion = np.array([s.cohesion for s in strata])
+    """Cohesion (Pa), at elevation 0 where it grows with depth, and friction angle (rad) of the strata, reduced by
+    Davis's factor if asked for."""
+    cohesion = np.array([s.cohesion_at(0.0) for s in strata])
     friction = np.array([s.friction_angle for s in strata])
     if not davis:
         return cohesion, friction
-    dilation = np.array([s.dilation_angle for s in strata])
-    factor = np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
+    factor = davis_factors(strata)
     return factor * cohesion, np.arctan(factor * np.tan(friction))
+
+
+def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
+    """Davis's β (strata,) of the strata as they are given."""
+    friction = np.array([s.friction_angle for s in strata])
+    return davis_factor(friction, np.array([s.dilation_angle for s in strata]))

@@ -71,7 +71,7 @@ class RigidPlasticBody:
     Attributes
     ----------
     cohesion : ndarray (strata,)
-        Cohesion c in Pa.
+        Cohesion c in Pa; where it grows with depth, that at elevation 0, which may be below zero.
     friction : ndarray (strata,)
         Friction angle φ in rad; the flow rule is associated, ψ = φ.
     dead_force : ndarray (strata, 2)
@@ -83,6 +83,8 @@ class RigidPlasticBody:
     pore_pressure : Pressure or None
         Pore pressure u; None for zero. Strength is that of the effective stress σ' = σ + u, tension positive, which
         is what a problem's stress is then.
+    growth : ndarray (strata,) or None
+        What the cohesion gains per metre of depth, in Pa/m; None for nothing.
     """
 
     cohesion: np.ndarray
@@ -91,6 +93,7 @@ class RigidPlasticBody:
     live_force: np.ndarray
     sides: Mapping[str, Side]
     pore_pressure: Pressure | None = None
+    growth: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -150,8 +153,8 @@ class LimitProblem:
         The triangles, lengths over ``units.length``.
     units : Units
         What lengths and stresses are divided by.
-    cohesion : ndarray (m,)
-        Cohesion of every cell, over the unit of stress.
+    cohesion : ndarray (m, 3)
+        Cohesion at the corners of every cell, linear in between, over the unit of stress.
     friction : ndarray (m,)
         Friction angle of every cell in rad.
     dead_force : ndarray (m, 2)
@@ -174,6 +177,15 @@ class LimitProblem:
     jumps: EdgeJumps
 
     @property
+    def spread_cohesion(self) -> np.ndarray:
+        """Cohesions (m, 3) by which dissipations D at the corners of a cell sum up: ∫ c D dA <= Σ c_i D_i A/3.
+
+        D is convex where the strain rate is linear, D <= Σ D_i L_i, and c = Σ c_j L_j with the area coordinates L, so
+        that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise.
+        """
+        return 0.25 * (self.cohesion + self.cohesion.sum(axis=1, keepdims=True))
+
+    @property
     def points(self) -> np.ndarray:
         """The points (n, 2) in m."""
         return self.mesh.points * self.units.length + np.array(self.units.origin)
@@ -190,8 +202,16 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
     length = float(high[1] - low[1])
     weight = float(np.hypot(*_on_skeleton(mesh, body).T).max()) * length
     pressed = float(np.abs(_outline(mesh, body).dead).max())
-    stress = max(weight, pressed) or float(body.cohesion.max())
+    stress = max(weight, pressed) or float(corner_cohesion(mesh, body).max())
     return Units(length, stress, (float(low[0]), float(low[1])))
+
+
+def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
+    """Cohesion (m, 3) at the corners of every cell (Pa), nowhere below zero."""
+    found = np.repeat(body.cohesion[mesh.stratum][:, None], 3, axis=1)
+    if body.growth is not None:
+        found = found - body.growth[mesh.stratum][:, None] * mesh.points[mesh.cells, 1]
+    return np.asarray(np.maximum(found, 0.0))
 
 
 def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitProblem:
@@ -210,7 +230,7 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
     return LimitProblem(
         mesh=scaled,
         units=units,
-        cohesion=body.cohesion[mesh.stratum] / units.stress,
+        cohesion=corner_cohesion(mesh, body) / units.stress,
         friction=body.friction[mesh.stratum],
         dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,

@@ -61,7 +61,7 @@ def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) ->
     """
     balance, dead, live, points = equations(problem)
     free = np.repeat(~stress_free_corners(problem).ravel(), 3)
-    cohesion, friction = np.repeat(problem.cohesion, 3)[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
+    cohesion, friction = problem.cohesion.ravel()[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
     kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more

@@ -151,6 +151,7 @@ class _Search:
         weak = replace(
             self.body,
             cohesion=self.body.cohesion / factor,
+            growth=None if self.body.growth is None else self.body.growth / factor,
             friction=np.arctan(np.tan(self.body.friction) / factor),
         )
         return limit_problem(self.mesh, weak, self.units)

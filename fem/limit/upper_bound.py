@@ -62,7 +62,7 @@ def upper_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) ->
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[corners]
     program = cone_program.ConeProgram(
         strain[strains],
-        np.repeat(problem.cohesion, 3)[corners],
+        problem.spread_cohesion.ravel()[corners],
         np.repeat(problem.friction, 3)[corners],
         size[corners],
         basis.T @ dead,

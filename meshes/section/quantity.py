@@ -147,6 +147,7 @@ DENSITY = Kind(
     limits=" of 0 or more",
     times_gravity=True,
 )
+GRADIENT = Kind("a stress per length", "Pa/m", '"2 kPa/m"', minimum=0.0, limits=" of 0 or more")
 UNIT_WEIGHT = Kind(
     "a unit weight",
     "N/m^3",
@@ -165,6 +166,7 @@ Coordinate = _field(COORDINATE)
 Stiffness = _field(STIFFNESS)
 Strength = _field(STRENGTH)
 Density = _field(DENSITY)
+Gradient = _field(GRADIENT)
 UnitWeight = _field(UNIT_WEIGHT)
 Ratio = _field(RATIO)
 Angle = _field(ANGLE)

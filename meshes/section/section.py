@@ -14,6 +14,7 @@ from pydantic import Field, StrictBool, TypeAdapter, ValidationError, model_vali
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.cutting import cut
+from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
 from meshes.section.plausibility import against_the_water, implausible, not_level
@@ -86,6 +87,8 @@ class Section(Model):
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
+        if not problems:
+            problems += growth_problems(self.strata, self.layering)
         if problems:
             raise ValueError("\n".join(problems))
         return self
@@ -130,6 +133,8 @@ class Section(Model):
         told += against_the_water(self.layering, self.strata, drawn, self.water_pressure.before)
         if self.water_pressure.after is not None:
             told += not_level(self.ground, self.water_pressure.after)
+        told += [f'strata {k} "{s.name}": its cohesion grows with depth; discs have that of its middle throughout'
+                 for k, s in enumerate(self.strata, start=1) if s.cohesion_increase]  # fmt: skip
         if self.beyond is not None:
             left, right = self.given_extent
             told.append(

@@ -2,12 +2,13 @@
 
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, StrictBool, model_validator
 
 from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
 from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine, Line
-from meshes.section.quantity import Angle, Density, PoissonsRatio, Ratio, Stiffness, Strength
+from meshes.section.quantity import Angle, Coordinate, Density, Gradient, PoissonsRatio, Ratio, Stiffness, Strength
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
 NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
@@ -49,6 +50,13 @@ class Stratum(Model):
         default=MISSING, description='the density that the horizontal acceleration acts on, such as "2.0 t/m^3"'
     )
     cohesion: Strength = Field(description='a cohesion such as "10 tf/m^2"')
+    cohesion_increase: Gradient = Field(
+        default=0.0, description='what the cohesion gains per depth below cohesion_from, such as "2 kPa/m"'
+    )
+    cohesion_from: Coordinate | None = Field(
+        default=None,
+        description="the elevation (m) from which the cohesion grows; not below the stratum's highest point",
+    )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
@@ -71,6 +79,10 @@ class Stratum(Model):
         """Whether it liquefies in any case."""
         return bool(self.liquefies_in)
 
+    def cohesion_at(self, elevation: np.ndarray | float) -> np.ndarray:
+        """Cohesion (Pa) at elevations (m)."""
+        return self.cohesion + self.cohesion_increase * ((self.cohesion_from or 0.0) - np.asarray(elevation))
+
     @property
     def buoyant(self) -> bool:
         """Whether its density_ordinary has the water's uplift taken off already."""
@@ -83,6 +95,8 @@ class Stratum(Model):
             problems.append("dilation_angle above friction_angle: expected at most the friction angle")
         if len(set(self.liquefies_in)) < len(self.liquefies_in):
             problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
+        if self.cohesion_increase > 0.0 and self.cohesion_from is None:
+            problems.append("cohesion_increase without cohesion_from: expected the elevation from which it grows")
         if self.pore_pressure_ratio is not None and self.piezometric_level is not None:
             problems.append("pore_pressure_ratio and piezometric_level: expected one of them")
         if problems:

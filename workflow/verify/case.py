@@ -17,7 +17,7 @@ FOLDER = Path("tests/verification/published")
 Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "upper bound", "survey"]
 
 # What a section cannot state yet.
-Need = Literal["strength with depth", "tension crack"]
+Need = Literal["tension crack"]
 
 
 class Value(Model):

@@ -55,9 +55,7 @@ def test_sand_that_touches_the_surface_between_two_strips_has_no_stress_there():
     body = body_of(strong, mesh, settings, davis=False)
     problem = limit_problem(mesh, body, units_of(mesh, body))
     free = stress_free_corners(problem)
-    touches = (
-        np.isclose(problem.points[problem.mesh.cells], [12.0, 6.0]).all(axis=2) & (problem.cohesion == 0.0)[:, None]
-    )
+    touches = np.isclose(problem.points[problem.mesh.cells], [12.0, 6.0]).all(axis=2) & (problem.cohesion == 0.0)
     assert touches.any()
     assert np.all(free[touches])
     _, notes, stress = proven_lower_bound(problem)
