@@ -33,7 +33,7 @@ BOUNDARIES = ("surface", "base", "left", "right")
 # Tables that stand in the same file and belong to those who mesh, solve and draw.
 SETTINGS_TABLES = (
     "mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures", "report",
-    "earthquake", "site_response", "triggering", "uncertain", "study",
+    "earthquake", "site_response", "triggering", "free_face", "uncertain", "study",
 )  # fmt: skip
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
