@@ -87,7 +87,7 @@ class Section(Model):
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
-        if not problems:
+        if not problems and any(stratum.cohesion_increase for stratum in self.strata):
             problems += growth_problems(self.strata, self.layering)
         if problems:
             raise ValueError("\n".join(problems))
