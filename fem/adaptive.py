@@ -23,6 +23,7 @@ from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
+from meshes.quality import areas
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.strips import with_finer_strips
@@ -36,7 +37,7 @@ FEWEST_CELLS = 500
 # Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
 LEAST_GAIN = 0.25
 # A change is told as a share of kc, or of this Kh where kc is smaller.
-SMALLEST_KH = 0.02
+SMALLEST_KH = 0.05
 # A direction whose Kh on the first mesh is this many times the Kh of the other on its last one cannot matter: no mesh
 # is as much too strong.
 OTHER_MATTERS = 1.4
@@ -141,12 +142,13 @@ def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, setting
 def next_mesh(section: Section, meshing: MeshSettings, mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
     """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
 
-    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one.
-    Raises what ``adapted`` does.
+    Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Its
+    cells go by the shear displacement of the cells before: along a band of shear that is the same however narrow they
+    were, where strains would draw all new cells to the narrowest. Raises what ``adapted`` does.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
-    return adapted(section, meshing, mesh, strain, cells)
+    return adapted(section, meshing, mesh, strain * np.sqrt(areas(mesh.points, mesh.cells)), cells)
 
 
 def adapted_answer(

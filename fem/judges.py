@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 ROUNDING, NOTABLE = 0.005, 0.03
 # The same for two limit loads of one mesh and one loading, which the solver finds to 5e-6.
 SAME_MESH = 1e-4
-# A finite element answer is allowed so much above a strict upper bound, which is what a good mesh costs.
-ABOVE_BOUND = 0.03
+# A finite element answer is allowed so much above a strict upper bound, which is what a good mesh costs; and so much in
+# Kh, which is that share of the strength and the weight of ground that stands with little to spare.
+ABOVE_BOUND, SMALL_KH = 0.03, 0.002
 # Corner angle (degrees) below which a cell is a wedge.
 NARROW = 15.0
 # The base takes part in a mechanism if cells at it strain by this share of the largest shear strain.
@@ -148,13 +149,13 @@ def of_bounds(kc: float, lower: float | None, upper: float | None, own: bool) ->
     """A critical Kh beside strict bounds: of its own flow rule and strength (``own``), or of ψ = φ, for which only the
     upper bound speaks, since ground that dilates less cannot bear more."""
     whose = "" if own else " with ψ = φ, which no smaller ψ can exceed"
-    if upper is not None and kc > (1.0 + ABOVE_BOUND) * upper:
+    if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):
         yield Doubt(
             f"The critical Kh of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
         )
-    if own and lower is not None and kc < (1.0 - ROUNDING) * lower:
+    if own and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
         yield Doubt(
             f"The critical Kh of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
@@ -165,7 +166,7 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
     """The same thing computed in another way, by another mesh or element, that changes the critical Kh notably."""
     for other in others:
         change = other.kc / kc - 1.0
-        if abs(change) > NOTABLE:
+        if abs(change) > NOTABLE and abs(other.kc - kc) > SMALL_KH:
             yield Doubt(
                 f"With {other.what} the critical Kh is {other.kc:.3f} instead of {kc:.3f}, {100.0 * change:+.0f} %.",
                 "refine the mesh until it no longer matters, or run the bounds",

@@ -43,7 +43,7 @@ class FemSettings(Model):
         description="what may be left of the error, as a share of the critical Kh, before a finer mesh is made for the "
         "mechanism, such as 0.01; 0 takes the mesh as it is, and so do columns and rows",
     )
-    max_cells: int = Field(default=2500, ge=100, le=500_000, description="cells of the finest of these meshes")
+    max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: Literal["davis", "associated", "section"] = Field(
         default="davis",

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 
 import gmsh
 import numpy as np
+from scipy.spatial import KDTree
 
 from meshes.mapped import name_groups
+from meshes.seams import Seam, seams_of
 from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
@@ -40,6 +43,14 @@ class Sizes:
     at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     far: float = 1.0
 
+    def at(self, stratum: str, points: np.ndarray) -> np.ndarray:
+        """The size (n,) in a stratum at points (n, 2), as it is without what is wanted ``towards`` lines."""
+        size = np.full(len(points), self.strata.get(stratum, self.ordinary))
+        if len(self.corners):
+            nearest = KDTree(self.corners.reshape(-1, 2)).query(points)[1]
+            size = np.minimum(size, self.at_corners.ravel()[nearest])
+        return size
+
     def times(self, scale: float) -> "Sizes":
         """All sizes multiplied."""
         return Sizes(
@@ -59,7 +70,7 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     over as a triangle becomes three convex quadrilaterals, so that no triangle stays and no cell can fold.
     ``algorithm`` is one of ALGORITHMS.
     """
-    surfaces, curves, steps = _geometry(section, layers)
+    surfaces, curves, steps = _geometry(section, layers, sizes.times(2.0))
     _size_field(section, surfaces, curves, sizes.times(2.0), steps)
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)
@@ -84,17 +95,18 @@ def build_triangles(section: Section, sizes: Sizes) -> None:
 
 
 def _geometry(
-    section: Section, layers: Layering
+    section: Section, layers: Layering, sizes: Sizes | None = None
 ) -> tuple[dict[int, list[int]], dict[str, list[int]], dict[int, float]]:
     """The strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights (m) of
     the vertical ones.
 
-    Every polygon's edge is cut at every corner of another polygon that lies on it.
+    Every polygon's edge is cut at every corner of another polygon that lies on it. Where ``sizes`` are given, layers
+    that are thin beside them get rows of cells.
     """
     polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
-    ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
-    on_ground = np.column_stack([ends, layers.interfaces(ends)[:, 0]])  # a load ends where an edge does
-    corners = np.unique(np.concatenate([on_ground, *(polygon for _, polygon in polygons)]), axis=0)
+    corners = _corners(section, layers, [polygon for _, polygon in polygons])
+    seams = seams_of(layers, corners, partial(_size_in, section, sizes)) if sizes is not None else {}
+    corners = np.unique(np.concatenate([corners, *(seam.points() for seam in seams.values())]), axis=0)
     geo = gmsh.model.geo
     points = [geo.addPoint(x, z, 0.0) for x, z in corners]
     number = {tuple(corner): i for i, corner in enumerate(corners.tolist())}
@@ -112,6 +124,8 @@ def _geometry(
             loop.append(lines[edge] if start < end else -lines[edge])
         surfaces[k].append(geo.addPlaneSurface([geo.addCurveLoop(loop)]))
     geo.synchronize()
+    for (k, piece), seam in seams.items():
+        _make_rows(seam, surfaces[k][piece], number, lines, points)
     boundaries, interfaces = _named_curves(section, layers, corners, lines, owners)
     name_groups(section, surfaces, boundaries)
     steps = {
@@ -120,6 +134,42 @@ def _geometry(
         if corners[one, 0] == corners[other, 0]
     }
     return surfaces, {**interfaces, "surface": boundaries["surface"], "base": boundaries["base"]}, steps
+
+
+def _corners(section: Section, layers: Layering, polygons: list[np.ndarray]) -> np.ndarray:
+    """The corners (n, 2) of all polygons, and the ends of loads on the ground: there an edge ends, too."""
+    ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
+    return np.unique(np.concatenate([np.column_stack([ends, layers.interfaces(ends)[:, 0]]), *polygons]), axis=0)
+
+
+def _size_in(section: Section, sizes: Sizes, k: int, points: np.ndarray) -> np.ndarray:
+    """The size (n,) of cells in stratum k at points (n, 2), all of which count as near the lines of a thin one."""
+    own, above = section.strata[k].name, section.strata[max(k - 1, 0)].name
+    near = [size for line, size in sizes.towards.items() if line in (own, above, "surface", "base")]
+    return np.minimum(sizes.at(own, points), min(near, default=np.inf))
+
+
+def _make_rows(
+    seam: Seam,
+    surface: int,
+    number: dict[tuple[float, float], int],
+    lines: dict[tuple[int, int], int],
+    points: list[int],
+) -> None:
+    """Have gmsh fill a thin layer with columns and rows."""
+
+    def curve(start: np.ndarray, end: np.ndarray) -> int:
+        one, other = number[tuple(start.tolist())], number[tuple(end.tolist())]
+        return lines[min(one, other), max(one, other)]
+
+    for line in (seam.top, seam.bottom):
+        for start, end in pairwise(line):
+            gmsh.model.mesh.setTransfiniteCurve(curve(start, end), 2)
+    for end in (0, -1):
+        gmsh.model.mesh.setTransfiniteCurve(curve(seam.bottom[end], seam.top[end]), seam.rows + 1)
+    tags = [points[number[tuple(corner.tolist())]] for corner in seam.corners()]
+    gmsh.model.mesh.setTransfiniteSurface(surface, cornerTags=tags)
+    gmsh.model.mesh.setRecombine(2, surface)
 
 
 def _cut_ring(

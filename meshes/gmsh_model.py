@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,9 @@ from meshes.section.section import BOUNDARIES, Section
 from meshes.settings import MeshSettings
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
+
+# Where no algorithm makes a free mesh of the sizes that are wanted, one does of so much smaller ones.
+SCALES = (1.0, 0.8, 0.64)
 
 # Cells far beyond the ends of a section are this many times as large as those within.
 FAR = 3.0
@@ -50,16 +54,17 @@ def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
 
 
 def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
-    """A free mesh of the given sizes, by the first of gmsh's algorithms that leaves no bad cell.
+    """A free mesh of the given sizes, or of somewhat smaller ones, by the first of gmsh's algorithms that leaves no bad
+    cell.
 
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
     one's, if none does.
     """
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
-    for algorithm in ALGORITHMS:
+    for scale, algorithm in product(SCALES, ALGORITHMS):
         try:
-            return _built(section, "free", partial(build_free, section, layers, sizes, algorithm), path)
+            return _built(section, "free", partial(build_free, section, layers, sizes.times(scale), algorithm), path)
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None
@@ -116,6 +121,12 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         boundaries[name] = group_nodes(1, name, GMSH_LINE, 2)
     quads = np.concatenate(cells)
     used = np.unique(quads)
+    bare = [edges[~np.isin(edges, used).all(axis=1)] for edges in boundaries.values()]
+    if any(len(edges) for edges in bare):
+        place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == np.concatenate(bare)[0, 0])[0]]
+        raise BadMeshError(
+            f"gmsh left ground without cells near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size"
+        )
     points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
     return QuadMesh(
         points=points,

@@ -1,0 +1,230 @@
+"""Thin layers in a free mesh: rows of quadrilaterals from one of their lines to the other.
+
+Triangles that are larger than a layer is thick have angles of a few degrees in it, and what is made of them is no
+better. A seam is where ground fails first, so it gets columns as long as the cells there are to be, each
+between a point of its top and one of its bottom, and as many rows as its cells are to be high.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from meshes.section.layering import Layering
+
+# A layer with more rows than this, where its cells are smallest, is none: it has room for a free mesh.
+MOST_ROWS = 4
+# Columns are at most this many times as long as the layer is thick.
+MOST_ASPECT = 8.0
+# Corners of the two lines nearer to each other than this share of a column's length become one column's ends.
+NEAR = 0.5
+# Columns lean with an end over so many times its run: from upright to the end by equal steps.
+BLEND = 3.0
+# A layer whose columns would have an angle (deg) below this is none either.
+NARROW = 20.0
+# Places along a layer that differ by less than this share of its length are one.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Seam:
+    """A thin layer between two ends, each an edge of its outline.
+
+    Attributes
+    ----------
+    top, bottom : ndarray (columns + 1, 2)
+        Points (m) of its two lines, from the left to the right; the k-th of one belongs to the k-th of the other.
+    rows : int
+        Rows of cells from the bottom to the top.
+    """
+
+    top: np.ndarray
+    bottom: np.ndarray
+    rows: int
+
+    @property
+    def thickness(self) -> float:
+        """Mean length (m) of the lines between its points."""
+        return float(np.hypot(*(self.top - self.bottom).T).mean())
+
+    def narrowest(self) -> float:
+        """The smallest angle (deg) in the corners of its columns; negative where one is folded."""
+        corners = np.stack([self.bottom[:-1], self.bottom[1:], self.top[1:], self.top[:-1]], axis=1)
+        ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+        cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+        return float(np.degrees(np.arctan2(cross, (ahead * back).sum(axis=-1))).min())
+
+    def points(self) -> np.ndarray:
+        """All its points (n, 2), in m."""
+        return np.vstack([self.top, self.bottom])
+
+    def corners(self) -> np.ndarray:
+        """Its four corners (4, 2), in m."""
+        return np.array([self.bottom[0], self.bottom[-1], self.top[-1], self.top[0]])
+
+
+def seams_of(
+    layers: Layering, corners: np.ndarray, size: Callable[[int, np.ndarray], np.ndarray]
+) -> dict[tuple[int, int], Seam]:
+    """The seams of all strata by the numbers of the stratum and of the piece of it.
+
+    ``corners`` (n, 2) are the points (m) at which lines are cut; ``size`` gives for a stratum and points (k, 2) the
+    length (m) of cells there. Of two seams that lie on each other the thinner one is taken.
+    """
+    found = {
+        (k, piece): seam
+        for k in range(layers.strata)
+        for piece, polygon in enumerate(layers.polygons(k))
+        if (seam := _seam(polygon, corners, partial(size, k), layers.tolerance)) is not None
+    }
+    taken: dict[tuple[int, int], Seam] = {}
+    for place, seam in sorted(found.items(), key=lambda item: item[1].thickness):
+        if not any(_touch(other, seam, layers.tolerance) for other in taken.values()):
+            taken[place] = seam
+    return taken
+
+
+def _touch(one: Seam, other: Seam, tolerance: float) -> bool:
+    """Whether two seams have points in common."""
+    edges = [edge for line in (other.top, other.bottom) for edge in pairwise(line)]
+    return any(len(_on(*edge, one.points(), tolerance)) > 0 for edge in edges)
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """One of the two lines of a layer, and where its points lie along the layer.
+
+    Attributes
+    ----------
+    corners : ndarray (n, 2)
+        From the left to the right (m).
+    x, along : ndarray (k,)
+        Between these x (m) of the line and these (m) along the layer everything is linear.
+    """
+
+    corners: np.ndarray
+    x: np.ndarray
+    along: np.ndarray
+
+    def cut_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
+        """Its corners and those of the points (n, 2) that lie on it, from the left to the right."""
+        found = [_on(start, end, points, tolerance) for start, end in pairwise(self.corners)]
+        return np.unique(np.vstack([self.corners, *found]), axis=0)
+
+    def places(self, points: np.ndarray) -> np.ndarray:
+        """Where points (n, 2) of it lie along the layer (m)."""
+        return np.interp(points[:, 0], self.x, self.along)
+
+    def elevation(self, along: np.ndarray) -> np.ndarray:
+        """Elevation (m) of the points at a place along the layer."""
+        return np.interp(np.interp(along, self.along, self.x), *self.corners.T)
+
+    def points(self, along: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+        """The points (n, 2) at a place along the layer; of the ``fixed`` ones that which is there, to the last bit."""
+        x = np.interp(along, self.along, self.x)
+        points = np.column_stack([x, np.interp(x, *self.corners.T)])
+        nearest = np.abs(x[:, None] - fixed[:, 0]).argmin(axis=1)
+        same = np.abs(x - fixed[nearest, 0]) <= ROUNDING * np.ptp(self.x)
+        points[same] = fixed[nearest[same]]
+        return points
+
+
+def _seam(
+    polygon: np.ndarray, corners: np.ndarray, size: Callable[[np.ndarray], np.ndarray], tolerance: float
+) -> Seam | None:
+    """The outline of a layer as a seam, None if it is not one."""
+    lines = _lines(polygon)
+    if lines is None:
+        return None
+    top, bottom = lines
+    at = np.unique(np.concatenate([line.places(line.corners) for line in lines]))
+    at = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(at)]))
+    low, high = bottom.elevation(at), top.elevation(at)
+    thick = high - low
+    wanted = size(np.column_stack([np.interp(at, bottom.along, bottom.x), 0.5 * (low + high)]))
+    rows = max(1, round(float(thick.max() / wanted.min())))
+    if thick.min() <= tolerance or thick.max() >= wanted.max() or rows > MOST_ROWS:
+        return None
+    if any(len(_on(bottom.corners[end], top.corners[end], corners, tolerance)) > 2 for end in (0, -1)):
+        return None  # something ends at its end
+    length = np.minimum(wanted, MOST_ASPECT * thick)
+    on_top, on_bottom = (line.cut_at(corners, tolerance) for line in lines)
+    pairs = _paired(
+        top.places(on_top), bottom.places(on_bottom), lambda place: NEAR * float(np.interp(place, at, length))
+    )
+    ends = _divided(pairs, lambda place: np.interp(place, at, length))
+    seam = Seam(top.points(ends[:, 0], on_top), bottom.points(ends[:, 1], on_bottom), rows)
+    return seam if seam.narrowest() > NARROW else None
+
+
+def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
+    """Top and bottom of an outline, counter-clockwise, between its ends; None if it has no such lines.
+
+    An end is the edge at the outermost corner, the steeper of the two where that is one corner, as at the face of a
+    slope. Places along the layer are x, but towards an end that leans, the columns lean as well.
+    """
+    ring = np.roll(polygon, -int(np.lexsort((polygon[:, 1], polygon[:, 0]))[0]), axis=0)
+    if _steepness(ring[0], ring[-1]) < _steepness(ring[0], ring[1]):  # the left end comes first, from top to bottom
+        ring = np.roll(ring, -1, axis=0)
+    far = int(np.lexsort((-ring[:, 1], -ring[:, 0]))[0]) % len(ring)
+    after = (far + 1) % len(ring)
+    if _steepness(ring[far], ring[after]) < _steepness(ring[far], ring[far - 1]):
+        far -= 1
+    bottom, top = ring[: far + 1], ring[far + 1 :][::-1]
+    if not all(len(line) > 1 and np.all(np.diff(line[:, 0]) > 0.0) for line in (bottom, top)):
+        return None
+    middle = 0.5 * (top[[0, -1], 0] + bottom[[0, -1], 0])
+    lean = BLEND * np.abs(top[[0, -1], 0] - bottom[[0, -1], 0])
+    inner = middle + lean * [1.0, -1.0]
+    inner = inner[(lean > 0.0)] if inner[0] < inner[1] else inner[:0]
+    along = np.array([middle[0], *inner, middle[1]])
+    return _Line(top, np.array([top[0, 0], *inner, top[-1, 0]]), along), _Line(
+        bottom, np.array([bottom[0, 0], *inner, bottom[-1, 0]]), along
+    )
+
+
+def _steepness(one: np.ndarray, other: np.ndarray) -> float:
+    """Height over width of the way from one corner to another."""
+    width, height = np.abs(other - one)
+    return math.inf if width == 0.0 else float(height / width)
+
+
+def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
+    """Those of the points (n, 2) that lie on an edge, its ends included."""
+    along = (end - start) / np.hypot(*(end - start))
+    offset = points - start
+    at, off = offset @ along, np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0])
+    return points[(off <= tolerance) & (at >= -tolerance) & (at <= np.hypot(*(end - start)) + tolerance)]
+
+
+def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float]) -> np.ndarray:
+    """For every place (m) of a corner of one line that of the point of the other that it is joined with, (n, 2)."""
+    ends = sorted([(float(place), 0) for place in top[1:-1]] + [(float(place), 1) for place in bottom[1:-1]])
+    pairs = [(float(top[0]), float(bottom[0]))]
+    k = 0
+    while k < len(ends):
+        place, side = ends[k]
+        other = place
+        k += 1
+        if k < len(ends) and ends[k][1] != side and ends[k][0] - place < NEAR * length(place):
+            other = ends[k][0]
+            k += 1
+        pairs.append((place, other) if side == 0 else (other, place))
+    pairs.append((float(top[-1]), float(bottom[-1])))
+    return np.array(pairs)
+
+
+def _divided(pairs: np.ndarray, length: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The pairs (n, [top, bottom]) with columns in between that are as long as they are wanted (m)."""
+    parts = []
+    for start, end in pairwise(pairs):
+        share = np.linspace(0.0, 1.0, 201)
+        at = 0.5 * (start + share[:, None] * (end - start)).sum(axis=1)
+        count = np.concatenate([[0.0], np.cumsum(np.diff(at) / length(0.5 * (at[1:] + at[:-1])))])
+        columns = max(1, round(float(count[-1])))
+        split = np.interp(np.linspace(0.0, count[-1], columns + 1), count, share)
+        parts.append(start + split[:-1, None] * (end - start))
+    return np.vstack([*parts, pairs[-1:]])
