@@ -13,6 +13,9 @@ from meshes.section.section import Model, Section
 TABLE2_STRATA = 10
 FACTORS = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
 SEEDS: dict[str, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
+# s: sand liquefies over some cycles of shaking, and what loses its strength at once is thrown; the paper's does
+ONSET = {"soil": 5.0, "paper": 0.0}
+STEP = {"soil": 0.6, "paper": 0.3}  # soil discs have dashpots a tenth as large, and their energy balances with this
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 
@@ -147,8 +150,8 @@ class Case(Model):
     cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the cohesion of soil discs' contacts")
     residual: Share | dict[str, Share] = Field(
         default=0.0,
-        description="residual strength of soil discs over the vertical effective stress in the middle of the layer; "
-        "one for all, or one for each by the name of the stratum",
+        description="residual strength of soil discs over their vertical effective stress; one for all, or one for "
+        "each by the name of the stratum",
     )
     volumetric_strain: float = Field(
         default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
@@ -192,14 +195,17 @@ class SlideSettings(Model):
         description='seconds after the record begins at which the layers liquefy, or "F_L": each when the record first '
         "reaches the share F_L of its peak, its smallest by the blow counts, or 1 without any",
     )
-    onset: float = Field(
-        default=0.0, ge=0.0, description="seconds in which the layers liquefy and Kh comes on; 0: all at once"
+    onset: Seconds | None = Field(
+        default=None,
+        description="seconds in which the layers liquefy; 0: at once. If not given 5, some cycles of shaking, and 0 "
+        'for model = "paper"',
     )
-    step: float = Field(
-        default=0.3,
+    step: float | None = Field(
+        default=None,
         gt=0.0,
         le=0.8,
-        description="time step over the stable one; halved where energy does not balance",
+        description="time step over the stable one, halved where energy does not balance; if not given 0.6, and 0.3 "
+        'for model = "paper"',
     )
     still: float = Field(
         default=0.01, gt=0.0, description="at rest: movement of the surface (m) in 5 s, less than that twice in a row"
@@ -219,6 +225,14 @@ class SlideSettings(Model):
         if self.accelerogram == AVERAGE:
             return "the average acceleration above the slip surface"
         return f"the record {Path(self.accelerogram).name}" if self.accelerogram else f"Kh = {self.kh:g}"
+
+    def onset_of(self, model: Literal["soil", "paper"]) -> float:
+        """`onset` (s), or what it is for the model of the discs."""
+        return ONSET[model] if self.onset is None else self.onset
+
+    def step_of(self, model: Literal["soil", "paper"]) -> float:
+        """`step`, or what it is for the model of the discs."""
+        return STEP[model] if self.step is None else self.step
 
     def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:
         """`seeds`, or what they are for the model of the discs."""

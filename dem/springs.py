@@ -41,7 +41,7 @@ VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular 
 WATER_DENSITY = 1000.0  # kg/m3
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
-SOIL_DAMPING = 0.2  # of sqrt(m K), in soil discs
+SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
 
@@ -218,7 +218,7 @@ def soil_discs(
     of the soil (kg/m3): discs of void ratio e are 1 + e times as heavy in both, so that mass, weight and horizontal
     force are those of the soil that the discs stand for. (Table 2 takes buoyancy off once, not 1 + e times.)
     void_ratio: voids over discs of the packing, as measured; radius: mean of the discs (m).
-    damping_ratio: factor on sqrt(m K). Dashpots of sqrt(m K) set the stable step; a fifth of that allows 3.4 times the
+    damping_ratio: factor on sqrt(m K). Dashpots of sqrt(m K) set the stable step; a tenth of that allows 4.8 times the
     step, and what is at rest has no part in it.
     """
     if not void_ratio >= 0.0:

@@ -98,14 +98,12 @@ class StrengthMap:
         ratio = float(self.after[0, 0])
         return ratio / (1.0 + ratio)
 
-    def residual_cohesion(self, ratio: float, stress: float) -> float:
-        """C over the diameter (Pa) with which contacts without friction have this strength over their vertical stress
-        (Pa); 0 where it is less than their geometry gives them, see `least`. Ratios of the map's range, below 0.8."""
+    def residual_friction(self, ratio: float) -> float:
+        """mu with which contacts without cohesion have this strength over their vertical stress, which is below 1; 0
+        where it is less than their geometry gives them, see `least`."""
         if ratio <= self.least:
             return 0.0
-        wanted = np.log(ratio / (1.0 - ratio))
-        number = np.exp(np.interp(wanted, np.log(self.after[0]), np.log(self.cohesion + EARLY))) - EARLY
-        return float(number * (1.0 - ratio) * stress)
+        return float(np.interp(np.log(ratio / (1.0 - ratio)), np.log(self.after[:, 0]), self.friction))
 
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.

@@ -83,15 +83,15 @@ class Drive:
 
 def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> Drive:
     """Kh that comes on and is held; all strata liquefy at once, soil discs when it is there in full."""
-    lead = LEAD[start.law]
-    begin = lead + settings.onset
+    lead, onset = LEAD[start.law], settings.onset_of(start.law)
+    begin = lead + onset
     return Drive(
         acceleration=ground.held(
-            settings.kh, start.time, lead or max(settings.onset, 1e-3), settings.kh_seconds
+            settings.kh, start.time, lead or max(onset, 1e-3), settings.kh_seconds
         ),
         starts=dict.fromkeys(strata, lead),
         first=lead,
-        onset=settings.onset,
+        onset=onset,
         calm=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
         end=settings.duration,
     )  # fmt: skip
@@ -99,14 +99,14 @@ def held(start: DiscModel, ground: Ground, strata: Sequence[int], settings: Slid
 
 def shaken(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings, shaking: Shaking) -> Drive:
     """A record of the base, and calm after it; each stratum liquefies at its own time."""
-    over = float(shaking.time[-1] - shaking.time[0])
+    over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}
     first = min(starts.values(), default=0.0)
     return Drive(
         acceleration=ground.shaken(shaking.time - shaking.time[0] + start.time, shaking.push),
         starts=starts,
         first=first,
-        onset=settings.onset,
-        calm=max([over, *(begin + settings.onset for begin in starts.values())]),
+        onset=onset,
+        calm=max([over, *(begin + onset for begin in starts.values())]),
         end=over + settings.duration,
     )

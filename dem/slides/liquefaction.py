@@ -28,7 +28,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
-from dem.slides.lost_strength import held_by_geometry, liquefied, residual_cohesion
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_friction
 from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
@@ -196,12 +196,13 @@ class Slider:
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
-        self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=settings.step)
+        self.step = settings.step_of(start.law)
+        self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=self.step)
         self.layers = list(start.springs.layers)
         given = start, ground, strata, settings
         self.drive = held(*given) if shaking is None else shaken(*given, shaking)
         self.cut: set[int] = set()
-        self.residual = residual_cohesion(start, ground, strata, case)
+        self.residual = residual_friction(start, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.model = self._resumed() or self._begun()
 
@@ -215,7 +216,7 @@ class Slider:
                 dt = slide.step_share * largest_step(self.model).seconds
                 Engine(dt=dt, threads=threads).run(self.model, self._until())
             except DemError as error:
-                if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP * self.settings.step:
+                if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP * self.step:
                     self._begin_again()
                     continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"

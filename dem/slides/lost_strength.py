@@ -3,9 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from dem.ground import Ground
 from dem.laboratory.strength_map import strength_map
 from dem.model import DiscModel
 from dem.settings import Case
@@ -23,44 +20,31 @@ def liquefied(
 ) -> list[LayerSprings]:
     """The layers with some of them liquefied; share < 1: on the way, factors to that power.
 
-    residual: cohesion of a contact (N) that each liquefied layer of soil discs keeps. Overlap is limited in soil discs
-    alone, which stiffen where they are deep in each other; the paper's may go through each other.
+    residual: friction that each liquefied layer keeps at least, see `residual_friction`. Overlap is limited in soil
+    discs alone, which stiffen where they are deep in each other; the paper's may go through each other.
     """
     out = []
     for k, layer in enumerate(layers):
         if case is not None and k in which:
             power = [float(max(factor, 1e-12) ** share) if share < 1.0 else factor for factor in
                      (case.stiffness, case.damping, case.friction)]  # fmt: skip
-            kept = layer.contact_cohesion * (1.0 - share * (1.0 - case.cohesion)) + share * (residual or {}).get(k, 0.0)
-            layer = replace(layer.liquefied(*power), contact_cohesion=kept)
+            cohesion = layer.contact_cohesion * (1.0 - share * (1.0 - case.cohesion))
+            gone = layer.liquefied(*power)
+            friction = max(gone.friction, (residual or {}).get(k, 0.0))
+            layer = replace(gone, friction=friction, contact_cohesion=cohesion)
         out.append(layer if layer.stop > 0.0 else replace(layer, allowed_overlap=NO_LIMIT))
     return out
 
 
-def residual_cohesion(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case | None) -> dict[int, float]:
-    """Cohesion of a contact (N) with which strata without friction keep the residual strength of a case.
+def residual_friction(model: DiscModel, strata: Sequence[int], case: Case | None) -> dict[int, float]:
+    """mu of contacts with which strata of soil discs keep the residual strength of a case; none for the paper's discs.
 
-    The vertical stress is that in the middle of the stratum where it is most, of the discs above it; what strength
-    contacts of some cohesion have stands in `strength_map`.
+    A strength over the vertical effective stress is friction: it is the same share of it at every depth, and for discs
+    of every size, and follows the ground's own weight as that moves.
     """
-    ratios = {} if case is None else {k: case.residual_of(model.springs.layers[k].name) for k in strata}
-    if not any(ratios.values()):
+    if case is None or model.law != "soil":
         return {}
-    free = ~model.fixed
-    x, z = ground.to_section(model.x[free], model.z[free])
-    column = ((x - x.min()) / (8.0 * ground.radius)).astype(int)
-    down = np.array(model.gravity) / np.hypot(*model.gravity)
-    weight = (model.mass * (down @ np.array(model.pull)))[free] / (8.0 * ground.radius)
-    layer = model.layer[free]
-    found = {}
-    for k in strata:
-        most = 0.0
-        for c in np.unique(column[layer == k]):
-            here = column == c
-            middle = float(np.median(z[here & (layer == k)]))
-            most = max(most, float(weight[here & (z > middle)].sum()))
-        found[k] = strength_map().residual_cohesion(ratios[k], most) * 2.0 * ground.radius
-    return found
+    return {k: strength_map().residual_friction(case.residual_of(model.springs.layers[k].name)) for k in strata}
 
 
 def held_by_geometry(model: DiscModel, strata: Sequence[int], case: Case) -> list[str]:

@@ -27,12 +27,12 @@ def run(
     if not any(stratum.liquefies_in for stratum in given.strata):
         raise InputError(given.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"])
     store.write_text("section.toml", given.to_toml())
-    radius = given.dem.mean_radius(given)
-    finer = [_with(given, radius=radius * share, step=given.slide.step) for share in RADII]
-    slower = [_with(given, radius=radius, step=given.slide.step * share) for share in STEPS]
+    radius, step = given.dem.mean_radius(given), given.slide.step_of(given.dem.model)
+    finer = [_with(given, radius=radius * share, step=step) for share in RADII]
+    slower = [_with(given, radius=radius, step=step * share) for share in STEPS]
     rows = ensemble.rows([task_of(one, SLIDES, store) for one in (*finer, *slower)], on_row)
     over_radius = [radius * share for share in RADII], rows[: len(finer)]
-    over_step = [given.slide.step * share for share in STEPS], rows[len(finer) :]
+    over_step = [step * share for share in STEPS], rows[len(finer) :]
     series = [*_series("radius", *over_radius, within), *_series("step", *over_step, within)]
     missing = tuple(dict.fromkeys(row.reason for row in rows if row.answer is None))
     if not series:

@@ -20,7 +20,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.liquefaction import Slider
-from dem.slides.lost_strength import held_by_geometry, liquefied, residual_cohesion
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_friction
 from dem.springs import Strength, soil_discs
 from tests.support.dem_cases import RADIUS
 
@@ -91,7 +91,7 @@ def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, gr
 def test_soil_discs_never_pass_through_each_other(start: DiscModel, ground: Ground) -> None:
     """Without any strength and a thousandth of the stiffness discs still keep half a radius apart."""
     case = Case(stiffness=0.001)
-    slide = Slider(start, ground, [1], case, SlideSettings(duration=3.0)).run()
+    slide = Slider(start, ground, [1], case, SlideSettings(duration=3.0, onset=0.0)).run()
     assert 0.2 < slide.overlap < 0.5
 
 
@@ -133,11 +133,19 @@ def test_what_liquefied_soil_keeps(start: DiscModel, ground: Ground) -> None:
     assert both[1].friction == pytest.approx(0.2 * SAND.friction)
     assert both[1].contact_cohesion == pytest.approx(3e4)
     assert both[1].kn == pytest.approx(0.5 * SAND.kn)
-    # four rows of discs and a half lie above the middle of rows 3 and 4, buoyant
-    kept = residual_cohesion(start, ground, [1], Case(residual=0.3))[1]
-    stress = 4.5 * SAND.effective_density * 9.80665 * np.pi * RADIUS**2 / (2.0 * RADIUS)
-    assert kept == pytest.approx(2.0 * RADIUS * strength_map().residual_cohesion(0.3, stress), rel=0.2)
-    assert liquefied([SAND, clay], [1], Case(residual=0.3), 1.0, {1: kept})[1].contact_cohesion == kept
+
+
+def test_a_residual_strength_is_the_least_friction_of_soil_discs(start: DiscModel) -> None:
+    case = Case(residual=0.3)
+    kept = residual_friction(start, [1], case)
+    assert kept == {1: strength_map().residual_friction(0.3)}
+    for share in (0.2, 1.0):
+        friction = liquefied([SAND, SAND], [1], case, share, kept)[1].friction
+        assert friction == pytest.approx(max(SAND.friction * 1e-12**share, kept[1]))
+    assert liquefied([SAND, SAND], [1], Case(residual=0.3, friction=0.9), 1.0, kept)[1].friction > kept[1]
+    paper = start.copy()
+    paper.law = "paper"
+    assert residual_friction(paper, [1], case) == {}
 
 
 def test_a_layer_that_is_weaker_than_discs_can_be_is_told(start: DiscModel) -> None:

@@ -123,14 +123,14 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
 ) -> None:
     case = Case(stiffness=0.1)
     plain = Slider(start, ground, [1], case, SETTINGS).run()
-    assert plain.step_share == SETTINGS.step
+    assert plain.step_share == SETTINGS.step_of("paper")
 
     def misses(allowed: float) -> Slide:
         monkeypatch.setattr("dem.slides.liquefaction.Engine", lambda **given: Engine(**{"balance": allowed, **given}))
         return Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{allowed:g}").run()
 
     half = misses(BETWEEN)
-    assert half.step_share == SETTINGS.step / 2
+    assert half.step_share == SETTINGS.step_of("paper") / 2
     assert half.reason.split(";")[0] == plain.reason.split(";")[0]
     assert [row.time_s for row in half.rows] == pytest.approx([row.time_s for row in plain.rows], abs=0.01)
     assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
@@ -138,7 +138,7 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
     assert resumed == half
 
     never = misses(1e-12)
-    assert never.step_share == LEAST_STEP * SETTINGS.step
+    assert never.step_share == LEAST_STEP * SETTINGS.step_of("paper")
     assert "EnergyBalanceError" in never.reason
     assert not never.settled
 
