@@ -46,7 +46,7 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
         recorded = f"{given.slide.shaking}, which moves the base and all that is fixed to it as one; then it is calm"
         yield (
             "Liquefaction",
-            "Which layers liquefy, and how far, is given and not found. The slides start at once under "
+            f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(given)} under "
             + (f"{recorded}." if given.slide.accelerogram else f"{held} and ends."),
         )
         yield (
@@ -60,6 +60,12 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
                 "they are after failure, and how they dilate, is their own."
             ),
         )
+
+
+def _onset(given: Input) -> str:
+    """How fast layers liquefy."""
+    seconds = given.slide.onset_of(given.dem.model)
+    return f"over {seconds:g} s" if seconds > 0.0 else "at once"
 
 
 def _water(given: Input) -> str:

@@ -223,8 +223,10 @@ def _cases_are(given: Input) -> Iterator[str]:
         elif name not in APART:
             lost.append(name.replace("_", " "))
     called = [case["name"] for case in cases if case["name"]]
-    names = f" ({listed(called)})" if len(called) == len(cases) else ""
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""
+    names = f" ({listed(called)})" if len(called) == len(cases) else ""
+    if given.dem.paper and any(case["residual"] for case in cases):
+        nothing += "; the paper's own discs keep no residual strength"
     yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
 
