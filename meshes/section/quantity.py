@@ -22,6 +22,7 @@ NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+
 # What most files are written in: SI unit and factor. pint knows these, too, and all others, but takes a second to load.
 COMMON_UNITS = {
     "m": ("m", 1.0),
+    "km": ("m", 1e3),
     "Pa": ("Pa", 1.0),
     "kPa": ("Pa", 1e3),
     "MPa": ("Pa", 1e6),

@@ -40,6 +40,7 @@ from workflow.settings import Input
 from workflow.triggering.assessment import Judged, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
+YOUD_TITLE, ZHANG_TITLE = "Youd, Hansen & Bartlett (2002)", "Zhang, Robertson & Brachman (2004)"
 YOUD_RANGE = (
     "M 6-8, slopes of 0.1-6 % or free faces of W = 1-20 %, 1-15 m with (N1)60 below 15, fines up to 50 %, "
     "D50 0.1-1 mm; within a factor of 2"
@@ -67,6 +68,9 @@ def empirical(given: Input, kc: float | None, slip_surface: np.ndarray) -> Itera
             tests = ()
         if tests:
             yield from _spreading(given, tests)
+    elif given.earthquake.magnitude is not None:
+        for title, source, validity in ((YOUD_TITLE, YOUD, YOUD_RANGE), (ZHANG_TITLE, ZHANG, ZHANG_RANGE)):
+            yield Estimate("spread", title, None, "not computed: there are no borings", source, validity)
     for case in sorted({case for stratum in given.strata for case in stratum.liquefies_in})[:1]:
         bar = truss.truss_of(given, case)
         if bar is not None and bar.inclination > 0.0:
@@ -144,7 +148,7 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
     known = [(test, one) for test, one in known if one.fines is not None and one.d50 is not None]
     if not known:
         words = "not computed: no blow count below 15 comes with both fines and D50"
-        yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None, words, YOUD, YOUD_RANGE)
+        yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
         return
     site = Spreading(
         magnitude,
@@ -161,7 +165,7 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
         f"T15 = {site.thickness:.1f} m, F15 = {site.fines:.0f} %, D50 = {site.d50:.2g} mm"
     )
     words += f": outside its range: {outside}" if outside else ""
-    yield Estimate("spread", "Youd, Hansen & Bartlett (2002)", None if outside else youd(site), words, YOUD, YOUD_RANGE)
+    yield Estimate("spread", YOUD_TITLE, None if outside else youd(site), words, YOUD, YOUD_RANGE)
 
 
 def _slope(given: Input) -> float:
@@ -193,8 +197,7 @@ def _zhang(given: Input, tests: Sequence[Judged]) -> Estimate:
         words += f"S = {slope:.2f} %"
         outside, slide = _outside(("slope (%)", slope, (0.2, 3.5))), zhang(ldi, slope)
     words += f": outside its range: {outside}" if outside else ""
-    method = "Zhang, Robertson & Brachman (2004)"
-    return Estimate("spread", method, None if outside else slide, words, ZHANG, ZHANG_RANGE)
+    return Estimate("spread", ZHANG_TITLE, None if outside else slide, words, ZHANG, ZHANG_RANGE)
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:

@@ -159,6 +159,20 @@ def test_towhatas_truss_on_s13() -> None:
     assert bar.end == pytest.approx(0.53, abs=0.01)
 
 
+def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None:
+    """M 7.7 is beyond the data of 2007, and the paper's borings were not at hand."""
+    given = Input.load(SECTIONS / "s13.toml")
+    found = {one.method: one for one in empirical(given, 0.237, np.zeros((0, 2)))}
+    assert set(found) == {
+        "Bray & Travasarou (2007)", "Bray & Macedo (2019)", "Youd, Hansen & Bartlett (2002)",
+        "Zhang, Robertson & Brachman (2004)", "Towhata's truss",
+    }  # fmt: skip
+    assert "M = 7.7 is not within" in found["Bray & Travasarou (2007)"].words
+    assert found["Bray & Macedo (2019)"].displacement_m == pytest.approx(0.0092, abs=1e-4)
+    assert found["Youd, Hansen & Bartlett (2002)"].words == "not computed: there are no borings"
+    assert [one.displacement for one in given.report.observed] == [3.0]
+
+
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
