@@ -84,8 +84,10 @@ def limit_load(problem, fixed, load, control, rule=None, **settings):
     return find_limit_load(path, ductility, math.inf, rule or PlateauRule(growth=0.001, latest=60.0)), path
 
 
-def footing(element, phi, cells, surcharge=False, growth=1.15, **settings):
+def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="section", **settings):
     """Bearing capacity factor of a rough rigid footing on weightless ground: Nc, or Nq under a ``surcharge``.
+
+    The ground dilates by ``psi`` (deg), by φ if none is given; ``flow`` says what is made of less.
 
     Half of it, 1 m wide, with ``cells`` cells under it, the finest at its edge; the nodes under it move like the one on
     the axis, which moves vertically only. The box holds Prandtl's mechanism. Returns the limit load and the path.
@@ -104,7 +106,10 @@ def footing(element, phi, cells, surcharge=False, growth=1.15, **settings):
     Nq = spiral**2 * math.tan(half) ** 2
     exact = 2.0 + math.pi if phi == 0.0 else Nq - 1.0 if surcharge else (Nq - 1.0) / math.tan(math.radians(phi))
     c, q = (0.0, 1e5) if surcharge else (1e4, 0.0)
-    problem = PlaneStrain(mesh, [soil(E=1e8, nu=0.3, c=c, phi=phi)], element, MPI.COMM_SELF)
+    law = soil(E=1e8, nu=0.3, c=c, phi=phi, psi=phi if psi is None else psi)
+    problem = PlaneStrain(mesh, [law], element, MPI.COMM_SELF)
+    problem.flow = flow
+    problem.use_strength(1.0)
     below = problem.grid.sides["footing"]
     below = below[np.argsort(problem.grid.node_points[below, 0])]
     problem.tie_nodes(np.repeat(below[:1], len(below) - 1), below[1:])
