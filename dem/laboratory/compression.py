@@ -11,6 +11,7 @@ from dem.laboratory.strength import dilation
 STRAIN = 0.15  # axial, at the end
 AFTER = 0.08  # from here on is after the peak
 RATE = 4e-4  # strain per sqrt(m / kn)
+BINS = 30  # of `STRAIN`, in which a course is told
 INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by less than seeds do
 
 
@@ -28,6 +29,9 @@ class PatchStrength:
         Half the deviator at the peak, and its mean from a strain of `AFTER` to `STRAIN` (Pa).
     dilation : float
         Angle of dilation at the peak (rad).
+    course : (BINS,)
+        Half the deviator in each of `BINS` equal parts of the way to `STRAIN` (Pa). A patch has jerks, which a sample
+        of many more grains has not: the peak of that is the one of the mean course of several patches.
     """
 
     pressure: float
@@ -35,6 +39,7 @@ class PatchStrength:
     peak: float
     after: float
     dilation: float
+    course: np.ndarray
 
 
 def compress(sample: Sample, pressure: float, watch: Watch = no_watch) -> PatchStrength:
@@ -51,4 +56,5 @@ def compress(sample: Sample, pressure: float, watch: Watch = no_watch) -> PatchS
     at = int(np.argmax(half))
     late = curve.strain > AFTER
     after = float(half[late].mean()) if late.any() else float(half[-1])
-    return PatchStrength(pressure, stiffness.E, float(half[at]), after, dilation(curve, at))
+    course = np.interp(STRAIN * (np.arange(BINS) + 0.5) / BINS, curve.strain, half)
+    return PatchStrength(pressure, stiffness.E, float(half[at]), after, dilation(curve, at), course)

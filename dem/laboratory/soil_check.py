@@ -29,7 +29,8 @@ class LayerCheck:
     stratum : str
         Its name.
     pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
-        Confining pressures, and half the deviator: of the soil at failure, of the discs after their peak and there.
+        Confining pressures, and half the deviator: of the soil at failure, of the discs after their peak, and at the
+        peak of their mean course.
     E_soil_Pa, E_discs_Pa : float
         Young's modulus; that of the discs at small strain.
     c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
@@ -108,7 +109,7 @@ def _scaled(
     share = its_pressure / pressure
     return replace(
         found, pressure=its_pressure, E=found.E * its_spring.kn / spring.kn, peak=found.peak * share,
-        after=found.after * share,
+        after=found.after * share, course=found.course * share,
     )  # fmt: skip
 
 
@@ -138,7 +139,9 @@ def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength
         pressures_Pa=tuple(map(float, layer.pressures)),
         strength_soil_Pa=tuple(map(float, layer.wanted)),
         strength_discs_Pa=tuple(map(float, after)),
-        peak_discs_Pa=means("peak"),
+        peak_discs_Pa=tuple(
+            float(np.mean([one.course for one in ones], axis=0).max()) if ones else np.nan for ones in by_pressure
+        ),
         E_soil_Pa=float(stratum.youngs_modulus),
         E_discs_Pa=float(np.nanmean(means("E"))),
         c_soil_Pa=float(stratum.cohesion),

@@ -57,7 +57,10 @@ def slides(run: Input, ground: Deposit) -> list[Slide]:
 
 
 def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
-    """On average E within 20 %, the angle within 2 degrees; E of one layer scatters by 10 %, its strength by 7 %."""
+    """On average E within 20 %, the angle within 2 degrees; E of one layer scatters by 10 %, its strength by 7 %.
+
+    At the layer's stress four fifths of the peak are left at 15 % of compression.
+    """
     sands = [check for check in checks.values() if check.c_soil_Pa == 0.0]
     assert len(sands) == 7
     for check in sands:
@@ -65,6 +68,9 @@ def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
         assert check.phi_discs_deg == pytest.approx(check.phi_soil_deg, abs=3.0)
     assert np.mean([check.E_discs_Pa / check.E_soil_Pa for check in sands]) == pytest.approx(1.0, abs=0.2)
     assert np.mean([check.phi_discs_deg for check in sands]) == pytest.approx(35.0, abs=2.0)
+    left = [check.strength_discs_Pa[-1] / check.peak_discs_Pa[-1] for check in sands]
+    assert min(left) > 0.75
+    assert np.mean(left) > 0.8
 
 
 def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
@@ -85,8 +91,17 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
         assert slide.overlap < 0.5
         assert slide.escaped == 0
     one, two, three = (slide.rows[-1].slide_max_m for slide in slides)
-    assert one < 4.0
+    assert one < two < three
+    assert one < 2.5
     assert 1.5 < two < 7.0
     assert 1.5 < three < 7.0
     drops = [slide.rows[-1].settlement_uphill_m for slide in slides]
     assert drops == sorted(drops)
+
+
+def test_discs_of_half_the_radius_slide_as_far(run: Input, layers: list[SoilLayer], slides: list[Slide]) -> None:
+    dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run)})
+    fine = deposit(run, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+    slide = Slider(fine.settled, fine.ground, LIQUEFIED, run.slide.cases[1], run.slide).run(threads=2)
+    assert slide.settled
+    assert slide.rows[-1].slide_max_m == pytest.approx(slides[1].rows[-1].slide_max_m, rel=0.3)
