@@ -267,10 +267,12 @@ def try_kh(
         if resting:
             return _trial(kh, "stands", "forces balance and nothing moves", seen, elastic, here.time)
         recent = np.array([rest.displacement for rest in seen[-round(1.0 / LOOK) - 1 :]])
-        if moving and abs(here.displacement) > settings.growth * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
+        if moving and abs(here.displacement) > settings.ductility * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
             reason = f"displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
             return _trial(kh, "fails", reason, seen, elastic, here.time)
-    reason = f"neither at rest nor past {settings.growth:g} elastic displacements after {settings.patience:g} periods"
+    reason = (
+        f"neither at rest nor past {settings.ductility:g} elastic displacements after {settings.patience:g} periods"
+    )
     return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
 
 

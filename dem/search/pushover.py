@@ -4,9 +4,8 @@ So the curve goes on where a Kh that is prescribed would run away, as the path o
 same: Kh over the mean displacement in the direction of the push, weighted with mass (m). Discs are held against the
 continuum at the same displacement, since neither has a limit of its own in a box: loose ground goes on to harden as
 it is pressed together. Their critical Kh is the largest that they bear, on average over a fifth of the way, up to
-`DemSettings.growth` times the displacement at which the continuum yields. Grains want that much more strain than an
-elastic-plastic body of the same E to have the same strength: patches of them have nine tenths of it at 1 to 3 % of
-compression, where an elastic body would have it at 0.3 to 1 %.
+`DemSettings.ductility` times the displacement at which the continuum yields. Grains want that much more strain than an
+elastic-plastic body of the same E to have the same strength: `settings.GROWTH` says how it was measured.
 """
 
 from collections.abc import Iterator, Sequence
@@ -93,7 +92,7 @@ def push_over(
     if min(continuum) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
     search, model = Search(), settled.copy()
-    reach = settings.growth * continuum.yielding
+    reach = settings.ductility * continuum.yielding
     try:
         for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads):
             search.trials.append(trial)
@@ -104,7 +103,7 @@ def push_over(
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
     else:
         search.verdict = "bracketed"
-        search.reason = f"the largest Kh borne up to {reach:.3g} m, {settings.growth:g} times the continuum's"
+        search.reason = f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times the continuum's"
     if search.trials:
         kc, half, last = critical_point(search.trials)
         search.lower, search.upper = kc - half, kc + half
