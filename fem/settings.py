@@ -89,6 +89,10 @@ class BoundsSettings(Model):
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
     seconds: float = Field(default=300.0, gt=0.0, le=86_400.0, description="time (s) after which to stop, such as 60")
+    safety_factor: StrictBool = Field(
+        default=False,
+        description="true if the factor of safety shall be bounded, too, at every safety_factor_at of [fem]",
+    )
     davis: StrictBool = Field(
         default=True, description="true if Davis's substitute shall be bounded, too, where ψ < φ (c and tan φ reduced)"
     )

@@ -304,6 +304,9 @@ def bounds(
     folder: Out = None,
     gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
     davis: Annotated[bool | None, typer.Option(help="Bound Davis's substitute for ψ < φ, too.")] = None,
+    safety_factor: Annotated[
+        bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
+    ] = None,
     sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
     settings: Set = None,
@@ -316,7 +319,7 @@ def bounds(
     from workflow.request import Request
     from workflow.terminal import Voice
 
-    options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells}
+    options = {"run": True, "gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
     request = Request.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
     _up_to("bounds", request, force, Voice.of(quiet, verbose, json))
 

@@ -122,11 +122,12 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
 
 
 def body_of(
-    section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False, shaken: bool = True
+    section: Section, mesh: TriMesh, fem: FemSettings, davis: bool = False, shaken: bool = True, held: bool = False
 ) -> RigidPlasticBody:
     """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh.
 
-    The pore pressure that shaking adds is there if the ground is ``shaken``.
+    The pore pressure that shaking adds is there if the ground is ``shaken``. Sides that are not fixed bear the K0
+    stress and move; ``held``, they move up and down alone.
     """
     cohesion, friction = strengths(section.strata, davis)
     growth = np.array([s.cohesion_increase for s in section.strata])
@@ -137,7 +138,9 @@ def body_of(
     nothing = np.zeros(len(ordinary))
     water = section.water_pressure
     sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
-    if fem.sides == "roller":
+    if fem.sides == "roller" and held:
+        sides |= {"left": Side("x"), "right": Side("x")}
+    elif fem.sides == "roller":
         for name, stress in side_stresses(section, mesh).items():
             # The total stress stays when shaking adds to the pore pressure.
             pressing = _pressing(stress, -1.0 if name == "left" else 1.0)

@@ -52,11 +52,12 @@ class Trial:
 
 @dataclass(frozen=True)
 class Start:
-    """The Kh given, the factor to begin with, and whether Davis's substitute is looked at."""
+    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, and whether sides are held."""
 
     kh: float
     factor: float
     davis: bool
+    held: bool
 
 
 @dataclass(frozen=True)
@@ -84,14 +85,16 @@ def safety_bounds(
     kh: float = 0.0,
     guess: float = 1.0,
     davis: bool = False,
+    held: bool = False,
 ) -> SafetyBounds:
     """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
 
+    ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
     ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as
     ``kh_bounds`` does, UnstableError if no factor from 0.02 to 20 is between safe and unsafe, BadMeshError if there are
     no triangles.
     """
-    start = Start(kh, guess, davis)
+    start = Start(kh, guess, davis, held)
     searches = [_Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)]
     searches[0].find()
     searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
@@ -112,7 +115,7 @@ class _Search:
     def __init__(
         self, section: Section, mesh: TriMesh, fem: FemSettings, settings: BoundsSettings, sign: int, start: Start
     ) -> None:
-        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0)
+        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0, start.held)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings = mesh, settings

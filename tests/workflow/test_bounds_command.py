@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 import tomli_w
 from matplotlib.image import imread
+from mpi4py import MPI
 
+from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.command_line import TOP, run
 from tests.support.sections import layer, slope, written
@@ -39,6 +41,37 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
     for name in ("bounds_mechanism", "bounds_stress", "bounds_mesh"):
         assert imread(out / f"figures/{name}.png").shape[1] == 1600
     assert not [path for path in out.rglob("*/.*") if path.is_file()]
+
+
+def test_the_factor_of_safety_is_bounded_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Between the bounds lies that of the elements with ψ = φ, whose sides are held the same way."""
+    from fem.settings import FemSettings
+    from fem.strength_reduction import safety_factor
+    from meshes.gmsh_model import generate
+    from meshes.settings import MeshSettings
+
+    path, out = written(tmp_path), tmp_path / "out"
+    coarse = ("--max-cells", "1200", "--gap", "0.06", "--no-davis")
+    assert (
+        run("bounds", path, "--out", out, "--safety-factor", "--set", "fem.safety_factor_at=[0.0, 0.05]", *coarse) == 0
+    )
+    still, shaken = json.loads((out / "fem/bounds.json").read_text())["safety"]
+    assert f"{still['lower']:.3f} <= FS <= {still['upper']:.3f} at Kh = 0" in " ".join(capsys.readouterr().out.split())
+    assert shaken["upper"] < still["lower"]
+    section = Section.read(path)
+    elements = safety_factor(
+        section, generate(section, MeshSettings()), FemSettings(flow="associated"), 0.0, MPI.COMM_SELF
+    )
+    assert 0.99 * still["lower"] < elements.factor < 1.04 * still["upper"]
+
+
+def test_a_section_that_fails_is_told_its_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "weak.toml"
+    soil = layer("clay", cohesion="8 kPa", friction_angle="0 deg")
+    steep = {"name": "weak", "surface": [[0.0, 0.0], [6.0, 0.0], [12.0, 6.0], [24.0, 6.0]], "base": {"elevation": -2.0}}
+    path.write_text(tomli_w.dumps({**steep, "strata": [soil]}))
+    assert run("bounds", path, "--out", tmp_path / "out", "--safety-factor", *SMALL) != 0
+    assert "<= FS <= 0." in " ".join(capsys.readouterr().err.split())
 
 
 def test_davis_s_substitute_is_left_out_where_there_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -97,6 +97,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     yield f"Strict bounds with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
+    for factor in answer.safety:
+        yield f"Strict bounds of the factor of safety, ψ = φ: {factor.words}."
     if answer.substitute:
         yield f"Strict bounds of Davis's substitute for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":

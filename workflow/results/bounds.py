@@ -68,6 +68,22 @@ class SkinPart(Part):
     kh: float = Field(description="seismic coefficient at which the grains roll down")
 
 
+class SafetyPart(Part):
+    """Strict bounds of the factor of safety at one Kh, ψ = φ."""
+
+    kh: float
+    lower: float | None = Field(description="the section stands with its strength divided by this")
+    upper: float | None = Field(description="the section fails with its strength divided by this")
+    cells: int = Field(description="triangles of the last mesh")
+
+    @property
+    def words(self) -> str:
+        """The bracket as a person reads it."""
+        low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
+        high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
+        return f"{low} <= FS <= {high} at Kh = {self.kh:g}, {self.cells} triangles"
+
+
 class BoundsAnswer(BracketPart, Answer):
     """The bounds with ψ = φ, of which the upper one holds for every smaller ψ, too, and what was found beside them."""
 
@@ -76,6 +92,7 @@ class BoundsAnswer(BracketPart, Answer):
     section: SectionLabel
     flow: str = Field(description="which flow rule the bounds are for, in words")
     substitute: BracketPart | None = Field(description="bounds of Davis's substitute, where ψ < φ")
+    safety: tuple[SafetyPart, ...] = Field(default=(), description="factors of safety, where they were asked for")
     skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
     least_depth: float = Field(description="how deep failures of such faces are left out (m)")
     sides: Sides

@@ -2,8 +2,10 @@
 
 import math
 import time
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from fem.errors import UnstableError
 from fem.loads import Direction
 from fem.settings import BoundsSettings
 from meshes.errors import InputError
@@ -13,6 +15,7 @@ from workflow.results.bounds import (
     BracketPart,
     MeshRound,
     Residuals,
+    SafetyPart,
     SkinPart,
     StressResiduals,
     VelocityResiduals,
@@ -44,12 +47,31 @@ def work(job: Job) -> None:
     job.progress("first mesh", None)
     one_way = given.fem.model_copy(update={"direction": direction_of(given, job.store)})
     given = given.model_copy(update={"fem": one_way})
-    found = kh_bounds(given, given.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
+    factors = tuple(_factors(job, given, asked)) if asked.safety_factor else ()
+    try:
+        found = kh_bounds(given, given.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
+    except UnstableError as error:
+        if not factors:
+            raise
+        raise UnstableError(f"{error}; {'; '.join(one.words for one in factors)}") from None
     answer = answer_of(given, found, asked, time.perf_counter() - started)
+    answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
     draw_all(given, found, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
+
+
+def _factors(job: Job, given: Input, asked: BoundsSettings) -> Iterator[SafetyPart]:
+    """Factors of safety at every Kh at which one is wanted; without shaking sides that are not fixed are held, as the
+    elements hold them."""
+    from fem.limit.safety_bounds import safety_bounds
+
+    for kh in given.fem.safety_factor_at:
+        job.progress(f"factor of safety at Kh = {kh:g}", None)
+        found = safety_bounds(given, given.fem, asked, kh, held=kh == 0.0)
+        lower, upper = found.lower or None, found.upper if math.isfinite(found.upper) else None
+        yield SafetyPart(kh=kh, lower=lower, upper=upper, cells=found.cells)
 
 
 def direction_of(given: Input, store: Store) -> Direction:
