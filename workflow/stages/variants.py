@@ -1,12 +1,13 @@
 """The stage `variants`: the critical Kh once more with one thing changed at a time, to see on what it hangs."""
 
 import time
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from dem.team import Tell
 from fem.errors import UnstableError
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
-from workflow.run.progress import Progress
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 
@@ -30,12 +31,29 @@ def work(job: Job) -> None:
     answer = FemAnswer.read(store)
     mesh = fem_mesh(given, store, answer.mesh.method)
     one_way = _with(given, "fem", direction=answer.direction)
-    asked = [change for name in given.variants.which if (change := changed(one_way, name, answer.element))]
-    found = []
-    for number, (name, words, other) in enumerate(asked):
-        progress(words, number / len(asked))
-        found.append(_variant(given, name, words, other, mesh, progress, number / len(asked)))
+    asked = [
+        Change(*change, mesh, change[2].mesh != given.mesh)
+        for name in given.variants.which
+        if (change := changed(one_way, name, answer.element))
+    ]
+    ended: list[Variant] = []
+
+    def heard(place: int, message: str) -> None:
+        progress(f"{asked[place].words}: {message}", len(ended) / len(asked))
+
+    found = job.team(variant, asked, heard, lambda _, each: ended.append(each))
     VariantsAnswer(variants=tuple(found)).write(store)
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """One thing changed: its name and words, the input with it, the mesh of the answer, whether its cells are halved."""
+
+    name: str
+    words: str
+    given: Input
+    mesh: "QuadMesh"
+    halved: bool
 
 
 def changed(given: Input, name: str, element: str) -> tuple[str, str, Input] | None:
@@ -67,31 +85,30 @@ def _with(given: Input, table: str, **values: Any) -> Input:
     return given.model_copy(update={table: settings})
 
 
-def _variant(
-    given: Input, name: str, words: str, other: Input, mesh: "QuadMesh", progress: Progress, share: float
-) -> Variant:
-    """The critical Kh of a variant; none where the path has none."""
+def variant(change: Change, tell: Tell) -> Variant:
+    """The critical Kh with a change; none where the path has none."""
 
     from mpi4py import MPI
 
     from fem.critical import critical_coefficient
     from meshes.quad_mesh import divided
 
-    def tell(path: "EquilibriumPath") -> None:
-        progress(f"{words}: step {len(path.steps)}, Kh = {path.factor:.4f}", share)
+    def step(path: "EquilibriumPath") -> None:
+        tell(f"step {len(path.steps)}, Kh = {path.factor:.4f}")
 
     start = time.perf_counter()
+    mesh = divided(change.mesh) if change.halved else change.mesh
     try:
-        its_mesh = mesh if other.mesh == given.mesh else divided(mesh)
-        result = critical_coefficient(other, its_mesh, other.fem, MPI.COMM_SELF, tell)
+        result = critical_coefficient(change.given, mesh, change.given.fem, MPI.COMM_SELF, step)
     except UnstableError as error:
         return Variant(
-            name=name, change=words, kc=None, kc_upper=None, verdict="no answer", reason=str(error), seconds=0.0
-        )
+            name=change.name, change=change.words, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
+            seconds=0.0,
+        )  # fmt: skip
     stands = result.verdict in ("plateau", "peak")
     return Variant(
-        name=name,
-        change=words,
+        name=change.name,
+        change=change.words,
         kc=result.kc if stands else None,
         kc_upper=result.upper if stands else None,
         verdict=result.verdict,
