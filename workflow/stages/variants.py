@@ -47,7 +47,15 @@ def work(job: Job) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """One thing changed: its name and words, the input with it, the mesh of the answer, whether its cells are halved."""
+    """One thing changed.
+
+    Attributes
+    ----------
+    name, words : its name, and what it is in words.
+    given : the input with it.
+    mesh : the mesh of the answer.
+    halved : whether the cells of that are halved.
+    """
 
     name: str
     words: str
