@@ -28,6 +28,6 @@ def process(
 ) -> subprocess.CompletedProcess[str]:
     """Run the command as a process of its own, from a folder."""
     return subprocess.run(
-        line(*arguments), capture_output=True, text=True, preexec_fn=before, timeout=120, check=False, cwd=folder,
+        line(*arguments), capture_output=True, text=True, preexec_fn=before, timeout=300, check=False, cwd=folder,
         stdin=subprocess.DEVNULL,
     )  # fmt: skip
