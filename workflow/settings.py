@@ -35,7 +35,10 @@ REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns
 
 # Settings that name a file, by table and key.
 K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
-FILES = (("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("report", "logo"))
+FILES = (
+    ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
+    ("report", "logo"),
+)  # fmt: skip
 
 
 class FigureSettings(Model):
@@ -317,10 +320,11 @@ class Input(Section):
             raise InputError(str(path), missing)
         return read
 
-    def files(self) -> dict[str, Path]:
-        """The files that the settings name, by table and key."""
+    def files(self, *tables: str) -> dict[str, Path]:
+        """The files that the settings, or some tables of them, name, by table and key."""
         named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
-        return {f"{table}, {key}": Path(name) for (table, key), name in named.items() if name not in ("", AVERAGE)}
+        return {f"{table}, {key}": Path(name) for (table, key), name in named.items()
+                if name not in ("", AVERAGE) and table in (tables or self.tables())}  # fmt: skip
 
 
 def _find_beside(data: Mapping[str, Any], folder: Path) -> None:

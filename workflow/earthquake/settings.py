@@ -1,5 +1,6 @@
 """The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -7,13 +8,14 @@ from pydantic import Field
 from meshes.section.quantity import Coordinate, Density, Length
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
+from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka"]
 
 
 class EarthquakeSettings(Model):
-    """An earthquake by magnitude and distance, or by the peak acceleration that it has at the ground surface."""
+    """An earthquake by magnitude and distance, or by the peak or a record of what it is at the ground surface."""
 
     magnitude: float | None = Field(
         default=None, ge=4.0, le=9.5, description="the (moment) magnitude, from 4 to 9.5, such as 7.7"
@@ -32,14 +34,26 @@ class EarthquakeSettings(Model):
         default=None,
         description='the peak acceleration at the ground surface, such as "250 gal"; goes before all others',
     )
+    record: str = Field(
+        default="",
+        description="a file with a record of the ground surface, .AT2, K-NET or .csv, whose peak is taken; goes before "
+        "magnitude and distance",
+    )
+    unit: Literal["", "g", "m/s^2", "gal"] = Field(
+        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
+    )
+    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
 
     def motion(self) -> Motion | None:
         """The peak acceleration with its spread; None where nothing says it.
 
-        Raises InputError outside the range of the relation.
+        Raises InputError outside the range of the relation, or where the record cannot be read.
         """
         if self.peak_acceleration is not None:
             return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
+        if self.record:
+            found = read_record(Path(self.record), self.unit).scaled(self.scale)
+            return Motion(found.peak, 0.0, f"the peak of {found.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)

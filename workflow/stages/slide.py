@@ -32,9 +32,8 @@ def seconds(given: Input) -> float:
 def files(job: Job) -> Mapping[str, Path]:
     """The record that shakes the discs: that of the base, or that of the rock where its response does."""
     average = job.given.slide.accelerogram == AVERAGE
-    table = "site_response," if average else "slide,"
-    return {f"{name}{', averaged' if average else ''}": path for name, path in job.given.files().items()
-            if name.startswith(table)}  # fmt: skip
+    shakes = job.given.files("site_response" if average else "slide")
+    return job.given.files("earthquake") | {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
 
 
 STAGE = Stage(
@@ -46,7 +45,11 @@ STAGE = Stage(
     needs=("calibrate",),
     tables=("dem", "slide", "earthquake", "triggering", "site_response"),
     seconds=seconds,
-    ignores=("slide.accelerogram", "site_response.record"),  # what the file holds counts, not where it lies
+    ignores=(
+        "slide.accelerogram",
+        "site_response.record",
+        "earthquake.record",
+    ),  # what the file holds counts, not where it lies
     files=files,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,

@@ -106,6 +106,25 @@ def test_a_stratum_without_a_blow_count_cannot_be_triggered() -> None:
     assert 'strata "dense", liquefies_in = "triggered": no boring has a blow count in it' in told(shallow)
 
 
+def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:
+    """0.2 g scaled by 1.25 is 0.25 g; it goes before an attenuation, and a peak goes before it."""
+    (tmp_path / "surface.csv").write_text("time (s), a (g)\n0.0, 0.0\n0.1, -0.2\n0.2, 0.1\n")
+    data = bored()
+    data["earthquake"] = {"magnitude": 7.5, "distance": "20 km", "record": "surface.csv", "scale": 1.25}
+    path = tmp_path / "bored.toml"
+    path.write_text(tomli_w.dumps(data))
+    given = Input.load(path)
+    motion = given.assessment().motion
+    assert motion.median == pytest.approx(0.25 * GRAVITY)
+    assert motion.relation == "the peak of surface.csv"
+    assert given.files("earthquake") == {"earthquake, record": tmp_path / "surface.csv"}
+    assert given.files("slide") == {}
+    data["earthquake"] |= {"peak_acceleration": "0.1 g"}
+    assert Input.parse(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
+    data["earthquake"] = {"magnitude": 7.5, "record": str(tmp_path / "none.csv")}
+    assert "there is no such accelerogram" in "\n".join(problems(data, Input))
+
+
 def test_a_plain_section_does_not_ask_for_borings() -> None:
     data = bored()
     for name in ("earthquake", "triggering"):
