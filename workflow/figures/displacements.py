@@ -1,7 +1,7 @@
 """Displacements by all methods in one picture: other methods, the discs, and what was measured."""
 
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FormatStrFormatter
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from workflow.estimates.comparison import estimates
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
@@ -36,14 +36,15 @@ def displacements(results: Results, name: str) -> bool:
         # an arrow where the point lies off the axis
         axes.plot(max(value, SMALLEST), -number, marker if value >= SMALLEST else "<", color=colour, markersize=5)
     axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.set_yticks([-number for number in range(len(rows))], [words for words, _, _ in rows], fontsize=6.5)
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
-    handles = [
-        _handle(OTHERS, "by other methods"),
-        _handle(SLIDES, "discs"),
-    ]
+    handles = [_handle(OTHERS, "by other methods")]
+    if cases:
+        handles.append(_handle(SLIDES, "discs"))
     if any(value < SMALLEST for _, value, _ in rows):
         handles.append(Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing"))
     if is_s13:

@@ -2,6 +2,8 @@
 
 The publications' own worked numbers of residual strength were not at hand; what stands here are the equations worked by
 hand, and that the relation from blow counts meets its sibling from cone resistances where the two tests are equivalent.
+The equations of Olson & Stark, and of Idriss & Boulanger with Seed's table, are those of a public program for borings
+as well; for Kramer & Wang nothing public was found to hold theirs against.
 """
 
 import math
