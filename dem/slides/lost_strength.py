@@ -57,5 +57,6 @@ def held_by_geometry(model: DiscModel, strata: Sequence[int], case: Case) -> lis
     listed = ", ".join(f'"{name}"' for name in weaker)
     return [
         f"discs without friction and cohesion still hold by their geometry, as {least:.2f} of their vertical stress "
-        f"would: {listed} cannot be weaker than that, and a layer that is slides further"
+        f"would: {listed} cannot be weaker than that, and a layer that is slides further; "
+        "thin ones hold more, so that smaller discs slide further than these (noshiro converge)"
     ]
