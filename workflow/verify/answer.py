@@ -6,13 +6,15 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any, Literal
 
+from fem.adaptive import adapted_answer
 from fem.critical import critical_coefficient
 from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
+from fem.strength import is_associated
 from fem.strength_reduction import safety_factor
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
 from meshes.settings import MeshSettings
@@ -72,6 +74,14 @@ Run = Callable[[Case, QuadMesh, FemSettings, Any], tuple[float, float]]
 
 
 def _kc(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
+    """On meshes made for the mechanism where the flow is associated, as `noshiro fem` does it."""
+    if is_associated(case.section.strata, wish.flow):
+        try:
+            kc = adapted_answer(case.section, MeshSettings(), mesh, wish, comm, lambda words: None).result.kc
+        except NoAnswerError:  # the solver left none: a path has to do
+            pass
+        else:
+            return kc, kc
     found = critical_coefficient(case.section, mesh, wish, comm)
     return found.kc, found.upper
 
