@@ -9,9 +9,6 @@ from petsc4py import PETSc
 from fem.discretisation import Discretisation
 from fem.kernels import assembly, condensation
 
-# More entries in a row than any vertex of a reasonable mesh gives (eight biquadratic cells round it give 98).
-ROW_ENTRIES = 130
-
 
 class SingularMatrixError(ArithmeticError):
     """The stiffness matrix could not be factorised: there is a mechanism, or a part that nothing holds."""
@@ -78,7 +75,9 @@ class LinearSolver:
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
         self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
-        self._matrix.setPreallocationNNZ((ROW_ENTRIES, ROW_ENTRIES))
+        cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
+        entries = np.clip(border * cells, 1, d.size).astype(PETSc.IntType)  # no more than all that those cells have
+        self._matrix.setPreallocationNNZ((np.minimum(entries, d.owned), entries))
         self._ksp = PETSc.KSP().create(d.comm)
         self._ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = self._ksp.getPC()

@@ -144,7 +144,9 @@ def _seam(
     at = np.unique(np.concatenate([np.linspace(a, b, 9) for a, b in pairwise(at)]))
     low, high = bottom.elevation(at), top.elevation(at)
     thick = high - low
-    wanted = size(np.column_stack([np.interp(at, bottom.along, bottom.x), 0.5 * (low + high)]))
+    wanted = np.min(
+        [size(np.column_stack([np.interp(at, line.along, line.x), line.elevation(at)])) for line in lines], 0
+    )
     rows = max(1, round(float(thick.max() / wanted.min())))
     if thick.min() <= tolerance or thick.max() >= wanted.max() or rows > MOST_ROWS:
         return None

@@ -5,6 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fem.plane_strain import PlaneStrain
+from meshes.quad_mesh import QuadMesh
 from tests.support.fem_problems import ELEMENTS, grid, soil
 
 STRONG = soil(E=1e7, nu=0.3, c=1e12, phi=0.0)
@@ -166,3 +167,17 @@ def test_hourglass_stiffness_leaves_a_strain_that_is_linear_over_the_cell(elemen
         assert np.abs(np.einsum("cab,cb->ca", hourglass, moved)).max() < 1e-12 * np.abs(hourglass).max()
         # 18 components less those of the strains seen at four points (12) and of the rigid motions (3).
         assert np.linalg.matrix_rank(hourglass[0], tol=1e-9) >= 3
+
+
+def test_any_number_of_cells_may_meet_in_a_point():
+    """Twenty cells round one, as in free meshes with steep changes of size; the matrix once had room for twelve."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    points = np.vstack([[0.0, 0.0], np.column_stack([np.cos(angle), np.sin(angle)])])
+    first = np.arange(1, 41, 2)
+    cells = np.column_stack([np.zeros(20, int), first, first + 1, np.where(first == 39, 1, first + 2)])
+    ring = np.column_stack([np.arange(1, 41), np.roll(np.arange(1, 41), -1)])
+    mesh = QuadMesh(points, cells, np.zeros(20, int), ("soil",), dict.fromkeys(("base", "left"), ring))
+    problem = PlaneStrain(mesh, [soil(c=1e9)], "quadratic", MPI.COMM_SELF)
+    problem.hold({"base": "xy"})
+    problem.factorise()
+    assert np.abs(problem.solve(np.ones(problem.grid.size))).max() > 0.0
