@@ -18,6 +18,9 @@ from meshes.settings import GROWTH_REACH
 # gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
 ALGORITHMS = (8, 6, 5)
 
+# A point is on a line, where it was put, if its distance is this share of what makes two points one.
+ON_LINE = 1e-4
+
 # Triangles at a low vertical step, in heights of the step, and how their size grows with each metre from there.
 STEP_CELLS, STEP_GROWTH = 2.0, 0.4
 
@@ -106,7 +109,11 @@ def _geometry(
     polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
     corners = _corners(section, layers, [polygon for _, polygon in polygons])
     seams = seams_of(layers, corners, partial(_size_in, section, sizes)) if sizes is not None else {}
-    corners = np.unique(np.concatenate([corners, *(seam.points() for seam in seams.values())]), axis=0)
+    corners, own = np.concatenate([corners, *(seam.points() for seam in seams.values())]), corners
+    corners = np.unique(corners, axis=0)
+    # Points of a seam lie on its lines to rounding; beside the tip of a wedge others are as near as a centimetre.
+    given = (corners[:, None] == own).all(axis=-1).any(axis=1)
+    reach = np.where(given, layers.tolerance, ON_LINE * layers.tolerance)
     geo = gmsh.model.geo
     points = [geo.addPoint(x, z, 0.0) for x, z in corners]
     number = {tuple(corner): i for i, corner in enumerate(corners.tolist())}
@@ -114,7 +121,7 @@ def _geometry(
     owners: dict[tuple[int, int], list[int]] = {}
     surfaces: dict[int, list[int]] = {k: [] for k in range(len(section.strata))}
     for k, polygon in polygons:
-        ring = _cut_ring(polygon, corners, number, layers.tolerance)
+        ring = _cut_ring(polygon, corners, number, layers.tolerance, reach)
         loop = []
         for start, end in pairwise([*ring, ring[0]]):
             edge = (min(start, end), max(start, end))
@@ -173,9 +180,14 @@ def _make_rows(
 
 
 def _cut_ring(
-    polygon: np.ndarray, corners: np.ndarray, number: dict[tuple[float, float], int], tolerance: float
+    polygon: np.ndarray,
+    corners: np.ndarray,
+    number: dict[tuple[float, float], int],
+    tolerance: float,
+    reach: np.ndarray,
 ) -> list[int]:
-    """A polygon as indices of corners, with every corner on one of its edges taken in between."""
+    """A polygon as indices of corners, with every corner on one of its edges, nearer to it than its ``reach`` (m),
+    taken in between."""
     ring: list[int] = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         along = end - start
@@ -183,7 +195,7 @@ def _cut_ring(
         offset = corners - start
         at = offset @ along / length
         off = np.abs(offset[:, 0] * along[1] - offset[:, 1] * along[0]) / length
-        on_edge = np.flatnonzero((off <= tolerance) & (at > tolerance) & (at < length - tolerance))
+        on_edge = np.flatnonzero((off <= reach) & (at > tolerance) & (at < length - tolerance))
         ring.append(number[tuple(start.tolist())])
         ring += on_edge[np.argsort(at[on_edge])].tolist()
     return ring

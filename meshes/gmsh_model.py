@@ -121,9 +121,9 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         boundaries[name] = group_nodes(1, name, GMSH_LINE, 2)
     quads = np.concatenate(cells)
     used = np.unique(quads)
-    bare = [edges[~np.isin(edges, used).all(axis=1)] for edges in boundaries.values()]
-    if any(len(edges) for edges in bare):
-        place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == np.concatenate(bare)[0, 0])[0]]
+    bare = _without_cells(quads, np.concatenate(list(boundaries.values())))
+    if len(bare):
+        place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
         raise BadMeshError(
             f"gmsh left ground without cells near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size"
         )
@@ -136,6 +136,16 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         boundaries={name: np.searchsorted(used, edges) for name, edges in boundaries.items()},
         method=method,
     )
+
+
+def _without_cells(cells: np.ndarray, boundary: np.ndarray) -> np.ndarray:
+    """Edges (k, 2) that are outer ones of cells (m, 4) and not of the ``boundary`` (n, 2), or the other way round."""
+    edges = np.concatenate([cells[:, [a, (a + 1) % 4]] for a in range(4)])
+    edges, times = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    either, times = np.unique(
+        np.concatenate([edges[times == 1], np.sort(boundary, axis=1)]), axis=0, return_counts=True
+    )
+    return np.asarray(either[times == 1])
 
 
 def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:

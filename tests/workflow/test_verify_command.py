@@ -15,7 +15,7 @@ from workflow.verify.record import Answer, read_answers, write_answers
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A case that can be run and one that waits."""
-    for name in ("taylor_60_20", "low_2"):
+    for name in ("taylor_60_20", "acads_1b"):
         shutil.copy(PUBLISHED / f"{name}.toml", tmp_path)
     return tmp_path
 
@@ -29,7 +29,7 @@ def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.C
     verify(folder=folder, judge=True, json=True)
     by_name = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
     assert by_name["taylor_60_20"]["verdict"] == "right"
-    assert by_name["low_2"]["verdict"] == "waiting"
+    assert by_name["acads_1b"]["verdict"] == "waiting"
     page = (folder / "README.md").read_text(encoding="utf-8")
     assert "1 right, 1 waiting" in page or "1 waiting, 1 right" in page
     assert (folder / "pictures" / "taylor_60_20.png").stat().st_size < 5000
