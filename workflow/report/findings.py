@@ -167,7 +167,7 @@ def _prediction(results: Results) -> Iterator[str]:
     if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
         yield (
             f"Made from the soil alone they fail at Kh of about {coefficient(calibration.predicted_kc)}, "
-            f"{calibration.predicted_ratio:.2g} times that of the finite elements with the same sides."
+            f"{calibration.predicted_ratio:.2f} times that of the finite elements with the same sides."
         )
 
 
