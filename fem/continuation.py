@@ -17,6 +17,9 @@ from fem.plane_strain import PlaneStrain
 
 # Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
 MOST_STALLED, PROGRESS = 8, 0.9
+# Where there is a potential: the share of its slope at the start of a correction that may be left at the end, the most
+# lengths that are tried, the longest, how near to an end of the interval one may lie, and the iterations granted.
+SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE, DESCENTS = 0.5, 9, 8.0, 0.1, 150
 
 
 @dataclass(frozen=True)
@@ -154,8 +157,11 @@ def find_equilibrium(
 
     Starts from the increment ``first`` (m) and ``multiplier``, which fulfil the constraint; without a constraint the
     multiplier is given. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
-    K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12).
+    K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12). Associated flow under a
+    given multiplier has a convex potential, and Newton's method with a search along it gets there from anywhere.
     """
+    if constraint is None and problem.associated:
+        return _lowest(problem, loading, multiplier, first, scale, settings)
     dot = problem.exchange.dot
     increment = first
     residual, norm = residual_of(problem, loading, increment, multiplier, scale)
@@ -188,3 +194,56 @@ def find_equilibrium(
         stalled = 0 if norm < PROGRESS * best else stalled + 1
         best = min(best, norm)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
+
+
+def _lowest(
+    problem: PlaneStrain, loading: Loading, multiplier: float, first: np.ndarray, scale: float, settings: NewtonSettings
+) -> NewtonResult:
+    """Find equilibrium under a given ``multiplier`` as the lowest place of the potential of associated flow.
+
+    The unbalanced force is its slope with the sign turned (the potential of an increment, Ortiz & Stainier 1999): every
+    correction goes downhill, though the unbalanced force may grow on the way.
+    """
+    increment, iteration = first, 0
+    residual, norm = residual_of(problem, loading, increment, multiplier, scale)
+    while norm > settings.tolerance and iteration < DESCENTS:
+        iteration += 1
+        try:
+            problem.factorise()
+            step = problem.solve(residual)
+        except SingularMatrixError:
+            break
+        search = _Descent(problem.exchange.dot(residual, step))
+        while True:
+            residual, norm = residual_of(problem, loading, increment + search.part * step, multiplier, scale)
+            if search.ends(problem.exchange.dot(residual, step)):
+                break
+        increment = increment + search.part * step
+        if not np.isfinite(norm):
+            break
+    return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
+
+
+class _Descent:
+    """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
+
+    ``slope`` is how steeply it falls at the start, ``part`` the length to try next.
+    """
+
+    def __init__(self, slope: float) -> None:
+        self.part, self._slope, self._tried = 1.0, slope, 0
+        self._low, self._high = (0.0, slope), (np.inf, 0.0)
+
+    def ends(self, slope: float) -> bool:
+        """Whether the length just tried will do, at which it falls by ``slope``; if not, ``part`` is the next."""
+        self._tried += 1
+        if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:
+            return True
+        if slope > 0.0:
+            self._low = self.part, slope
+        else:
+            self._high = self.part, slope
+        (low, at_low), (high, at_high) = self._low, self._high
+        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE)
+        self.part = 2.0 * self.part if high == np.inf else low + between * (high - low)
+        return False

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem.at_once import Ground, at_rest, cohesionless_faces, pushed
+from fem.climb import climb
 from fem.continuation import ProportionalLoad
 from fem.fields import State, state_of, touched_sides
 from fem.gravity import path_settings
@@ -165,28 +166,24 @@ def _followed(
 ) -> CriticalResult:
     """The path from ``ground``, and what it has shown.
 
-    Where the limit load is known, the fields that are wanted are kept on the way; else the path is followed once more.
+    Where the limit load is not known, the path is followed once more for the fields that are wanted.
     """
     problem, known, gravity = ground.problem, ground.limit, ground.gravity
     assert gravity is not None
     start = problem.state()
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
-    rule, kept = ASSOCIATED_RULE if problem.associated else PlateauRule(), None
+    relaxed = True
     if known is not None:
-        rule = replace(rule, known=known.multiplier)
-        kept = states_at(path, mesh, _wanted(settings, min(known.multiplier, settings.kh_limit)))
-    limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
-    relaxed = path.relax()
-    held = max(limit.held, path.factor) if relaxed else limit.held
-    kc, at_once = held, known if limit.verdict == "plateau" else None
-    if (
-        at_once is not None
-        and at_once.multiplier < settings.kh_limit
-        and held <= (1.0 + rule.close) * at_once.multiplier
-    ):
-        kc = at_once.multiplier
-    last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
-    if kept is None:
+        wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
+        limit, kept = climb(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
+        kc = known.multiplier if limit.verdict == "plateau" else limit.held
+        last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+    else:
+        rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+        limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
+        relaxed = path.relax()
+        kc = max(limit.held, path.factor) if relaxed else limit.held
+        last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
         problem.restore(start)
         again = seismic_path(problem, ground.constant, ground.load, sign, settings)
         kept = states_at(again, mesh, _wanted(settings, kc))
@@ -198,7 +195,7 @@ def _followed(
     ]
     return CriticalResult(
         kc=kc,
-        lower=min(held, kc),
+        lower=min(max(limit.held, path.factor) if relaxed else limit.held, kc),
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,
@@ -213,7 +210,7 @@ def _followed(
         gravity_iterations=gravity.solves,
         gravity_plastic_share=gravity.steps[-1].plastic_share,
         skins=[],
-        at_once=at_once.mechanism if at_once is not None else None,
+        at_once=known.mechanism if known is not None and limit.verdict == "plateau" else None,
     )
 
 

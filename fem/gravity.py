@@ -31,9 +31,6 @@ LONGEST_LOADING = 10.0
 PATIENT = 60, 8
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
-# Iterations of Newton's method while a load is brought on associated ground: easy ground needs fewer, other ground is
-# brought to rest under an overstress that fades.
-DIRECT = 10
 # Heights of the mesh that are told apart where cohesion grows with depth.
 LEVELS = 256
 
@@ -212,23 +209,21 @@ def _lay_levels(first: int, mesh: QuadMesh, problem: PlaneStrain) -> None:
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
     """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
 
-    Raises UnstableError if the ground does not carry it.
+    Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground does not
+    carry the load.
     """
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()
     problem.factorise()
     control = load / norm(load)
-    patience = (DIRECT, 2) if problem.associated else PATIENT
-    newton = NewtonSettings(tolerance=settings.tolerance, iterations=patience[0], line_search=patience[1])
+    newton = NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1])
     follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
         norm(load) + norm(constant), follow,
     )  # fmt: skip
-    carried = 0.0
-    while not path.reach(1.0):
-        if problem.associated and path.settle(1.0):
-            break
+    carried, reached = 0.0, path.reach(1.0)
+    while not reached:
         if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
             share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
             raise UnstableError(
@@ -237,4 +232,5 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
             )
         if path.relax():
             carried = path.factor
+        reached = not problem.associated and path.reach(1.0)
     return path

@@ -12,11 +12,6 @@ import numpy as np
 from fem.continuation import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
 from fem.plane_strain import PlaneStrain
 
-# Weights of the elastic stress under which ground is brought to rest, one after the other, fainter ones where it does
-# not rest without any after the first; and Newton's method for it.
-FADING, FAINTER = (0.3, 0.1, 0.03, 0.01), ((), (0.003, 0.001), (0.0003, 0.0001))
-FADING_NEWTON = NewtonSettings(tolerance=1e-4, iterations=25, line_search=4)
-
 
 @dataclass(frozen=True)
 class PathSettings:
@@ -202,34 +197,6 @@ class EquilibriumPath:
         self.back(mark)
         return False
 
-    def settle(self, factor: float) -> bool:
-        """Go to a given multiplier under an overstress that fades; False, and nothing accepted, if it is not borne.
-
-        With an overstress a step has a tangent of its own everywhere, so that Newton's method finds it in a few
-        iterations, and the next, smaller one begins from there (the proximal point method, Rockafellar 1976, for the
-        convex potential of associated flow). What is reached is a state of rest as good as any, but not that of a path
-        of equilibria.
-        """
-        mark = self.mark()
-        at_rest = replace(FADING_NEWTON, tolerance=self.settings.newton.tolerance)
-        if all(self._settled(factor, weight, FADING_NEWTON) for weight in FADING):
-            for fainter in FAINTER:
-                if not all(self._settled(factor, weight, FADING_NEWTON) for weight in fainter):
-                    break
-                if self._settled(factor, 0.0, at_rest):
-                    self._last = None
-                    return True
-        self.back(mark)
-        return False
-
-    def _settled(self, factor: float, weight: float, newton: NewtonSettings) -> bool:
-        """Go to a given multiplier under an overstress of a weight; False, and nothing accepted, if it is not borne."""
-        self.problem.overstress = weight
-        found = self._newton(factor, np.zeros_like(self.control), None, newton)
-        if found.converged:
-            self._accept(found, self._length_of(found), 0, at_rest=True)
-        return found.converged
-
     def _relax(self, constraint: Constraint | None) -> bool:
         """Relax until the forces balance without overstress; False if that does not come about.
 
@@ -295,10 +262,8 @@ class EquilibriumPath:
         along, length = self._elastic
         return along * (step / length), step / length
 
-    def _newton(
-        self, factor: float, first: np.ndarray, constraint: Constraint | None, newton: NewtonSettings | None = None
-    ) -> NewtonResult:
-        newton = newton or self.settings.newton
+    def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
+        newton = self.settings.newton
         found = find_equilibrium(self.problem, self.loading, factor, first, constraint, self.scale, newton)
         self.solves += found.iterations
         return found

@@ -47,11 +47,6 @@ class PlateauRule:
         Ductility at which the overstress is first relaxed.
     next_relaxation : float
         Ratio of the ductilities of one relaxation and the one before.
-    known : float
-        The limit load, where it is known beforehand, infinite where it is not; the path ends when it has come to it
-        within the share ``close``, which takes the place of the growth.
-    close, near : float
-        That share, and the one within which a path that breaks off has shown it.
     """
 
     growth: float = 0.01
@@ -62,9 +57,6 @@ class PlateauRule:
     shortfall: float = 0.025
     first_relaxation: float = 1.3
     next_relaxation: float = 1.3
-    known: float = np.inf
-    close: float = 0.02
-    near: float = 0.03
 
 
 @dataclass(frozen=True)
@@ -128,7 +120,7 @@ def find_limit_load(
             f'no state on the path is in equilibrium ({reason}); use flow = "davis", whose limit load is unique, or '
             "try another mesh or element"
         )
-    likely = rule.known if np.isfinite(rule.known) else held * (1.0 + max(growth_per_doubling(path), 0.0))
+    likely = held * (1.0 + max(growth_per_doubling(path), 0.0))
     upper = max(likely, *(step.factor for step in path.steps), held)
     return LimitLoad(held, upper, verdict, reason, remedy)
 
@@ -152,9 +144,6 @@ def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> Ending:
     """The ending of a path on which there is no next step: a plateau if it hardly rose any more."""
     growth = growth_per_doubling(path)
-    if path.factor >= (1.0 - rule.near) * rule.known:
-        reason = f"it came near the limit load of these elements, {rule.known:.4f}, after which {path.reason}"
-        return Ending("plateau", reason, "")
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
         return Ending("plateau", reason, "")
@@ -169,8 +158,6 @@ def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: Plateau
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
         return Ending("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
-    if path.factor >= (1.0 - rule.close) * rule.known:
-        return Ending("plateau", f"it came to the limit load of these elements, {rule.known:.4f}", "")
     if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
         return Ending("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
