@@ -83,6 +83,26 @@ def skins(section: Section, settings: FemSettings, friction: Sequence[float] | n
     return found
 
 
+def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
+    """The cohesionless faces that fall in the direction of the push; without shaking, in any."""
+    directions = ("downhill", "uphill") if kh == 0.0 else (settings.direction,)
+    return [face for d in directions for face in skins(section, settings.model_copy(update={"direction": d}))]
+
+
+def least_rolling_factor(
+    section: Section, faces: Sequence[Skin], kh: float, friction: Sequence[float] | np.ndarray
+) -> float | None:
+    """The smallest factor of safety of the skins of ``faces`` whose strata have ``friction`` (rad), None without any.
+
+    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Water that seeps out adds to k what it takes off the
+    face's Kh.
+    """
+    pushes = [float(np.arctan((kh + face.seepage) / face.ratio)) for face in faces]
+    tangents = [float(np.tan(friction[_number(section, face)])) for face in faces]
+    factors = [t / np.tan(face.angle + p) for face, t, p in zip(faces, tangents, pushes, strict=True)]
+    return min(factors, default=None)
+
+
 def _water_at(section: Section, interval: int, stratum: int, depth: float) -> tuple[float, float, bool]:
     """Seepage force to the right and uplift (N/m³) of the skin of the ground in an interval between breakpoints, and
     whether it is held by what presses on it from outside."""

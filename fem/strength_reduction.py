@@ -31,7 +31,7 @@ from fem.nodal_loads import seismic_load, still_load
 from fem.path import EquilibriumPath, PathStep
 from fem.plateau import PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import FemSettings
-from fem.skin import Skin, skins
+from fem.skin import faces_at, least_rolling_factor
 from fem.strength import is_associated, strength_of
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -98,7 +98,7 @@ def safety_at_once(
     ``safety_factor``. Where the push does not count, without shaking, the smaller of both directions is told.
     """
     settings = settings.model_copy(update={"element": "reduced"})
-    faces = _faces(section, settings, kh)
+    faces = faces_at(section, settings, kh)
     if kh == 0.0 and settings.sides != "tied":  # sides that stay held have no stress of their own
         problem, constant = under_weight(section, mesh, settings, comm, faces)
         constant = constant + lift_of(problem, settings)
@@ -116,7 +116,7 @@ def safety_at_once(
     factor, limit = _divisor(lambda f: borne(f, load), kh, guess)
     if kh == 0.0 and borne(factor, -load).multiplier < 0.0:
         factor, limit = _divisor(lambda f: borne(f, -load), 0.0, factor)
-    skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
+    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
     return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, limit.mechanism)
 
@@ -168,7 +168,7 @@ def safety_factor(
             raise
         except NoAnswerError:  # the solver left none: a path has to do
             pass
-    faces = _faces(section, settings, kh)
+    faces = faces_at(section, settings, kh)
     for start in STARTS:
         try:
             problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
@@ -203,23 +203,10 @@ def safety_factor(
 
     rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
     found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
-    skin = min((_rolling(face, section, settings, kh) for face in faces), default=None)
+    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
     return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
 
 
-def _faces(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
-    """The cohesionless faces that fall in the direction of the push; without shaking, in any."""
-    directions = ("downhill", "uphill") if kh == 0.0 else (settings.direction,)
-    return [f for d in directions for f in skins(section, settings.model_copy(update={"direction": d}))]
-
-
-def _rolling(face: Skin, section: Section, settings: FemSettings, kh: float) -> float:
-    """The factor of safety of the skin of a face, tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs).
-
-    Water that seeps out adds to k what it takes off the face's Kh (``fem/skin.py``). tan φ is Davis's where that is the
-    flow rule, in form A.
-    """
-    soil = next(s for s in section.strata if s.name == face.stratum)
-    push = (kh + face.seepage) / face.ratio
-    friction = strength_of([soil], settings.flow, form="A").friction[0]
-    return float(np.tan(friction) / np.tan(face.angle + np.arctan(push)))
+def _friction(section: Section, settings: FemSettings) -> np.ndarray:
+    """The friction angle (rad) of the strata on a face; Davis's, in form A, where that is the flow rule."""
+    return strength_of(section.strata, settings.flow, form="A").friction

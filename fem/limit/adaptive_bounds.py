@@ -32,6 +32,8 @@ YIELD_WORK_WEIGHT = 0.5
 SINGULAR_SHARE, SINGULAR_TIMES, NARROW_ANGLE = 0.03, 20.0, 0.1
 # The indicator of either half of a bisected cell, over that of the whole: the gap falls faster than the area.
 HALF_SHARE = 0.3
+# Friction angle (rad) from which ground in a right angle between held sides cannot strain.
+STEEP = np.pi / 4.0
 # Attempts at a bound, and how much more margin the next one has, over what the last one fell short of its own.
 ATTEMPTS, SHORTFALLS = 3, 5.0
 
@@ -260,8 +262,8 @@ def bracket(
 def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], StressField | None]:
     """The stress field that was found, what went wrong, and the same as a strict bound if it passes its check."""
 
-    def attempt(more_margin: np.ndarray | float) -> tuple[LowerBound, StressCheck]:
-        found = lower_bound(problem, more_margin)
+    def attempt(more_margin: np.ndarray | float, again: bool) -> tuple[LowerBound, StressCheck]:
+        found = lower_bound(problem, more_margin, again)
         return found, check_stress(problem, found.stress, found.multiplier)
 
     found, check, notes = _first_that_holds("lower bound", attempt)
@@ -269,13 +271,25 @@ def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], St
 
 
 def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check."""
+    """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check.
 
-    def attempt(more_margin: np.ndarray | float) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, more_margin)
+    Ground of φ > 45° cannot strain where it lies in a corner of held sides, far into the section the more the steeper φ
+    is, and may leave the solver nothing to find. Such ground is held then.
+    """
+
+    def attempt(more_margin: np.ndarray | float, again: bool) -> tuple[UpperBound, VelocityCheck]:
+        found = upper_bound(problem, more_margin, again)
         return found, check_velocity(problem, found.velocity)
 
-    found, check, notes = _first_that_holds("upper bound", attempt)
+    def attempt_held(more_margin: np.ndarray | float, again: bool) -> tuple[UpperBound, VelocityCheck]:
+        found = upper_bound(problem, more_margin, again, steep)
+        return found, check_velocity(problem, found.velocity)
+
+    steep = problem.friction > STEEP
+    found, check, notes = _first_that_holds("upper bound", attempt, 1 if steep.any() else ATTEMPTS)
+    if check is None and steep.any() and found.solution.none != "no stress":
+        found, check, more_notes = _first_that_holds("upper bound, steep ground held", attempt_held)
+        notes += more_notes
     return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None
 
 
@@ -283,17 +297,19 @@ F = TypeVar("F", LowerBound, UpperBound)
 C = TypeVar("C", StressCheck, VelocityCheck)
 
 
-def _first_that_holds(name: str, attempt: Callable[[np.ndarray | float], tuple[F, C]]) -> tuple[F, C | None, list[str]]:
+def _first_that_holds(
+    name: str, attempt: Callable[[np.ndarray | float, bool], tuple[F, C]], attempts: int = ATTEMPTS
+) -> tuple[F, C | None, list[str]]:
     """The first of a few attempts whose check holds, None for the check if none does.
 
     The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
     against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
-    fell short of its margin.
+    fell short of its margin, and is made with more regularisation where the solver broke down.
     """
     notes: list[str] = []
     more_margin: np.ndarray | float = 0.0
-    for _ in range(ATTEMPTS):
-        found, check = attempt(more_margin)
+    for _ in range(attempts):
+        found, check = attempt(more_margin, bool(notes))
         if found.solution.none:
             return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
         if found.solution.ended:
@@ -329,11 +345,11 @@ def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBoun
     """Indicator (m,) of every cell for refinement: its share of the gap, and of the yield work of the lower bound.
 
     The latter need not be near the mechanism of the upper bound: too coarse a stress field at one corner can keep the
-    lower bound down.
+    lower bound down, or leave none.
     """
     shares = gap_shares(problem, low, high)
     shares = shares / max(shares.sum(), 1e-300)
-    if not low.solution.none and (total := low.yield_work.sum()) > 0.0:
+    if (total := low.yield_work.sum()) > 0.0:
         shares = shares + YIELD_WORK_WEIGHT * low.yield_work.sum(axis=1) / total
     return np.nan_to_num(shares)  # a solver that ended early may leave no numbers
 
@@ -346,7 +362,7 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
     points = problem.mesh.cells.ravel()
     work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))
     singular = work > max(SINGULAR_SHARE * work.sum(), SINGULAR_TIMES * work.mean())
-    return singular & (not low.solution.none)
+    return singular
 
 
 def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:

@@ -239,6 +239,20 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
     )
 
 
+def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
+    """The problem whose multiplier acts on all loads, those of ``multiplier`` of the given one: above 1 it bears them.
+
+    Where the pore pressure jumps, what the jumps press stays. Where there is cohesion, some share is always borne.
+    """
+    outline = problem.outline
+    return replace(
+        problem,
+        dead_force=np.zeros_like(problem.dead_force),
+        live_force=problem.dead_force + multiplier * problem.live_force,
+        outline=replace(outline, dead=np.zeros_like(outline.dead), live=outline.dead + multiplier * outline.live),
+    )
+
+
 def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
     """Body force (m, 2) in N/m³ on the skeleton: the dead force less the slope of the pore pressure."""
     force = body.dead_force[mesh.stratum]

@@ -38,7 +38,9 @@ class LowerBound:
         The stress at the corners of every cell.
     yield_work : ndarray (m, 3)
         Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. It is
-        large where the yield surface keeps the load multiplier down.
+        large where the yield surface keeps the load multiplier down; that of a cell with one corner that can have no
+        stress counts as that corner's. Where no stress balances the dead load, it is the
+        size of the rates at which the dead load fails.
     shortfall : ndarray (m, 3)
         How much nearer to the yield surface the stress at every corner is than was asked for.
     solution : cone_program.Solution
@@ -52,10 +54,11 @@ class LowerBound:
     solution: cone_program.Solution
 
 
-def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) -> LowerBound:
+def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
+    ``again`` asks a solver that breaks down for more regularisation.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -68,12 +71,17 @@ def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) ->
     balance, dead, live = independent_equations(balance[:, free].tocsr(), dead, live, points)
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(balance.T.tocsr(), cohesion, friction, ones, dead, live, stress_margin=kept)
-    solution = cone_program.solve(program)
+    solution = cone_program.solve(program, again)
     found = solution.stress.ravel()
     found = found + cone_program.smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
-    stress[free], work[free] = found, np.abs(found * (balance.T @ solution.rates))
+    stress[free], work[free] = found, np.abs(balance.T @ solution.rates)
+    if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
+        work[free] *= np.abs(found)
     stress, work = stress.reshape(-1, 3, 3), work.reshape(-1, 3, 3).sum(axis=2)
+    without = ~free[::3].reshape(-1, 3)
+    turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
+    work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
     shortfall = np.zeros(work.shape)
     shortfall.ravel()[free[::3]] = np.maximum(kept - yield_slack(problem, stress).ravel()[free[::3]], 0.0)
     return LowerBound(solution.multiplier, stress, work, shortfall, solution)

@@ -5,11 +5,15 @@ trial factor F, limit analysis bounds the Kh that the ground so weakened carries
 Kh given, and another one more than that Kh the other way, the two carry every Kh between them, for yield surfaces are
 convex: F is a lower bound. Where a mechanism fails at less than the Kh given, either way, F is an upper bound. The
 bounds of Kh fall as F rises, smoothly, so that F is found by a few secants on coarse triangles, then on finer ones.
+
+Where it is the weight or a surcharge that fails, as below a footing, no Kh makes up for what is too much: there the
+share of all loads that the ground carries is bounded in place of Kh, and F is a lower bound where that is at least 1.
 """
 
 import math
 import time
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -23,9 +27,10 @@ from fem.limit.adaptive_bounds import (
     refinement_indicator,
     singular_points,
 )
-from fem.limit.bounds import body_of, first_mesh
-from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
+from fem.limit.bounds import body_of, first_mesh, strengths
+from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.settings import BoundsSettings, FemSettings
+from fem.skin import faces_at, least_rolling_factor, strengthened
 from meshes.bisection import fan_out
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -35,40 +40,60 @@ SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 # Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
 # side of it, so that it proves.
 TRIALS, MARGIN = 10, 0.002
-# A coarse factor is good enough to refine at when it is this close.
-CLOSE = 0.01
+# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
+INSIDE = 0.05
+# A coarse factor is good enough to refine at when it is this close, or this close over what the bounds leave open.
+CLOSE, OPEN = 0.01, 0.2
+# A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
+FAR = 1.0
+
+# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
+Gauge = Literal["kh", "loads"]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Bounds of the Kh of ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was."""
+    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
+
+    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne`` says
+    that no Kh was found with which a stress would balance the weight.
+    """
 
     factor: float
     cells: int
+    gauge: Gauge
     lower: float | None
     upper: float | None
+    unborne: bool
     seconds: float
 
 
 @dataclass(frozen=True)
 class Start:
-    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, and whether sides are held."""
+    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, whether sides are held, and the
+    lower bound that is enough."""
 
     kh: float
     factor: float
     davis: bool
     held: bool
+    enough: float = math.inf
 
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven."""
+    """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
+
+    ``skin`` is that at which grains roll down a cohesionless face, where that is below ``upper``; the ground down to the least depth
+    below such faces was strengthened, as in the finite elements, and the bounds are of the slope as a whole.
+    """
 
     kh: float
     lower: float
     upper: float
     cells: int
     trials: list[Trial]
+    skin: float | None = None
 
     @property
     def gap(self) -> float:
@@ -95,18 +120,22 @@ def safety_bounds(
     no triangles.
     """
     start = Start(kh, guess, davis, held)
+    faces = faces_at(section, fem, kh)
+    skin = least_rolling_factor(section, faces, kh, strengths(section.strata, davis)[1])
+    section = strengthened(section, faces, fem) if faces else section
     searches = [_Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)]
     searches[0].find()
     searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
     if not searches[1].confirms(searches[0]):
-        start = replace(start, factor=searches[0].lower or guess)
+        start = replace(start, factor=searches[0].lower or guess, enough=searches[0].lower or math.inf)
         searches.append(_Search(section, first_mesh(section, settings.max_cells), fem, settings, -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):
         raise UnstableError("no factor of safety from 0.02 to 20 could be bounded; check strengths and densities")
     trials = [trial for search in searches for trial in search.trials]
-    return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials)
+    skin = skin if skin is not None and skin < upper else None
+    return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials, skin)
 
 
 class _Search:
@@ -119,26 +148,33 @@ class _Search:
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings = mesh, settings
-        self.target, self.factor = sign * start.kh, start.factor
+        self.target, self.factor, self.enough = sign * start.kh, start.factor, start.enough
         self.lower, self.upper = 0.0, math.inf
         self.trials: list[Trial] = []
         self.slope: float | None = None
+        self.gauge: Gauge = "kh"
+        self.both_ways = False  # whether the lower bound is one for either direction of the push
 
     def find(self) -> None:
         """Narrow the factor down on ever finer triangles."""
         while True:
             self.settle()
-            if self.good or self.mesh_is_full:
+            if self.good or self.mesh_is_full or self.lower >= self.enough:
                 return
             self.refine()
 
     def confirms(self, other: "_Search") -> bool:
-        """Whether this push, too, is proven to bear what the other one bears.
+        """Whether this push, too, is proven to bear what the other one bears, on triangles as fine as are allowed.
 
-        Where it is not, its own factor is looked for on triangles of its own: these are fine where the other fails.
+        Where it is not, its own factor is looked for: the triangles of the other are fine where that one fails.
         """
-        if other.lower > 0.0:
+        if other.both_ways:
+            self.lower = other.lower
+        while self.lower < other.lower:
             self.measure(other.lower)
+            if self.upper <= other.lower or self.mesh_is_full:
+                break
+            self.refine()
         return 0.0 < other.lower <= self.lower
 
     @property
@@ -157,10 +193,17 @@ class _Search:
             growth=None if self.body.growth is None else self.body.growth / factor,
             friction=np.arctan(np.tan(self.body.friction) / factor),
         )
-        return limit_problem(self.mesh, weak, self.units)
+        problem = limit_problem(self.mesh, weak, self.units)
+        return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
+
+    def over(self, bound: float) -> float:
+        """By how much a bound of Kh, or the logarithm of one of the share of loads, exceeds what is to be borne."""
+        if self.gauge == "kh":
+            return bound - self.target
+        return math.log(bound) if bound > 0.0 else -math.inf
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
-        """Bounds of the Kh of ground weakened by a factor; what they prove is kept."""
+        """Bounds for ground weakened by a factor; what they prove is kept."""
         started = time.perf_counter()
         problem = self.problem(factor)
         low = high = stress = mechanism = None
@@ -168,71 +211,100 @@ class _Search:
             low, _, stress = proven_lower_bound(problem)
         if upper:
             high, _, mechanism = proven_upper_bound(problem)
+        unmoved = high is not None and high.solution.none == "no mechanism"
         trial = Trial(
             factor,
             len(problem.mesh.cells),
+            self.gauge,
             stress.multiplier if stress else None,
-            mechanism.multiplier if mechanism else None,
+            mechanism.multiplier if mechanism else math.inf if unmoved and self.gauge == "loads" else None,
+            low is not None and low.solution.none == "no stress",
             time.perf_counter() - started,
         )
         if low is not None and high is not None:
             self.seen = (problem, low, high)
-        if trial.lower is not None and trial.lower >= self.target:
+        if trial.lower is not None and self.over(trial.lower) >= 0.0:
+            self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
             self.lower = max(self.lower, factor)
-        if trial.upper is not None and trial.upper <= self.target:
+        if trial.upper is not None and self.over(trial.upper) <= 0.0:
             self.upper = min(self.upper, factor)
         self.trials.append(trial)
         return trial
 
     def settle(self) -> None:
         """Trials on this mesh until the factor is close, then one that proves each bound."""
-        weakest = LARGEST
-        last = self.measure(self.factor)
+        last = self.regauged(self.measure(self.factor))
+        safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):
-            middle = _middle(last)
-            if middle is None:
-                weakest = min(weakest, last.factor)  # the ground is too weak to carry anything
-                step = 1.0 / STEP
-            else:
-                step = min(self.step(middle), math.sqrt(weakest / last.factor))
-                if self.slope is not None and abs(step - 1.0) < CLOSE:
-                    break
-            self.factor = float(np.clip(last.factor * step, SMALLEST, LARGEST))
-            trial = self.measure(self.factor)
+            middle = self.middle(last)
+            step = 1.0 / STEP if middle < -FAR else self.step(middle)
+            if self.lower >= self.enough:
+                return
+            if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
+                break
+            safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
+            self.factor = float(np.clip(_inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            trial = self.regauged(self.measure(self.factor))
             self.learn(last, trial)
             last = trial
         for side, sense in (("lower", -1.0), ("upper", 1.0)):
             self.prove(last, side, sense)
 
+    def regauged(self, trial: Trial) -> Trial:
+        """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
+        balances the weight, what fails is the weight, as below a footing, and Kh does not tell by how much."""
+        fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
+        if self.gauge == "loads" or not (trial.unborne and fails_late):
+            return trial
+        self.gauge, seen = "loads", self.seen
+        loaded = self.measure(trial.factor)
+        if loaded.lower is None:
+            self.gauge, self.seen = "kh", seen
+            return trial
+        self.slope = None
+        return loaded
+
+    def middle(self, trial: Trial) -> float:
+        """The middle of what the bounds exceed, or the one there is; -inf without any."""
+        found = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
+        return sum(found) / len(found) if found else -math.inf
+
+    def gap_of(self, trial: Trial) -> float:
+        """How far the factors at which the bounds of a trial come to what is to be borne are apart, as a share."""
+        if trial.lower is None or trial.upper is None or self.slope is None:
+            return 0.0
+        return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
+
     def learn(self, before: Trial, now: Trial) -> None:
-        """How much the Kh falls where the logarithm of the factor rises."""
-        if before.cells != now.cells or before.factor == now.factor:
+        """How much what is exceeded falls where the logarithm of the factor rises."""
+        if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
             return
         for side in ("upper", "lower"):
-            first, second = getattr(before, side), getattr(now, side)
-            if first is not None and second is not None:
+            ends = [getattr(trial, side) for trial in (before, now)]
+            first, second = (-math.inf if end is None else self.over(end) for end in ends)
+            if max(abs(first), abs(second)) < FAR:
                 slope = (second - first) / math.log(now.factor / before.factor)
                 if slope < 0.0:
                     self.slope = slope
                     return
 
-    def step(self, off: float) -> float:
-        """The ratio of the next factor to this one, at which a Kh of ``off`` was found."""
+    def step(self, over: float) -> float:
+        """The ratio of the next factor to this one, at which a bound exceeds by ``over``."""
         if self.slope is None:
-            ahead = 2.0 * (off - self.target)
+            ahead = (2.0 if self.gauge == "kh" else 1.0) * over
             ahead = math.copysign(max(abs(ahead), 0.05), ahead)
         else:
-            ahead = (self.target - off) / self.slope
-        return float(np.clip(math.exp(ahead), 1.0 / STEP, STEP))
+            ahead = -over / self.slope
+        return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
 
     def prove(self, last: Trial, side: str, sense: float) -> None:
-        """One trial, or two, where a bound of Kh should come to the Kh given, if that betters what is proven."""
+        """One trial, or two, where a bound should come to what is to be borne, if that betters what is proven."""
         trial = last
         for more in (1.0, 3.0):
             found = getattr(trial, side)
             if found is None or self.slope is None:
                 return
-            at = trial.factor * self.step(found) * math.exp(sense * more * MARGIN)
+            at = trial.factor * self.step(self.over(found)) * math.exp(sense * more * MARGIN)
             if at <= self.lower if sense < 0.0 else at >= self.upper:
                 return
             trial = self.measure(at, side == "lower", side == "upper")
@@ -248,7 +320,9 @@ class _Search:
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
 
 
-def _middle(trial: Trial) -> float | None:
-    """The middle of the bounds of Kh, or the one there is."""
-    found = [bound for bound in (trial.lower, trial.upper) if bound is not None]
-    return sum(found) / len(found) if found else None
+def _inside(factor: float, safe: float, unsafe: float) -> float:
+    """The factor if it is well between one at which the ground stands and one at which it fails, else their middle."""
+    if not 0.0 < safe < unsafe < math.inf:
+        return factor
+    share = math.log(factor / safe) / math.log(unsafe / safe)
+    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)

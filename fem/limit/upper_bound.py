@@ -43,14 +43,20 @@ class UpperBound:
     solution: cone_program.Solution
 
 
-def upper_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) -> UpperBound:
+def upper_bound(
+    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False, rigid: np.ndarray | None = None
+) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
+    ``again`` asks a solver that breaks down for more regularisation. Cells of ``rigid`` (m,), a mask, are held: the
+    bound stays one, if a larger one.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
     nodes, moves, dead, live = nodes_and_loads(problem)
+    if rigid is not None:
+        moves.reshape(-1, 2)[nodes[rigid]] = False
     basis = free_velocities(problem, moves)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
@@ -70,7 +76,7 @@ def upper_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0) ->
         strain_margin=STRAIN_MARGIN * size[corners] + more,
         strain_share=STRAIN_MARGIN,
     )
-    solution = cone_program.solve(program)
+    solution = cone_program.solve(program, again)
     rates = _corrected(program, solution.rates)
     xx, yy, xy = (program.strain @ rates).reshape(-1, 3).T
     slack = xx + yy - np.sin(program.friction) * np.hypot(xx - yy, xy)

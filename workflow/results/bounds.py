@@ -75,13 +75,17 @@ class SafetyPart(Part):
     lower: float | None = Field(description="the section stands with its strength divided by this")
     upper: float | None = Field(description="the section fails with its strength divided by this")
     cells: int = Field(description="triangles of the last mesh")
+    skin: float | None = Field(
+        default=None, description="at which grains roll down a face; the bounds are of the slope as a whole"
+    )
 
     @property
     def words(self) -> str:
         """The bracket as a person reads it."""
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
-        return f"{low} <= FS <= {high} at Kh = {self.kh:g}, {self.cells} triangles"
+        rolling = "" if self.skin is None else f"; grains roll down a face at {self.skin:.3f}"
+        return f"{low} <= FS <= {high} at Kh = {self.kh:g}, {self.cells} triangles{rolling}"
 
 
 class BoundsAnswer(BracketPart, Answer):

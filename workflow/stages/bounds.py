@@ -71,7 +71,7 @@ def _factors(job: Job, given: Input, asked: BoundsSettings) -> Iterator[SafetyPa
         job.progress(f"factor of safety at Kh = {kh:g}", None)
         found = safety_bounds(given, given.fem, asked, kh, held=kh == 0.0)
         lower, upper = found.lower or None, found.upper if math.isfinite(found.upper) else None
-        yield SafetyPart(kh=kh, lower=lower, upper=upper, cells=found.cells)
+        yield SafetyPart(kh=kh, lower=lower, upper=upper, cells=found.cells, skin=found.skin)
 
 
 def direction_of(given: Input, store: Store) -> Direction:

@@ -44,8 +44,8 @@ def answer(
     return found
 
 
-def _fields(part: Part) -> tuple[str, str]:
-    return ("lower", "upper") if part == "bounds" else (part, f"{part}_upper")
+def _fields(part: Part) -> tuple[str, ...]:
+    return ("lower", "upper", "skin") if part == "bounds" else (part, f"{part}_upper")
 
 
 def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, Any]:
@@ -53,10 +53,12 @@ def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, An
         raise UnstableError("a section that repeats has none")
     if case.published.expected == "kc":
         found = kh_bounds(case.section, case.fem, settings)
-        return {"lower": found.stress and found.lower, "upper": found.mechanism and found.upper}
+        skin = min((face.kh for face in found.skins), default=None)
+        return {"lower": found.stress and found.lower, "upper": found.mechanism and found.upper, "skin": skin}
     guess = known.associated or case.published.values[0].ends[0]
     factor = safety_bounds(case.section, case.fem, settings, case.published.kh, guess)
-    return {"lower": factor.lower or None, "upper": factor.upper if factor.upper < float("inf") else None}
+    upper = factor.upper if factor.upper < math.inf else None
+    return {"lower": factor.lower or None, "upper": upper, "skin": factor.skin}
 
 
 def _elements(case: Case, part: Part) -> dict[str, Any]:
@@ -88,5 +90,4 @@ def _kc(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float
 
 def _fs(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
     found = safety_factor(case.section, mesh, wish, case.published.kh, comm)
-    least = math.inf if found.skin is None else found.skin  # grains that roll down a face fail as well
-    return min(found.factor, least), min(found.upper, least)
+    return found.factor, found.upper

@@ -28,6 +28,7 @@ class Row:
             "kh": self.case.published.kh,
             "lower": found.lower,
             "upper": found.upper,
+            "skin": found.skin,
             "elements_associated": found.associated,
             "elements": found.section,
             "seconds": {"bounds": found.bounds_seconds, "elements_associated": found.associated_seconds}

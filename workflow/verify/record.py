@@ -22,7 +22,8 @@ class Answer:
     """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
 
     ``associated`` and ``section`` are of the finite elements with ψ = φ and with the dilation of the strata; with each
-    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ.
+    what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where grains roll down a face before,
+    at ``skin``, all of these are of the slope as a whole.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Answer:
     associated_upper: float | None = None
     section: float | None = None
     section_upper: float | None = None
+    skin: float | None = None
     bounds_seconds: float | None = None
     associated_seconds: float | None = None
     section_seconds: float | None = None

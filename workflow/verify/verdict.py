@@ -49,14 +49,15 @@ def judge(case: Case, found: Answer | None) -> Verdict:
     if apart and not case.published.explained:
         return Verdict("wrong", tuple(apart))
     if apart:
-        return Verdict("explained", (case.published.explained, *apart, *outside(case, found)))
-    return Verdict("right", tuple(outside(case, found)))
+        return Verdict("explained", (case.published.explained, *apart, *outside(case, found), *rolling(found)))
+    return Verdict("right", (*outside(case, found), *rolling(found)))
 
 
 def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
     """Between what our answers lie that a published value of a kind is held against; None without any.
 
-    Published elements mostly do not dilate, so theirs reaches down to our elements without dilation.
+    Published elements mostly do not dilate, so theirs reaches down to our elements without dilation. Where grains roll
+    down a face, how deep a failure has to be to count is each author's choice, and all reach down to that.
     """
     ends = [end for end in (found.lower, found.upper) if end is not None]
     if len(ends) < 2 and found.associated is not None:
@@ -66,7 +67,13 @@ def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
     low, high = min(ends), max(ends)
     if kind == "elements":
         low = min([low, *(e for e in (found.section, found.associated) if e is not None)])
-    return low, high
+    return (low if found.skin is None else min(low, found.skin)), high
+
+
+def rolling(found: Answer) -> Iterator[str]:
+    """A sentence on the grains of a face without cohesion, where they fail first."""
+    if found.skin is not None:
+        yield f"Grains roll down a face without cohesion at {found.skin:.3f}; the numbers are of the slope as a whole"
 
 
 def outside(case: Case, found: Answer) -> Iterator[str]:
@@ -77,7 +84,8 @@ def outside(case: Case, found: Answer) -> Iterator[str]:
         if above:
             yield f"Proven to fail: {', '.join(above)}"
     if found.lower is not None:
-        below = [_named(value) for value in values if value.ends[1] < found.lower and value.kind != "upper bound"]
+        least = found.lower if found.skin is None else min(found.lower, found.skin)
+        below = [_named(value) for value in values if value.ends[1] < least and value.kind != "upper bound"]
         if below:
             yield f"Proven to stand: {', '.join(below)}"
 

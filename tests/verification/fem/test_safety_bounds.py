@@ -62,3 +62,23 @@ def test_a_flat_layer_that_Kh_slides_off_its_rock():
     found = safety_bounds(Section.parse(data), FIXED, BoundsSettings(gap=0.05, max_cells=1500), kh=0.5)
     assert found.upper >= slides
     assert found.lower >= 0.95 * slides
+
+
+def test_a_footing_fails_by_its_load_whatever_kh():
+    """Prandtl's 5.14 c on clay without weight, F = 1: no Kh makes up for too large a load. Measured: 0.986 to 1.007."""
+    found = of_case("strip_footing_00", BoundsSettings(gap=0.03, max_cells=2500))
+    assert 0.97 <= found.lower <= 1.0 <= found.upper <= 1.02
+
+
+def test_a_slope_of_sand_is_told_with_the_factor_of_its_grains_and_that_of_the_whole():
+    """Grains roll down at tan φ / tan β; with half a metre of the face left out, a fill of 5 m bears a little more."""
+    surface = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 5.0]]
+    data = {
+        "name": "sand",
+        "surface": surface,
+        "base": {"elevation": -2.0},
+        "strata": [layer("sand", cohesion="0 kPa", friction_angle="35 deg")],
+    }
+    found = safety_bounds(Section.parse(data), FIXED, ROUGHLY)
+    assert found.skin == pytest.approx(2.0 * math.tan(math.radians(35.0)))
+    assert found.skin <= found.lower <= found.upper <= 1.2 * found.skin
