@@ -84,7 +84,7 @@ class Start:
 class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
-    ``skin`` is that at which grains roll down a cohesionless face, where that is below ``upper``; the ground down to the least depth
+    ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least depth
     below such faces was strengthened, as in the finite elements, and the bounds are of the slope as a whole.
     """
 
