@@ -84,8 +84,8 @@ class Start:
 class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
-    ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least depth
-    below such faces was strengthened, as in the finite elements, and the bounds are of the slope as a whole.
+    ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least
+    depth below such faces was strengthened, as in the finite elements, and the bounds are of the slope as a whole.
     """
 
     kh: float
@@ -247,8 +247,8 @@ class _Search:
             trial = self.regauged(self.measure(self.factor))
             self.learn(last, trial)
             last = trial
-        for side, sense in (("lower", -1.0), ("upper", 1.0)):
-            self.prove(last, side, sense)
+        self.prove(last, "lower", -1.0)
+        self.prove(last, "upper", 1.0)
 
     def regauged(self, trial: Trial) -> Trial:
         """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
@@ -297,15 +297,21 @@ class _Search:
             ahead = -over / self.slope
         return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
 
-    def prove(self, last: Trial, side: str, sense: float) -> None:
-        """One trial, or two, where a bound should come to what is to be borne, if that betters what is proven."""
+    def prove(self, last: Trial, side: Literal["lower", "upper"], sense: float) -> None:
+        """One trial, or two, where a bound should come to what is to be borne, if that betters what is proven.
+
+        Where there is no such bound at the last factor, half-way back to the proven one, where there is one.
+        """
         trial = last
         for more in (1.0, 3.0):
             found = getattr(trial, side)
-            if found is None or self.slope is None:
+            if self.slope is None:
                 return
-            at = trial.factor * self.step(self.over(found)) * math.exp(sense * more * MARGIN)
-            if at <= self.lower if sense < 0.0 else at >= self.upper:
+            if found is not None:
+                at = trial.factor * self.step(self.over(found)) * math.exp(sense * more * MARGIN)
+            else:
+                at = math.sqrt(trial.factor * getattr(self, side))
+            if (at <= self.lower if sense < 0.0 else at >= self.upper) or not SMALLEST < at < LARGEST:
                 return
             trial = self.measure(at, side == "lower", side == "upper")
             if at in (self.lower, self.upper):
