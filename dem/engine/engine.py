@@ -14,7 +14,7 @@ from numba import config
 
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.ledger import Ledger
-from dem.engine.memory import give_back_large_arrays
+from dem.engine.memory import give_back_large_arrays, large_zeros
 from dem.engine.packer import pack, unpack
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
@@ -22,6 +22,7 @@ from dem.kernels.barrier import new_barrier
 from dem.kernels.contact import KPN
 from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
+from dem.kernels.records import CONSTANT_RECORD
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, advance
 from dem.model import DiscModel
@@ -70,7 +71,10 @@ def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact")
 
 def springs_of(model: DiscModel) -> Springs:
     """All constants of a model's contacts, as kernels want them."""
-    return Springs(model.springs.pairs, model.springs.lines, model.lines)
+    pairs = model.springs.pairs
+    records = large_zeros(pairs.shape[1], CONSTANT_RECORD)
+    records[:, : len(pairs)] = pairs.T
+    return Springs(pairs, records.reshape(-1), model.springs.lines, model.lines)
 
 
 @dataclass(frozen=True)

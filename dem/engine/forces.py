@@ -8,7 +8,7 @@ from dem.engine.engine import CrackBy, law_of, springs_of
 from dem.engine.packer import pack, unpack
 from dem.kernels.arguments import Entries
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
-from dem.kernels.scratch import SCRATCH
+from dem.kernels.scratch import new_scratch
 from dem.kernels.stepping import LEDGER, contacts_of_slice
 from dem.model import DiscModel
 
@@ -71,12 +71,12 @@ def keep_slip(model: DiscModel, *, crack_by: CrackBy = "contact") -> None:
 
 def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
     layout = pack(model)
-    scratch = np.zeros(SCRATCH)
+    scratch = new_scratch()
     slices = len(layout.chunk_start) - 1
     springs, law = springs_of(model), law_of(model, pulls, crack_by)
     entries = Entries(False, np.zeros((slices, LEDGER)))
     for p in range(slices):
-        contacts_of_slice(p, layout, springs, scratch, -1, model.last_dt, law, entries)
+        contacts_of_slice(p, layout, springs, scratch, layout.chunk_start[p], model.last_dt, law, entries)
     return layout
 
 

@@ -10,11 +10,12 @@ from dem.kernels.layout import (
     ROLL_FIELDS,
     Layout,
     count_slots,
+    find_fresh,
     list_links,
-    offset,
     place_incoming,
     place_links,
 )
+from dem.kernels.records import SHARED
 from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
 
@@ -46,16 +47,17 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
     links = large_zeros(chunks + 1 + tail, LINK_FIELDS, LANES)
     links[:, 0] = 1.0
     rolling = large_zeros(chunks + 1 + tail if model.law == "soil" else 0, ROLL_FIELDS, LANES)
-    partners = np.full((chunks, LANES), offset(n), np.uint32)
+    partners = np.full((chunks, LANES), n, np.uint32)
     # the disc that stands for nobody cannot be its own partner: their distance would be nothing
-    partners[chunk_start[-2] :, n % LANES] = offset(n + 1) if (n + 1) % LANES else 0
+    partners[chunk_start[-2] :, n % LANES] = n + 1 if (n + 1) % LANES else 0
     kinds = np.zeros(chunks * LANES, np.uint16)
-    chunk_kind = place_links(
+    place_links(
         owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
-        tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), offset(n), links.reshape(-1),
+        tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), links.reshape(-1),
         rolling.reshape(-1), partners.reshape(-1), kinds,
     )  # fmt: skip
     del owner, partner, turn
+    fresh, fresh_start = find_fresh(partners.reshape(-1), n, kinds)
     if not keep_pairs:
         model.pair_i = model.pair_j = np.zeros(0, np.int32)
         for name in model.memory:
@@ -67,9 +69,12 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
         for field, name in _LINE_ROLLING.items():
             rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
     incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
+    discs = _discs(model, slices)
+    shared = large_zeros(slices * LANES, SHARED)
+    shared.reshape(slices, LANES, SHARED)[...] = discs[:, :SHARED].transpose(0, 2, 1)
     return Layout(
-        discs=_discs(model, slices), links=links.reshape(-1), rolling=rolling.reshape(-1),
-        partner=partners.reshape(-1), kinds=kinds, chunk_kind=chunk_kind,
+        discs=discs.reshape(-1), shared=shared.reshape(-1), links=links.reshape(-1), rolling=rolling.reshape(-1),
+        partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
         line_disc=(line_disc // LANES).astype(np.int64) * (DISC_FIELDS * LANES) + line_disc % LANES,
         line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
@@ -101,7 +106,7 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     empty = np.arange(n % LANES, LANES)
     for field in (0, 1, 11, 12):
         discs[-1, field, empty] = FAR * (1.0 + empty)
-    return discs.reshape(-1)
+    return discs
 
 
 def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:

@@ -14,6 +14,8 @@ class Springs(NamedTuple):
     ----------
     pairs : (CONSTANTS, kinds)
         Between discs, a column for each kind of pair.
+    records : (kinds * CONSTANT_RECORD,)
+        The same, kind by kind.
     lines : (CONSTANTS, layers + 1)
         Against rigid lines, a column for each layer.
     walls : (k, 6)
@@ -21,6 +23,7 @@ class Springs(NamedTuple):
     """
 
     pairs: np.ndarray
+    records: np.ndarray
     lines: np.ndarray
     walls: np.ndarray
 

@@ -22,6 +22,7 @@ from dem.kernels.layout import (
     TORQUE,
     Layout,
 )
+from dem.kernels.prefetch import wide_vectors
 from dem.kernels.scratch import constant
 
 
@@ -66,6 +67,7 @@ def all_lanes(
     booked: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contacts of one chunk, and the sums of what they took."""
+    wide_vectors()
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK

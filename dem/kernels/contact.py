@@ -9,10 +9,10 @@ plane.
 
 from numba import njit
 
-# Rows of the table of pair constants (see springs.PairTable), one column per kind of pair: those of the paper's discs,
-# then those that soil discs have besides.
-KN, KS, CN, CT, MU, KPN, KPS, TAN, BC, BETA, ALLOWED, FKS, FKPS = range(13)
-PAPER_CONSTANTS = 13
+# Rows of the table of pair constants (see springs.PairTable), one column per kind of pair: those of pore springs, those
+# of all discs, then those that soil discs have besides.
+FKPS, KPN, KPS, TAN, BC, BETA = range(6)
+KN, KS, CN, CT, MU, ALLOWED, FKS = range(6, 13)
 COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH = range(13, 19)
 CONSTANTS = 19
 

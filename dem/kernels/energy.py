@@ -9,7 +9,6 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.arguments import Law, Loads, Springs, State
-from dem.kernels.contact import CONSTANTS
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
 from dem.kernels.layout import (
     DISC,
@@ -27,7 +26,7 @@ from dem.kernels.layout import (
     Layout,
     disc_at,
 )
-from dem.kernels.scratch import ROW, SCRATCH, load_constants, load_partners
+from dem.kernels.scratch import ROW, load_all_constants, load_partners, new_scratch
 from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
@@ -105,16 +104,16 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
     """The energies of all discs and contacts (ENERGIES,); loads: those of this instant alone."""
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1
-    scratch = np.zeros(SCRATCH)
+    scratch = new_scratch()
     force = np.zeros((slices * LANES, 3))
     for p in range(slices):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             first = np.uint64(chunk) * ROW
-            load_constants(layout.chunk_kind[chunk], layout.kinds, first, springs.pairs, CONSTANTS, scratch)
+            load_all_constants(first, layout.kinds, springs.records, True, True, scratch)
             load_partners(chunk, layout, scratch)
             for lane in range(LANES):
                 fx, fz, rim, own = contact_energy(p, chunk, lane, layout, scratch, last_dt, law, out)
-                i, j = p * LANES + lane, disc_at(layout.partner[chunk * LANES + lane])
+                i, j = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
                 force[i, 0] -= fx
                 force[i, 1] -= fz
                 force[i, 2] += own

@@ -14,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dem.kernels.records import EIGHT
+
 LANES = 64
 
 # Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
@@ -49,12 +51,16 @@ class Layout(NamedTuple):
         Fields of the contacts: chunks, one whose forces stay zero, then contacts with rigid lines.
     rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
         Memory of rolling of the same contacts; empty for the paper's discs.
+    shared : (slices * 64 * SHARED,)
+        The first eight fields of the discs once more, disc by disc: what partners read.
     partner : (chunks * 64,)
-        Where the partner's x lies in `discs`.
+        Number of the partner in spatial order.
     kinds : (chunks * 64,)
         Column of the table of constants.
-    chunk_kind : (chunks,)
-        The kind if all lanes share it, else -1.
+    fresh : (groups of eight lanes,)
+        Where in `kinds` those lanes begin whose kinds are not those of the chunk before.
+    fresh_start : (chunks + 1,)
+        First of them in each chunk.
     chunk_start : (slices + 1,)
         First chunk of each slice.
     incoming : (slots * 64,)
@@ -80,9 +86,11 @@ class Layout(NamedTuple):
     discs: np.ndarray
     links: np.ndarray
     rolling: np.ndarray
+    shared: np.ndarray
     partner: np.ndarray
     kinds: np.ndarray
-    chunk_kind: np.ndarray
+    fresh: np.ndarray
+    fresh_start: np.ndarray
     chunk_start: np.ndarray
     incoming: np.ndarray
     incoming_start: np.ndarray
@@ -137,17 +145,15 @@ def place_links(
     radii: np.ndarray,
     kinds: np.ndarray,
     memory: tuple[np.ndarray, ...],
-    nobody: int,
     links: np.ndarray,
     rolling: np.ndarray,
     where: np.ndarray,
     kind: np.ndarray,
-) -> np.ndarray:
+) -> None:
     """Writes the contacts into their lanes; the last four arrays come filled with those of no contact.
 
     memory: of each contact, as named in `model.MEMORY`, then in `model.ROLLING_MEMORY` (empty for the paper's discs).
     """
-    chunk_kind = np.full(chunk_start[-1], -2, np.int32)
     for c in range(len(owner)):
         i = owner[c]
         chunk = chunk_start[i // LANES] + turn[c]
@@ -164,17 +170,27 @@ def place_links(
             rolling[base] = radii[i] / (radii[i] + radii[partner[c]])
             rolling[base + LANES] = memory[5][c]
             rolling[base + 2 * LANES] = memory[6][c]
-        where[chunk * LANES + lane] = offset(partner[c])
+        where[chunk * LANES + lane] = partner[c]
         kind[chunk * LANES + lane] = kinds[c]
-        if chunk_kind[chunk] == -2:
-            chunk_kind[chunk] = kinds[c]
-        elif chunk_kind[chunk] != kinds[c]:
-            chunk_kind[chunk] = -1
-    # lanes without a contact take the kind of the lane before, so that runs of one kind stay long
-    for at in range(1, len(kind)):
-        if at % LANES and where[at] == nobody:
-            kind[at] = kind[at - 1]
-    return chunk_kind
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`fresh` and `fresh_start` of a layout; lanes without a contact take the kind of the same lane a chunk before."""
+    chunks = len(kind) // LANES
+    for at in range(LANES, len(kind)):
+        if where[at] >= nobody:
+            kind[at] = kind[at - LANES]
+    found = np.empty(chunks * (LANES // EIGHT), np.uint32)
+    start = np.zeros(chunks + 1, np.int64)
+    for chunk in range(chunks):
+        count = start[chunk]
+        for at in range(chunk * LANES, (chunk + 1) * LANES, EIGHT):
+            if chunk == 0 or np.any(kind[at : at + EIGHT] != kind[at - LANES : at - LANES + EIGHT]):
+                found[count] = at
+                count += 1
+        start[chunk + 1] = count
+    return found[: start[-1]].copy(), start
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -193,7 +209,7 @@ def place_incoming(
     seen = np.zeros(slices * LANES, np.int32)
     for p in range(slices):
         for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
-            j = disc_at(where[place])
+            j = np.int64(where[place])
             if j < discs and p * LANES + place % LANES < discs:
                 seen[j] += 1
                 first[j // LANES] = min(first[j // LANES], p)
@@ -208,7 +224,7 @@ def place_incoming(
     seen[:] = 0
     for p in range(slices):
         for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
-            j = disc_at(where[place])
+            j = np.int64(where[place])
             if j < discs and p * LANES + place % LANES < discs:
                 at = (place // LANES * LINK_FIELDS + 4) * LANES + place % LANES
                 incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
@@ -232,7 +248,7 @@ def list_links(layout: Layout, order: np.ndarray, fields: int) -> tuple[np.ndarr
     count = 0
     for p in range(len(layout.chunk_start) - 1):
         for place in range(layout.chunk_start[p] * LANES, layout.chunk_start[p + 1] * LANES):
-            count += p * LANES + place % LANES < discs and disc_at(layout.partner[place]) < discs
+            count += p * LANES + place % LANES < discs and layout.partner[place] < discs
     owner = np.empty(count, np.int32)
     other = np.empty(count, np.int32)
     memory = np.empty((fields, count))
@@ -241,7 +257,7 @@ def list_links(layout: Layout, order: np.ndarray, fields: int) -> tuple[np.ndarr
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             for lane in range(LANES):
                 i = p * LANES + lane
-                j = disc_at(layout.partner[chunk * LANES + lane])
+                j = np.int64(layout.partner[chunk * LANES + lane])
                 if i >= discs or j >= discs:
                     continue
                 owner[found] = order[i]

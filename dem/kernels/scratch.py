@@ -7,17 +7,27 @@ comes from elsewhere must first lie in rows.
 import numpy as np
 from numba import njit
 
-from dem.kernels.contact import CONSTANTS
+from dem.kernels.contact import KN
 from dem.kernels.layout import LANES, LINK_FIELDS, Layout
 from dem.kernels.prefetch import LINE, fetch
+from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather
 
 # The partners' first eight fields, the constants, three sums of forces.
 CONSTANT = np.uint64(8 * LANES)
-SUM_X, SUM_Z, SUM_R = (np.uint64((8 + CONSTANTS + k) * LANES) for k in range(3))
-SCRATCH = (8 + CONSTANTS + 3) * LANES
+SUM_X, SUM_Z, SUM_R = (np.uint64((8 + CONSTANT_RECORD + k) * LANES) for k in range(3))
+SCRATCH = (8 + CONSTANT_RECORD + 3) * LANES
+FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
 AHEAD = 3  # chunks: as many as a slice mostly has
+
+
+@njit(cache=True, nogil=True)
+def new_scratch() -> np.ndarray:
+    """Rows of zeros that begin where a cache line does: what crosses from one line or page to the next is slow."""
+    room = np.zeros(SCRATCH + 7)
+    begin = -room.ctypes.data % 64 // 8
+    return room[begin : begin + SCRATCH]
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
@@ -27,23 +37,26 @@ def constant(row: int) -> np.uint64:
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_constants(kind: int, kinds: np.ndarray, first: int, table: np.ndarray, rows: int, scratch: np.ndarray) -> None:
-    """The first `rows` constants of 64 contacts: all of one kind, or run by run of one kind where `kind` is -1."""
-    lane = 0
-    while lane < LANES:
-        column = kind
-        end = LANES
-        if kind < 0:
-            column = kinds[first + np.uint64(lane)]
-            end = lane + 1
-            while end < LANES and kinds[first + np.uint64(end)] == column:
-                end += 1
-        for row in range(rows):
-            value = table[row, column]
-            base = CONSTANT + np.uint64(row) * ROW
-            for q in range(lane, end):
-                scratch[base + np.uint64(q)] = value
-        lane = end
+def load_constants(
+    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
+) -> None:
+    """The constants that the law of eight contacts needs, those from place `first` of `kinds` on, into their lanes."""
+    q = first % ROW
+    if soil and pores:
+        gather(records, CONSTANT_RECORD, ALL, kinds, first, scratch, CONSTANT + q)
+    elif pores:
+        gather(records, CONSTANT_RECORD, FEWER, kinds, first, scratch, CONSTANT + q)
+    else:
+        gather(records[KN:], CONSTANT_RECORD, FEWER, kinds, first, scratch, constant(KN) + q)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def load_all_constants(
+    first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
+) -> None:
+    """The same for a whole chunk."""
+    for lane in range(0, LANES, EIGHT):
+        load_constants(first + np.uint64(lane), kinds, records, soil, pores, scratch)
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
@@ -57,9 +70,8 @@ def load_partners(chunk: int, layout: Layout, scratch: np.ndarray) -> None:
     later = min(np.uint64(chunk + AHEAD), np.uint64(layout.chunk_start[-1] - 1)) * ROW
     for lane in range(LANES):
         q = np.uint64(lane)
-        row_ahead = q & (LINE - ONE)
         fetch(layout.links, later * np.uint64(LINK_FIELDS) + q * LINE)
-        fetch(layout.discs, np.uint64(layout.partner[later + q - row_ahead]) + row_ahead * ROW)
-        disc = np.uint64(layout.partner[first + q])
-        for row in range(8):
-            scratch[np.uint64(row) * ROW + q] = layout.discs[disc + np.uint64(row) * ROW]
+        fetch(layout.shared, np.uint64(layout.partner[later + q]) * LINE)
+    for lane in range(0, LANES, EIGHT):
+        q = np.uint64(lane)
+        gather(layout.shared, SHARED, SHARED, layout.partner, first + q, scratch, q)

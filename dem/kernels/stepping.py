@@ -17,7 +17,6 @@ from numba import njit
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, State, Step, Team
 from dem.kernels.barrier import report, wait, wait_for
 from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
-from dem.kernels.contact import CONSTANTS, PAPER_CONSTANTS
 from dem.kernels.layout import (
     DISC,
     DISC_FIELDS,
@@ -46,8 +45,9 @@ from dem.kernels.layout import (
     X,
     Z,
 )
-from dem.kernels.prefetch import LINE, fetch
-from dem.kernels.scratch import ROW, SCRATCH, SUM_R, SUM_X, SUM_Z, load_constants, load_partners
+from dem.kernels.prefetch import LINE, fetch, wide_vectors
+from dem.kernels.records import EIGHT, spread
+from dem.kernels.scratch import ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_partners, new_scratch
 from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
@@ -61,9 +61,10 @@ LEDGER = 7
 OWN_LINES = (DISC_FIELDS - 8) * LANES // 8  # cache lines of a slice that its neighbours do not read
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
 def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
+    wide_vectors()
     links = layout.links
     own = np.uint64(layout.chunk_start[p])
     owned = layout.chunk_start[p + 1] - layout.chunk_start[p]
@@ -96,9 +97,10 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
             scratch[SUM_R + q] += links[at + ROW + ROW]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def move(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
     """One step of the 64 discs of slice p; True if one has left the reach of the neighbour list."""
+    wide_vectors()
     b = np.uint64(p) * DISC
     half = 0.5 * step.dt
     moved = False
@@ -126,12 +128,16 @@ def move(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
         moved |= not (dx * dx + dz * dz <= step.reach)
+    for lane in range(0, LANES, EIGHT):
+        q = np.uint64(lane)
+        spread(discs, b + q, shared, (np.uint64(p) * ROW + q) * LINE)
     return moved
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[float, float, float]:
     """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J)."""
+    wide_vectors()
     b = np.uint64(p) * DISC
     by_weight = 0.0
     by_external = 0.0
@@ -149,30 +155,33 @@ def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[fl
     return by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
 def contacts_of_slice(
     p: int,
     layout: Layout,
     springs: Springs,
     scratch: np.ndarray,
-    loaded: int,
+    unknown: int,
     slip_time: float,
     law: Law,
     entries: Entries,
-) -> tuple[bool, int]:
-    """All contacts that slice p owns. Returns whether one is too deep, and the kind now in the scratch rows."""
+) -> bool:
+    """All contacts that slice p owns; True if one is too deep.
+
+    unknown: a chunk that finds in the scratch rows something else than the constants of the chunk before.
+    """
     too_deep = False
     b = np.uint64(p) * DISC
     state = State(layout.discs, layout.links, layout.rolling)
-    rows = CONSTANTS if law.soil else PAPER_CONSTANTS
+    pores = law.pores or not law.soil
     for line in range(OWN_LINES):
         fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
-        first = np.uint64(chunk) * ROW
-        kind = layout.chunk_kind[chunk]
-        if kind != loaded or kind < 0:
-            load_constants(kind, layout.kinds, first, springs.pairs, rows, scratch)
-            loaded = kind
+        if chunk == unknown:
+            load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, scratch)
+        else:
+            for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
+                load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, scratch)
         load_partners(chunk, layout, scratch)
         if entries.kept:
             deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, b, state, scratch, slip_time, law)
@@ -190,15 +199,15 @@ def contacts_of_slice(
             entries.sums[p, DASHPOT] += damping
             entries.sums[p, SLIDING] += slid
             entries.sums[p, ROLLING] += rolled
-    return too_deep, loaded
+    return too_deep
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
 def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
     sum_forces(p, layout, scratch)
     swing_slice(p, layout, step.level)
-    moved = move(p, layout.discs, scratch, step)
+    moved = move(p, layout.discs, layout.shared, scratch, step)
     if entries.kept:
         by_weight, by_external, by_boundary = work(p, layout.discs, scratch, step)
         swings = momentum_of_swings(p, layout) * step.dt
@@ -208,7 +217,7 @@ def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries:
     return moved
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
     """Linear interpolation of a series, constant outside it; `place`: an interval at or before that of `time`."""
     if time <= times[0]:
@@ -221,7 +230,7 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
     return values[place] + (values[place + 1] - values[place]) * ((time - times[place]) / span)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
 def begin_of(thread: int, threads: int, slices: int) -> int:
     """First slice of a thread."""
     return slices * thread // threads
@@ -258,7 +267,7 @@ def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarra
     return shared[:found][order], count[:found][order]
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
 def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
     """The step that begins at `time`; a new length follows the old one without a jump of the velocities."""
     ax = interpolate(time, loads.times, loads.acceleration[0], place)
@@ -270,8 +279,8 @@ def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, re
     return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, level, mean_x, mean_z, mean_level, reach)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def advance(
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+def take_steps(
     team: Team,
     clock: Clock,
     layout: Layout,
@@ -280,22 +289,18 @@ def advance(
     loads: Loads,
     entries: Entries,
     reach: float,
+    shared: np.ndarray,
+    need: np.ndarray,
+    scratch: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
-
-    reach: square of the way (m2) after which a disc wants a new neighbour list.
-    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
-    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
-    """
+    """What `advance` does once it has memory to work in; shared, need: see `needs`."""
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1
     begin = begin_of(thread, threads, slices)
     end = begin_of(thread + 1, threads, slices)
-    shared, need = needs(begin, end, threads, layout)
-    scratch = np.zeros(SCRATCH)
+    unknown = layout.chunk_start[begin]
     last_dt = clock.last_dt
     time = clock.time
-    loaded = -1
     place = 0
     reason = DONE
     taken = 0
@@ -307,8 +312,7 @@ def advance(
         moved = False
         ready = begin
         for p in range(begin, end):
-            deep, loaded = contacts_of_slice(p, layout, springs, scratch, loaded, last_dt, law, entries)
-            too_deep |= deep
+            too_deep |= contacts_of_slice(p, layout, springs, scratch, unknown, last_dt, law, entries)
             if threads > 1:
                 report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
@@ -330,3 +334,27 @@ def advance(
         time += clock.dt
         taken += 1
     return taken, time, reason
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(
+    team: Team,
+    clock: Clock,
+    layout: Layout,
+    springs: Springs,
+    law: Law,
+    loads: Loads,
+    entries: Entries,
+    reach: float,
+) -> tuple[int, float, int]:
+    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
+
+    reach: square of the way (m2) after which a disc wants a new neighbour list.
+    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
+    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
+    """
+    slices = len(layout.chunk_start) - 1
+    begin = begin_of(team.thread, team.threads, slices)
+    end = begin_of(team.thread + 1, team.threads, slices)
+    shared, need = needs(begin, end, team.threads, layout)
+    return take_steps(team, clock, layout, springs, law, loads, entries, reach, shared, need, new_scratch())

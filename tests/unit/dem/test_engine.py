@@ -15,6 +15,7 @@ from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
+from dem.kernels.contact import KN
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP
@@ -349,7 +350,7 @@ def test_undamped_heap_that_gains_energy_is_caught() -> None:
     engine.run(model, 0.05)
 
     def pump(m: DiscModel) -> None:
-        m.springs.pairs[0] *= 1.2
+        m.springs.pairs[KN] *= 1.2
 
     with pytest.raises(EnergyBalanceError):
         engine.run(model, 0.2, every=0.01, on_output=pump)

@@ -1,0 +1,113 @@
+"""Records of a few doubles to rows of 64 and back, eight at a time, turned over in registers.
+
+What a contact reads of its partner lies at eight places which nothing orders: a compiler that cannot prove where an
+index points copies it double by double. One record for each disc, and one for each kind of pair, are read two doubles
+at a time instead, and leave as two rows of eight. Nothing is computed: no bit depends on how it is done.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import config, types
+from numba.extending import intrinsic
+
+EIGHT = 8  # lanes at a time
+SHARED = 8  # doubles in the record of a disc: the fields of a partner that a contact reads, one cache line
+CONSTANT_RECORD = 24  # doubles from one record of constants to the next
+_ROW = 64
+
+_double = ir.DoubleType()
+_pair = ir.VectorType(_double, 2)
+_eight = ir.VectorType(_double, EIGHT)
+
+
+def _order(*lanes: int) -> ir.Constant:
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), list(lanes))
+
+
+_LOW, _HIGH = _order(0, 8, 2, 10, 4, 12, 6, 14), _order(1, 9, 3, 11, 5, 13, 7, 15)
+
+
+def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
+    return context.make_array(kind)(context, builder, array).data
+
+
+def _at(builder: Any, data: Any, place: Any, vector: ir.Type) -> Any:
+    return builder.bitcast(builder.gep(data, [place]), vector.as_pointer())
+
+
+def _join(builder: Any, parts: list[Any]) -> Any:
+    """Vectors one after the other in one."""
+    while len(parts) > 1:
+        order = _order(*range(2 * parts[0].type.count))
+        parts = [builder.shuffle_vector(a, b, order) for a, b in zip(parts[0::2], parts[1::2], strict=True)]
+    return parts[0]
+
+
+@intrinsic(prefer_literal=True)
+def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
+    """The first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
+
+    They are those numbered places[first] to places[first + 7]; `apart` is from one record to the next. `apart` and
+    `fields`, an even number, are constants where this is called.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source = _data(context, builder, signature.args[0], arguments[0])
+        index = _data(context, builder, signature.args[3], arguments[3])
+        target = _data(context, builder, signature.args[5], arguments[5])
+        word = ir.IntType(64)
+        begin = []
+        for lane in range(EIGHT):
+            place = builder.load(builder.gep(index, [builder.add(arguments[4], word(lane))]))
+            begin.append(builder.mul(builder.zext(place, word), word(apart.literal_value)))
+        for field in range(0, fields.literal_value, 2):
+            parts = [
+                builder.load(_at(builder, source, builder.add(start, word(field)), _pair), align=8) for start in begin
+            ]
+            even, odd = _join(builder, parts[0::2]), _join(builder, parts[1::2])
+            for row, order in enumerate((_LOW, _HIGH)):
+                place = builder.add(arguments[6], word((field + row) * _ROW))
+                builder.store(builder.shuffle_vector(even, odd, order), _at(builder, target, place, _eight), 8)
+        return context.get_dummy_value()
+
+    return types.none(records, apart, fields, places, types.uintp, rows, types.uintp), generate
+
+
+@intrinsic
+def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
+    """Eight rows of eight, rows[at : at + 8], rows[at + 64 : at + 72] and so on, into eight records at records[to]."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source = _data(context, builder, signature.args[0], arguments[0])
+        target = _data(context, builder, signature.args[2], arguments[2])
+        word = ir.IntType(64)
+        for field in range(0, SHARED, 2):
+            low, high = (
+                builder.load(_at(builder, source, builder.add(arguments[1], word((field + k) * _ROW)), _eight), align=8)
+                for k in (0, 1)
+            )
+            for odd, order in enumerate((_LOW, _HIGH)):
+                both = builder.shuffle_vector(low, high, order)
+                for k in range(0, EIGHT, 2):
+                    place = builder.add(arguments[3], word((k + odd) * SHARED + field))
+                    part = builder.shuffle_vector(both, both, _order(k, k + 1))
+                    builder.store(part, _at(builder, target, place, _pair), 8)
+        return context.get_dummy_value()
+
+    return types.none(rows, types.uintp, records, types.uintp), generate
+
+
+if config.DISABLE_JIT:
+
+    def gather(records: Any, apart: int, fields: int, places: Any, first: Any, rows: Any, to: Any) -> None:
+        """The same, double by double."""
+        for lane in range(EIGHT):
+            for field in range(fields):
+                rows[int(to) + field * _ROW + lane] = records[int(places[int(first) + lane]) * apart + field]
+
+    def spread(rows: Any, at: Any, records: Any, to: Any) -> None:
+        """The same, double by double."""
+        for lane in range(EIGHT):
+            for field in range(SHARED):
+                records[int(to) + lane * SHARED + field] = rows[int(at) + field * _ROW + lane]
