@@ -8,7 +8,9 @@ and its dual works with rates x and strain rates ε = G x, [xx, yy, engineering 
 
     min D(ε) - b0·x  such that  b1·x = 1,  εxx + εyy >= sin φ |(εxx - εyy, εxy)|,
 
-where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. Corners may
+where D sums c cot φ (εxx + εyy), or c |(εxx - εyy, εxy)| with εxx + εyy = 0 where φ = 0, over the corners. A tension
+cut-off, σm + |((σxx - σyy)/2, σxy)| <= T, is a second cone at a corner; in the dual the ground may open: ε is the
+sum of such a rate and one whose volume is at least its shear rate (φ = 90°), which dissipates T times that. Corners may
 have a weight w: D sums w times these, and the stress of the first problem is that of the corner times w. Clarabel
 solves the second one, which is the smaller, and gives the stress as its multipliers.
 """
@@ -27,6 +29,8 @@ from scipy.sparse.linalg import splu
 # Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh. And the residual of
 # its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.
 SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
+# The residual where a cut-off leaves a bare surface no room for a margin.
+FEASIBILITY_TORN = 1e-11
 # Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
 MET = ("Solved", "AlmostSolved")
 # Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
@@ -52,11 +56,17 @@ class ConeProgram:
     dead, live : ndarray (n,)
         b0 and b1, work of the loads on a unit velocity.
     stress_margin : ndarray (k,) or float
-        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it.
+        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it; not from the
+        cut-off, below which there may be no room.
     strain_margin : ndarray (k,) or float
         Where φ > 0, volumetric strain rate that is kept beyond that of the flow rule, for the same reason.
     strain_share : float
         The same as a share of the shear rate.
+    tension : ndarray (k,) or float
+        Tension cut-off over the unit of stress, inf for none.
+    bare : ndarray (k,) of bool
+        Corners on a bare surface, where one principal stress is zero by balance: there the cut-off is one of the other,
+        which is all of the trace.
     """
 
     strain: sparse.csr_matrix
@@ -68,6 +78,15 @@ class ConeProgram:
     stress_margin: np.ndarray | float = 0.0
     strain_margin: np.ndarray | float = 0.0
     strain_share: float = 0.0
+    tension: np.ndarray | float = np.inf
+    bare: np.ndarray | bool = False
+
+    @property
+    def torn(self) -> np.ndarray:
+        """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
+        tension = np.broadcast_to(self.tension, self.cohesion.shape)
+        given = np.where(np.isfinite(tension), tension, 0.0)
+        return np.flatnonzero(np.isfinite(tension) & (given * np.tan(self.friction) < self.cohesion))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +131,12 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
     cost, matrix, offset, cones = _assembled(program, clay)
     for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
         solver = clarabel.DefaultSolver(
-            sparse.csc_matrix((len(cost), len(cost))), cost, matrix.tocsc(), offset, cones, _settings(regularisation)
+            sparse.csc_matrix((len(cost), len(cost))),
+            cost,
+            matrix.tocsc(),
+            offset,
+            cones,
+            _settings(program, regularisation),
         )
         with _stops_at_interrupt(solver):
             found = solver.solve()
@@ -120,7 +144,8 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
         if status != BROKE_DOWN:
             break
     z = np.asarray(found.z)
-    stress = _stress(program, z[1 : 1 + len(clay)], z[1 + len(clay) :].reshape(corners, 3), clay)
+    first = 1 + len(clay)
+    stress = _stress(program, z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
     none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
     return Solution(
         multiplier=-float(z[0]),
@@ -156,19 +181,62 @@ def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, spar
     corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
-    across = _volumetric(corners) @ program.strain
+    opening, tears, no_tears, torn_cones = _opening(program)
+    volume = _volumetric(corners)
+    across = sparse.hstack(
+        [volume @ program.strain, sparse.csr_matrix((corners, len(clay))), -volume @ opening]
+    ).tocsr()
     radius = program.weight * (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
     apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
-    cost = np.concatenate([across.T @ apex - program.dead, radius[clay]])
+    cost = across.T @ apex
+    cost[: len(program.live)] -= program.dead
+    cost[len(program.live) : len(program.live) + len(clay)] += radius[clay]
+    cost[len(program.live) + len(clay) :] += opening.T @ (volume.T @ _tension_of(program))
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
-    cone = sparse.hstack([_cone_map(steeper) @ program.strain, extra])
-    equal = sparse.vstack([sparse.csr_matrix(program.live), across[clay]])
-    equal = sparse.hstack([equal, sparse.csr_matrix((1 + len(clay), len(clay)))])
+    turned = _cone_map(steeper)
+    cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
+    load = sparse.hstack([sparse.csr_matrix(program.live), sparse.csr_matrix((1, cone.shape[1] - len(program.live)))])
+    before = sparse.csr_matrix((tears.shape[0], cone.shape[1] - tears.shape[1]))
     margin = np.zeros((corners, 3))
     margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
-    offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel()])
-    cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners]
-    return cost, sparse.vstack([equal, -cone]).tocsr(), offset, cones
+    offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel(), no_tears])
+    cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners, *torn_cones]
+    return cost, sparse.vstack([load, across[clay], -cone, sparse.hstack([before, -tears])]).tocsr(), offset, cones
+
+
+def _tension_of(program: ConeProgram) -> np.ndarray:
+    """What a corner (k,) dissipates per volume that it opens by: weight times T; 0 for no cut-off.
+
+    On a bare surface, half of it: the stress that T ends is the whole trace there, twice the mean.
+    """
+    torn = program.torn
+    tension = np.zeros(len(program.cohesion))
+    bare, given = (np.broadcast_to(value, tension.shape)[torn] for value in (program.bare, program.tension))
+    tension[torn] = program.weight[torn] * np.where(bare, 0.5 * given, given)
+    return tension
+
+
+def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
+    """How torn corners open: strain rates (3 k, p) of p unknowns, and a matrix, offset and cones that these lie in.
+
+    Three unknowns a corner, a strain rate whose volume is at least its shear; on a bare surface one, half the volume.
+    """
+    torn, corners = program.torn, len(program.cohesion)
+    bare = np.broadcast_to(program.bare, corners)[torn]
+    one, three = torn[bare], torn[~bare]
+    single = np.arange(len(one))
+    rows = np.concatenate([3 * one, 3 * one + 1, (3 * three[:, None] + [0, 1, 2]).ravel()])
+    columns = np.concatenate([single, single, len(one) + np.arange(3 * len(three))])
+    opening = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(3 * corners, len(one) + 3 * len(three)))
+    margins = np.where(program.friction > 0.0, 0.0, program.strain_margin)
+    least = np.zeros((len(three), 3))
+    least[:, 0] = margins[three]
+    tears = sparse.block_diag(
+        [sparse.identity(len(one)), _cone_map(np.full(len(three), 1.0 + program.strain_share))], format="csr"
+    )
+    offset = np.concatenate([-0.5 * margins[one], -least.ravel()])
+    cones = [clarabel.NonnegativeConeT(len(one))] if len(one) else []
+    return opening, tears, offset, [*cones, *[clarabel.SecondOrderConeT(3)] * len(three)]
 
 
 def _volumetric(corners: int) -> sparse.csr_matrix:
@@ -202,13 +270,13 @@ def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.
     return np.stack([mean + half, mean - half, shear], axis=1)
 
 
-def _settings(regularisation: float) -> clarabel.DefaultSettings:
+def _settings(program: ConeProgram, regularisation: float) -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
     settings.static_regularization_constant = regularisation
     settings.verbose = False
     settings.max_iter = MOST_ITERATIONS
     settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_GAP
-    settings.tol_feas = FEASIBILITY
+    settings.tol_feas = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     settings.presolve_enable = False
     settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
     return settings

@@ -101,6 +101,7 @@ def _solved(
             weight.ravel(),
             dead[free] / (unit * length),
             ratio * live[free] / (unit * length),
+            tension=problem.strength.tension[material] / unit,
         ),
         again=True,
     )

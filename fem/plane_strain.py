@@ -103,6 +103,7 @@ class PlaneStrain:
             cohesion=strength.cohesion,
             friction=strength.friction,
             dilation=strength.dilation,
+            tension=strength.tension,
         )
 
     @property

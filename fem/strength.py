@@ -42,11 +42,14 @@ class Strength:
         Friction angle (rad).
     dilation : ndarray (strata,)
         Dilation angle (rad).
+    tension : ndarray (strata,)
+        Largest major principal effective stress (Pa, tension positive), inf where only the cone ends it.
     """
 
     cohesion: np.ndarray
     friction: np.ndarray
     dilation: np.ndarray
+    tension: np.ndarray
 
 
 def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
@@ -55,17 +58,18 @@ def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
 
 
 def strength_of(strata: Sequence[Stratum], flow: Flow, factor: float = 1.0, form: DavisForm = "B") -> Strength:
-    """The strength of the strata divided by ``factor``, and the flow rule of the analysis.
+    """The strength of the strata, tension cut-offs among it, divided by ``factor``, and the flow rule of the analysis.
 
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
-    one of Davis's three forms and then sets ψ = φ.
+    one of Davis's three forms and then sets ψ = φ. Flow at a tension cut-off is associated with all of them.
     """
     cohesion = np.array([s.cohesion for s in strata]) / factor
+    tension = tensile_strengths(strata) / factor
     given = np.array([s.friction_angle for s in strata])
     dilation = np.array([s.dilation_angle for s in strata])
     friction = np.arctan(np.tan(given) / factor)
     if flow == "section":
-        return Strength(cohesion, friction, np.minimum(dilation, friction))
+        return Strength(cohesion, friction, np.minimum(dilation, friction), tension)
     if flow == "davis":
         beta = {
             "A": davis_factor(given, dilation),
@@ -73,7 +77,12 @@ def strength_of(strata: Sequence[Stratum], flow: Flow, factor: float = 1.0, form
             "C": davis_factor(friction, np.minimum(dilation, friction)),
         }[form]
         cohesion, friction = beta * cohesion, np.arctan(beta * np.tan(friction))
-    return Strength(cohesion, friction, friction)
+    return Strength(cohesion, friction, friction, tension)
+
+
+def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
+    """The tension cut-offs (strata,) in Pa, inf where there is none."""
+    return np.array([np.inf if s.tension is None else s.tension for s in strata])
 
 
 def is_associated(strata: Sequence[Stratum], flow: Flow) -> bool:

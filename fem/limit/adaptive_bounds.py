@@ -266,7 +266,9 @@ def proven_lower_bound(problem: LimitProblem) -> tuple[LowerBound, list[str], St
         found = lower_bound(problem, more_margin, again)
         return found, check_stress(problem, found.stress, found.multiplier)
 
-    found, check, notes = _first_that_holds("lower bound", attempt)
+    # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
+    attempts = 1 if np.isfinite(problem.tension).any() else ATTEMPTS
+    found, check, notes = _first_that_holds("lower bound", attempt, attempts)
     return found, notes, StressField(problem, found.multiplier, found.stress, check) if check else None
 
 

@@ -14,6 +14,9 @@ from fem.limit.limit_problem import LimitProblem
 
 # Residual of an equation, over the largest stress or velocity, up to which it counts as met to rounding.
 ROUNDING = 1e-9
+# Tension beyond the cut-off, over the unit of stress, up to which it is none: 0.2 Pa in a slope of 10 m.
+# Where ground bears no tension a bare surface leaves no room to keep away from.
+NO_TENSION = 1e-6
 
 
 @dataclass(frozen=True)
@@ -28,16 +31,23 @@ class StressCheck:
         Largest jump of the traction across an edge, or from the given one on the outline, over the largest stress.
     yield_slack : float
         Smallest distance of a corner's stress to the yield surface, negative beyond it, over the unit of stress.
+    tension_slack : float
+        Smallest distance of a corner's stress to its tension cut-off, negative beyond it, over the unit of stress.
     """
 
     imbalance: float
     traction_jump: float
     yield_slack: float
+    tension_slack: float = np.inf
 
     @property
     def holds(self) -> bool:
         """Whether the stress proves its multiplier to be a lower bound."""
-        return self.yield_slack >= 0.0 and max(self.imbalance, self.traction_jump) <= ROUNDING
+        return (
+            self.yield_slack >= 0.0
+            and self.tension_slack >= -NO_TENSION
+            and max(self.imbalance, self.traction_jump) <= ROUNDING
+        )
 
 
 @dataclass(frozen=True)
@@ -49,9 +59,10 @@ class VelocityCheck:
     multiplier : float
         The upper bound of the load multiplier, computed from the velocities alone.
     flow_slack : float
-        Where φ > 0: smallest volumetric strain rate less sin φ times the shear rate, over the largest strain rate.
+        Where φ > 0, or ground may open: smallest volumetric strain rate less sin φ times the shear rate, over the
+        largest strain rate.
     volume : float
-        Where φ = 0: largest volumetric strain rate, over the largest strain rate.
+        Where φ = 0 and ground may not open: largest volumetric strain rate, over the largest strain rate.
     boundary : float
         Largest velocity of a held component, over the largest velocity.
     jump : float
@@ -79,6 +90,12 @@ def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
     cohesion, friction = problem.cohesion, problem.friction[:, None]
     return cohesion * np.cos(friction) - mean * np.sin(friction) - radius
+
+
+def tension_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
+    """The tension cut-off less the major principal stress (m, 3) of the stress (m, 3, 3) at every corner."""
+    mean = 0.5 * (stress[..., 0] + stress[..., 1])
+    return problem.tension[:, None] - mean - np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
 
 
 def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -> StressCheck:
@@ -112,6 +129,7 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
         imbalance=float(imbalance.max()) / scale,
         traction_jump=max(jumps) / scale,
         yield_slack=float(yield_slack(problem, stress).min()),
+        tension_slack=float(tension_slack(problem, stress).min()),
     )
 
 
@@ -161,7 +179,30 @@ def dissipation(problem: LimitProblem, rates: np.ndarray) -> np.ndarray:
     cohesion, friction = problem.spread_cohesion, problem.friction[:, None]
     clay = friction == 0.0
     apex = np.where(clay, 0.0, cohesion / np.tan(np.where(clay, 1.0, friction)))
-    return problem.mesh.areas / 3.0 * np.sum(np.where(clay, cohesion * shear, apex * volume), axis=1)
+    by_corner = np.where(clay, cohesion * shear, apex * volume)
+    torn = np.isfinite(problem.tension)
+    if torn.any():
+        by_corner[torn] = _with_cut_off(
+            volume[torn],
+            shear[torn],
+            cohesion[torn] * np.cos(friction[torn]),
+            np.sin(friction[torn]),
+            problem.tension[torn],
+        )
+    return problem.mesh.areas / 3.0 * np.sum(by_corner, axis=1)
+
+
+def _with_cut_off(
+    volume: np.ndarray, shear: np.ndarray, strength: np.ndarray, sin: np.ndarray, tension: np.ndarray
+) -> np.ndarray:
+    """Dissipation (n, 3) per area of rates with volume >= sin φ shear, ``strength`` = c cos φ, and a cut-off T (n,).
+
+    The largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, R the radius of Mohr's circle and σm its
+    middle: that of σm = T, or that of σm = (T - c cos φ) / (1 - sin φ), where the two lines meet.
+    """
+    limit = tension[:, None]
+    both = (limit * (volume - sin * shear) + strength * (shear - volume)) / (1.0 - sin)
+    return np.maximum(limit * volume, both)
 
 
 def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
@@ -205,7 +246,7 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
     volume = rates[..., 0] + rates[..., 1]
     shear = np.hypot(rates[..., 0] - rates[..., 1], rates[..., 2])
     fastest, largest = float(np.abs(velocity).max()), float(np.abs(rates).max())
-    clay = problem.friction == 0.0
+    clay = (problem.friction == 0.0) & ~np.isfinite(problem.tension)
     slack = volume - np.sin(problem.friction)[:, None] * shear
     dead, live = work(problem, velocity)
     along = [_node(problem, velocity, outline.ends[:, end]) for end in (0, 1)]

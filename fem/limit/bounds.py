@@ -17,7 +17,7 @@ from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
-from fem.strength import davis_factor, is_dilating_fully
+from fem.strength import davis_factor, is_dilating_fully, tensile_strengths
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY
@@ -153,6 +153,7 @@ def body_of(
         sides=sides,
         pore_pressure=_pore_pressure(water, shaken) if water.present else None,
         growth=growth if growth.any() else None,
+        tension=tensile_strengths(section.strata),
     )
 
 

@@ -85,6 +85,8 @@ class RigidPlasticBody:
         is what a problem's stress is then.
     growth : ndarray (strata,) or None
         What the cohesion gains per metre of depth, in Pa/m; None for nothing.
+    tension : ndarray (strata,) or None
+        Tension cut-off: the largest major principal stress, in Pa, inf where the cone alone ends it; None for none.
     """
 
     cohesion: np.ndarray
@@ -94,6 +96,7 @@ class RigidPlasticBody:
     sides: Mapping[str, Side]
     pore_pressure: Pressure | None = None
     growth: np.ndarray | None = None
+    tension: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -157,6 +160,8 @@ class LimitProblem:
         Cohesion at the corners of every cell, linear in between, over the unit of stress.
     friction : ndarray (m,)
         Friction angle of every cell in rad.
+    tension : ndarray (m,)
+        Largest major principal stress of every cell over the unit of stress, inf where the cone is all there is.
     dead_force : ndarray (m, 2)
         Body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of length.
     live_force : ndarray (m, 2)
@@ -171,6 +176,7 @@ class LimitProblem:
     units: Units
     cohesion: np.ndarray
     friction: np.ndarray
+    tension: np.ndarray
     dead_force: np.ndarray
     live_force: np.ndarray
     outline: Outline
@@ -181,9 +187,11 @@ class LimitProblem:
         """Cohesions (m, 3) by which dissipations D at the corners of a cell sum up: ∫ c D dA <= Σ c_i D_i A/3.
 
         D is convex where the strain rate is linear, D <= Σ D_i L_i, and c = Σ c_j L_j with the area coordinates L, so
-        that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise.
+        that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise. With a tension cut-off D
+        is not proportional to c, and the largest one of the cell is taken.
         """
-        return 0.25 * (self.cohesion + self.cohesion.sum(axis=1, keepdims=True))
+        spread = 0.25 * (self.cohesion + self.cohesion.sum(axis=1, keepdims=True))
+        return np.where(np.isfinite(self.tension)[:, None], self.cohesion.max(axis=1, keepdims=True), spread)
 
     @property
     def points(self) -> np.ndarray:
@@ -232,11 +240,22 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         units=units,
         cohesion=corner_cohesion(mesh, body) / units.stress,
         friction=body.friction[mesh.stratum],
+        tension=_tension(mesh, body) / units.stress,
         dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,
         outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
         jumps=jumps._replace(traction=jumps.traction / units.stress),
     )
+
+
+def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
+    """The tension cut-off (m,) of every cell in Pa, inf where it lies beyond the apex of the cone and never acts."""
+    if body.tension is None:
+        return np.full(len(mesh.cells), np.inf)
+    tension, friction = body.tension[mesh.stratum], body.friction[mesh.stratum]
+    given = np.where(np.isfinite(tension), tension, 0.0)
+    acts = np.isfinite(tension) & (given * np.tan(friction) < corner_cohesion(mesh, body).max(axis=1))
+    return np.where(acts, tension, np.inf)
 
 
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
@@ -251,6 +270,17 @@ def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProble
         live_force=problem.dead_force + multiplier * problem.live_force,
         outline=replace(outline, dead=np.zeros_like(outline.dead), live=outline.dead + multiplier * outline.live),
     )
+
+
+def bare_corners(problem: LimitProblem) -> np.ndarray:
+    """Corners (m, 3), as a mask, on an edge of the outline of their cell on which there is no traction at all."""
+    outline = problem.outline
+    loaded = (outline.held[:, None, :] | (outline.dead != 0.0) | (outline.live != 0.0)).any(axis=2)  # (k, 2 ends)
+    found = np.zeros(problem.mesh.cells.shape, dtype=bool)
+    for end in (0, 1):
+        cells = outline.cells[~loaded[:, end]]
+        found[cells, np.argmax(problem.mesh.cells[cells] == outline.ends[~loaded[:, end], end, None], axis=1)] = True
+    return found
 
 
 def _on_skeleton(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:

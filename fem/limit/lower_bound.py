@@ -12,7 +12,7 @@ from scipy import sparse
 
 from fem import cone_program
 from fem.limit.bound_checks import yield_slack
-from fem.limit.limit_problem import LimitProblem
+from fem.limit.limit_problem import LimitProblem, bare_corners
 from fem.limit.point_freedom import DEPENDENT, stress_free_corners
 
 # Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
@@ -70,7 +70,17 @@ def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0, ag
     kept = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
     balance, dead, live = independent_equations(balance[:, free].tocsr(), dead, live, points)
     ones = np.ones(len(cohesion))
-    program = cone_program.ConeProgram(balance.T.tocsr(), cohesion, friction, ones, dead, live, stress_margin=kept)
+    program = cone_program.ConeProgram(
+        balance.T.tocsr(),
+        cohesion,
+        friction,
+        ones,
+        dead,
+        live,
+        stress_margin=kept,
+        tension=np.repeat(problem.tension, 3)[free[::3]],
+        bare=bare_corners(problem).ravel()[free[::3]],
+    )
     solution = cone_program.solve(program, again)
     found = solution.stress.ravel()
     found = found + cone_program.smallest_correction(balance, dead + solution.multiplier * live - balance @ found)

@@ -21,6 +21,8 @@ DEPENDENT = 1e-12
 OUTSIDE = 1e-9
 # In place of an edge's number on the outline: tractions across it jump by a known amount, which is not zero.
 JUMPS = -2
+# By how much (rad) two bare faces have to be off a straight line to count as a crest.
+CREST = 1e-6
 # Volumetric strain rate that the flow rule lets exceed sin φ times the shear rate, for velocity gradients of 1, below
 # which a point counts as unable to strain.
 UNSTRAINED = 0.02
@@ -39,7 +41,8 @@ def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.nd
 
 
 def stress_free_corners(problem: LimitProblem) -> np.ndarray:
-    """Corners (m, 3), as a mask, of cells without cohesion that can have no stress, because a bare surface is near.
+    """Corners (m, 3), as a mask, of cells without cohesion, or at crests without tension, that can have no stress,
+    because a bare surface is near.
 
     Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a
     cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, it leaves zero.
@@ -67,7 +70,24 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
                 break
             zero |= more
         free[cells[zero], corners[zero]] = True
-    return free
+    return free | _crests(problem)
+
+
+def _crests(problem: LimitProblem) -> np.ndarray:
+    """Corners (m, 3), as a mask, of cells that bear no tension at points where bare surfaces meet at less than 180°.
+
+    Compression that both faces leave alone would push the point out.
+    """
+    outline, mesh = problem.outline, problem.mesh
+    loaded = (outline.held[:, None, :] | (outline.dead != 0.0) | (outline.live != 0.0)).any(axis=2)
+    bare = np.bincount(outline.ends[~loaded], minlength=len(mesh.points)) == 2
+    sides = mesh.points[mesh.cells]
+    ahead, back = np.roll(sides, -1, axis=1) - sides, np.roll(sides, 1, axis=1) - sides
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    angles = np.arctan2(np.abs(cross), np.sum(ahead * back, axis=-1))
+    inside = np.bincount(mesh.cells.ravel(), weights=angles.ravel(), minlength=len(mesh.points))
+    crest = bare & (inside < np.pi - CREST)
+    return crest[mesh.cells] & (problem.tension == 0.0)[:, None]
 
 
 def _traction_equations(

@@ -192,6 +192,7 @@ class _Search:
             cohesion=self.body.cohesion / factor,
             growth=None if self.body.growth is None else self.body.growth / factor,
             friction=np.arctan(np.tan(self.body.friction) / factor),
+            tension=None if self.body.tension is None else self.body.tension / factor,
         )
         problem = limit_problem(self.mesh, weak, self.units)
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)

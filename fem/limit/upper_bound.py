@@ -75,6 +75,7 @@ def upper_bound(
         basis.T @ live,
         strain_margin=STRAIN_MARGIN * size[corners] + more,
         strain_share=STRAIN_MARGIN,
+        tension=np.repeat(problem.tension, 3)[corners],
     )
     solution = cone_program.solve(program, again)
     rates = _corrected(program, solution.rates)
@@ -83,7 +84,9 @@ def upper_bound(
     short = np.maximum(program.strain_margin - slack, 0.0)
     short[slack < 0.0] += cone_program.FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
     shortfall = np.zeros(len(areas))
-    shortfall[corners] = np.where(program.friction > 0.0, short, 0.0)
+    dilates = program.friction > 0.0
+    dilates[program.torn] = True
+    shortfall[corners] = np.where(dilates, short, 0.0)
     velocity = (basis @ rates).reshape(-1, 2)[nodes]
     return UpperBound(solution.multiplier, velocity, shortfall.reshape(-1, 3), solution)
 
@@ -112,8 +115,8 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
 
 
 def _corrected(program: cone_program.ConeProgram, rates: np.ndarray) -> np.ndarray:
-    """Velocities whose volume stays where φ = 0 and whose live load does work of 1, to rounding."""
-    clay = np.flatnonzero(program.friction == 0.0)
+    """Velocities whose volume stays where φ = 0 and no cut-off lets it open, and whose live load does work of 1."""
+    clay = np.setdiff1d(np.flatnonzero(program.friction == 0.0), program.torn)
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
     equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()
     wanted = np.concatenate([[1.0], np.zeros(len(clay))])

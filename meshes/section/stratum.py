@@ -58,6 +58,10 @@ class Stratum(Model):
         description="the elevation (m) from which the cohesion grows; not below the stratum's highest point",
     )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
+    tension: Strength | None = Field(
+        default=None,
+        description='the largest tension that it bears, such as "0 kPa" (a tension cut-off); c / tan φ where not given',
+    )
     dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
     piezometric_level: ElevationOrLine | None = Field(

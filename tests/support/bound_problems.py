@@ -13,7 +13,7 @@ from tests.support.sections import layer
 FIXED = Side("xy")
 
 
-def ground(cohesion, phi, sides, weight=0.0):
+def ground(cohesion, phi, sides, weight=0.0, tension=None):
     """One soil, φ in degrees; ``weight`` is the body force downwards that the multiplier acts on."""
     return RigidPlasticBody(
         cohesion=np.array([cohesion]),
@@ -21,15 +21,16 @@ def ground(cohesion, phi, sides, weight=0.0):
         dead_force=np.zeros((1, 2)),
         live_force=np.array([[0.0, -weight]]),
         sides=sides,
+        tension=None if tension is None else np.array([tension]),
     )
 
 
-def own_weight(surface, base, phi, left=FIXED, gap=0.01, max_cells=20_000, size=0.2) -> Bracket:
+def own_weight(surface, base, phi, left=FIXED, gap=0.01, max_cells=20_000, size=0.2, tension=None) -> Bracket:
     """γH/c of a body 1 m high, fixed at its base and right side, whose weight grows."""
     soil = layer("soil", friction_angle=f"{phi} deg")
     mesh = triangulate(Section.parse({"name": "body", "surface": surface, "base": base, "strata": [soil]}), size)
     sides = {"surface": Side(), "base": FIXED, "left": left, "right": FIXED}
-    return bracket(mesh, ground(1.0, phi, sides, weight=1.0), Limits(gap, max_cells))
+    return bracket(mesh, ground(1.0, phi, sides, weight=1.0, tension=tension), Limits(gap, max_cells))
 
 
 def slope_box(phi, **settings):

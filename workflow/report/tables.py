@@ -50,7 +50,8 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{stratum.poissons_ratio:g}",
             f"{stratum.density_ordinary / 1e3:.4g}/{stratum.density_seismic / 1e3:.4g}",
             f"{stratum.cohesion / 1e3:.4g}"
-            + (f" + {stratum.cohesion_increase / 1e3:.3g} z" if stratum.cohesion_increase else ""),
+            + (f" + {stratum.cohesion_increase / 1e3:.3g} z" if stratum.cohesion_increase else "")
+            + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
             f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation_angle):.3g}",
         ]
 

@@ -16,9 +16,6 @@ FOLDER = Path("tests/verification/published")
 
 Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "upper bound", "survey"]
 
-# What a section cannot state yet.
-Need = Literal["tension crack"]
-
 
 class Value(Model):
     """What somebody published: one number, or two between which it lies."""
@@ -40,7 +37,6 @@ class Published(Model):
     source: str
     expected: Literal["fs", "kc"] = Field(description='"fs", a factor of safety, or "kc", a critical coefficient')
     kh: float = Field(default=0.0, ge=0.0, description="the Kh at which the factor of safety is wanted")
-    needs: tuple[Need, ...] = Field(default=(), description="what the program has to learn first")
     note: str = Field(default="", description="what is uncertain, or where sources disagree")
     explained: str = Field(default="", description="why what was published differs from what is right")
     values: tuple[Value, ...] = Field(min_length=1)
@@ -57,11 +53,6 @@ class Case:
     @property
     def name(self) -> str:
         return self.section.name
-
-    @property
-    def waits(self) -> bool:
-        """Whether the program cannot state the case yet."""
-        return bool(self.published.needs)
 
 
 def read_case(path: Path) -> Case:

@@ -62,8 +62,6 @@ def _tell(out: "Console", row: "Row") -> None:
 
     from workflow.verify.page import elements, numbers, published
 
-    if row.verdict.word == "waiting":
-        return
     found = f"bounds {numbers(row.found)}, elements {elements(row.found)}" if row.found else ""
     line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {found}"
     out.print(escape(line), soft_wrap=True)

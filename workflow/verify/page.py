@@ -1,4 +1,4 @@
-"""The page of the collection: a table of all cases, what waits, what was left out, and why."""
+"""The page of the collection: a table of all cases, what was left out, and why."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -40,8 +40,7 @@ def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> 
     """The page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
     parts = [_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
-    waiting = [case for case in cases if case.waits]
-    parts += ["## Waiting", _waiting(waiting), "## Remarks", _remarks(cases, answers, verdicts)]
+    parts += ["## Remarks", _remarks(cases, answers, verdicts)]
     left_out = folder / LEFT_OUT
     if left_out.exists():
         parts += ["## Left out", left_out.read_text(encoding="utf-8").strip()]
@@ -90,8 +89,6 @@ def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mappi
         "|---|---|---|---|---|---|---|---|",
     ]
     for case in cases:
-        if case.waits:
-            continue
         found = answers.get(case.name, Answer(case.name))
         elements = [f"{one:.3f}" if one is not None else "" for one in (found.associated, found.section)]
         wanted = "kc" if case.published.expected == "kc" else "FS"
@@ -124,18 +121,9 @@ def _number(value: Value) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def _waiting(cases: Sequence[Case]) -> str:
-    lines = [
-        f"- [{case.name}]({case.name}.toml) {case.section.title}: {', '.join(case.published.needs)}" for case in cases
-    ]
-    return "What the program cannot state yet; not counted.\n\n" + "\n".join(lines)
-
-
 def _remarks(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
     lines = []
     for case in cases:
-        if case.waits:
-            continue
         remarks = [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]
         if remarks:
             lines.append(f"- **{case.name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in remarks))

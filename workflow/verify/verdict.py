@@ -25,7 +25,7 @@ BELOW, ABOVE = 0.01, 0.04
 # Without dilation a slope is no stronger; by how much the elements may say otherwise.
 NO_STRONGER = 0.02
 
-Word = Literal["right", "wrong", "explained", "waiting", "not run"]
+Word = Literal["right", "wrong", "explained", "not run"]
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,6 @@ class Verdict:
 
 def judge(case: Case, found: Answer | None) -> Verdict:
     """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
-    if case.waits:
-        return Verdict("waiting", (f"the program cannot state {' and '.join(case.published.needs)} yet",))
     if found is None:
         return Verdict("not run", ())
     faults = [*_contradictions(found), *(f"no answer by {text}" for text in _missing(case, found))]
