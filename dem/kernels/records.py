@@ -9,6 +9,7 @@ from typing import Any
 
 from llvmlite import ir
 from numba import config, types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 EIGHT = 8  # lanes at a time
@@ -42,6 +43,12 @@ def _join(builder: Any, parts: list[Any]) -> Any:
         order = _order(*range(2 * parts[0].type.count))
         parts = [builder.shuffle_vector(a, b, order) for a, b in zip(parts[0::2], parts[1::2], strict=True)]
     return parts[0]
+
+
+def _all(builder: Any, value: Any) -> Any:
+    """A vector of eight times the same."""
+    one = builder.insert_element(ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0))
+    return builder.shuffle_vector(one, one, _order(*[0] * EIGHT))
 
 
 @intrinsic(prefer_literal=True)
@@ -98,6 +105,46 @@ def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
     return types.none(rows, types.uintp, records, types.uintp), generate
 
 
+@intrinsic
+def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
+    """Adds eight values from wherever they lie to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
+
+    The first row gets those at places[first] to places[first + 7], the others those 64 and 128 behind. LLVM decides
+    whether a processor gathers them with one instruction.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source = _data(context, builder, signature.args[0], arguments[0])
+        index = _data(context, builder, signature.args[1], arguments[1])
+        target = _data(context, builder, signature.args[3], arguments[3])
+        word, number = ir.IntType(64), ir.VectorType(index.type.pointee, EIGHT)
+        wide, mask = ir.VectorType(word, EIGHT), ir.VectorType(ir.IntType(1), EIGHT)
+        begin = builder.load(_at(builder, index, arguments[2], number), align=index.type.pointee.width // 8)
+        begin = builder.zext(begin, wide)
+        pointers = ir.VectorType(_double.as_pointer(), EIGHT)
+        read = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(_eight, [pointers, ir.IntType(32), mask, _eight]),
+            "llvm.masked.gather.v8f64.v8p0",
+        )
+        for row in range(3):
+            place = builder.add(begin, ir.Constant(wide, [row * _ROW] * EIGHT))
+            there = builder.inttoptr(
+                builder.add(
+                    builder.mul(place, ir.Constant(wide, [8] * EIGHT)), _all(builder, builder.ptrtoint(source, word))
+                ),
+                pointers,
+            )
+            found = builder.call(
+                read, [there, ir.IntType(32)(8), ir.Constant(mask, [1] * EIGHT), ir.Constant(_eight, ir.Undefined)]
+            )
+            sums = _at(builder, target, builder.add(arguments[4], word(row * _ROW)), _eight)
+            builder.store(builder.fadd(builder.load(sums, align=8), found), sums, 8)
+        return context.get_dummy_value()
+
+    return types.none(values, places, types.uintp, rows, types.uintp), generate
+
+
 if config.DISABLE_JIT:
 
     def gather(records: Any, apart: int, fields: int, places: Any, first: Any, rows: Any, to: Any) -> None:
@@ -111,3 +158,9 @@ if config.DISABLE_JIT:
         for lane in range(EIGHT):
             for field in range(SHARED):
                 records[int(to) + lane * SHARED + field] = rows[int(at) + field * _ROW + lane]
+
+    def add_gathered(values: Any, places: Any, first: Any, rows: Any, to: Any) -> None:
+        """The same, double by double."""
+        for lane in range(EIGHT):
+            for row in range(3):
+                rows[int(to) + row * _ROW + lane] += values[int(places[int(first) + lane]) + row * _ROW]

@@ -46,7 +46,7 @@ from dem.kernels.layout import (
     Z,
 )
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
-from dem.kernels.records import EIGHT, spread
+from dem.kernels.records import EIGHT, add_gathered, spread
 from dem.kernels.scratch import ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_partners, new_scratch
 from dem.kernels.swing import momentum_of_swings, swing_slice
 
@@ -89,12 +89,9 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
                 scratch[SUM_R + q] += layout.rolling[at + TORQUE + q]
     for k in range(count):
         slot = (others + np.uint64(k)) * ROW
-        for lane in range(LANES):
+        for lane in range(0, LANES, EIGHT):
             q = np.uint64(lane)
-            at = np.uint64(layout.incoming[slot + q])
-            scratch[SUM_X + q] += links[at]
-            scratch[SUM_Z + q] += links[at + ROW]
-            scratch[SUM_R + q] += links[at + ROW + ROW]
+            add_gathered(links, layout.incoming, slot + q, scratch, SUM_X + q)
 
 
 @njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
