@@ -33,13 +33,15 @@ class State(NamedTuple):
 
     Attributes
     ----------
-    discs, links, rolling : arrays
+    discs, links, rolling, shared, partner : arrays
         As in `Layout`.
     """
 
     discs: np.ndarray
     links: np.ndarray
     rolling: np.ndarray
+    shared: np.ndarray
+    partner: np.ndarray
 
 
 class Law(NamedTuple):

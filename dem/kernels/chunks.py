@@ -5,7 +5,7 @@ from numba import njit
 
 from dem.kernels.arguments import Law, Springs, State
 from dem.kernels.contact import ALLOWED
-from dem.kernels.interaction import at_line, between_discs, line_lane
+from dem.kernels.interaction import at_line, between_discs, face, line_lane
 from dem.kernels.layout import (
     FR,
     FX,
@@ -23,7 +23,7 @@ from dem.kernels.layout import (
     Layout,
 )
 from dem.kernels.prefetch import wide_vectors
-from dem.kernels.scratch import constant
+from dem.kernels.scratch import BLOCK, constant, load_partners
 
 
 @njit(cache=True, forceinline=True, error_model="numpy", fastmath={"reassoc"})
@@ -62,6 +62,16 @@ def contact(
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
+def face_partners(chunk: int, b: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
+    """Fetches the partners of one chunk into the scratch rows, and turns to them."""
+    wide_vectors()
+    for begin in range(0, LANES, BLOCK):
+        load_partners(chunk, begin, state, scratch)
+        for lane in range(begin, begin + BLOCK):
+            face(b, np.uint64(chunk) * LINK, np.uint64(lane), state, scratch, law, soil)
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
 def all_lanes(
     chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     booked: bool,
@@ -71,6 +81,7 @@ def all_lanes(
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
+    face_partners(chunk, b, state, scratch, law, soil)
     for lane in range(LANES):
         deep, damped, slid, cracked, rolled = contact(
             b, d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, booked

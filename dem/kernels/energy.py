@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.arguments import Law, Loads, Springs, State
+from dem.kernels.chunks import face_partners
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
 from dem.kernels.layout import (
     DISC,
@@ -26,7 +27,7 @@ from dem.kernels.layout import (
     Layout,
     disc_at,
 )
-from dem.kernels.scratch import ROW, load_all_constants, load_partners, new_scratch
+from dem.kernels.scratch import ROW, load_all_constants, new_scratch
 from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
@@ -49,14 +50,13 @@ def book(now: Contact, out: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contact_energy(
-    p: int, chunk: int, lane: int, layout: Layout, scratch: np.ndarray, slip_time: float, law: Law, out: np.ndarray
+    p: int, chunk: int, lane: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, out: np.ndarray
 ) -> tuple[float, float, float, float]:
     """Books the contact in this lane. Returns its force on the partner, and rim forces on partner and owner."""
     b, d, w, q = np.uint64(p) * DISC, np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK, np.uint64(lane)
-    state = State(layout.discs, layout.links, layout.rolling)
     share = 0.0
     if law.soil:
-        share = layout.rolling[w + SHARE + q]
+        share = state.rolling[w + SHARE + q]
         m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, True, True, True)
     else:
         m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, False, True, True)
@@ -106,13 +106,14 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
     slices = len(layout.chunk_start) - 1
     scratch = new_scratch()
     force = np.zeros((slices * LANES, 3))
+    state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     for p in range(slices):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             first = np.uint64(chunk) * ROW
             load_all_constants(first, layout.kinds, springs.records, True, True, scratch)
-            load_partners(chunk, layout, scratch)
+            face_partners(chunk, np.uint64(p) * DISC, state, scratch, law, law.soil)
             for lane in range(LANES):
-                fx, fz, rim, own = contact_energy(p, chunk, lane, layout, scratch, last_dt, law, out)
+                fx, fz, rim, own = contact_energy(p, chunk, lane, state, scratch, last_dt, law, out)
                 i, j = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
                 force[i, 0] -= fx
                 force[i, 1] -= fz

@@ -62,7 +62,7 @@ from dem.kernels.layout import (
     Z,
 )
 from dem.kernels.period import image
-from dem.kernels.scratch import constant
+from dem.kernels.scratch import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, constant
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
 # (-nz, nx) from that point.
@@ -137,20 +137,31 @@ class Contact(NamedTuple):
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def motion(
-    b: int, q: int, discs: np.ndarray, scratch: np.ndarray, radii: float, slip_time: float, law: Law, soil: bool
-) -> Motion:
-    """Of the contact in lane q of a slice. One square root, one division."""
-    dx = scratch[X + q] - discs[b + X + q]
-    dz = scratch[Z + q] - discs[b + Z + q]
+def face(b: int, d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
+    """Where the partner in lane q lies: from its place in the scratch rows to direction, distance and lever there.
+
+    One square root, one division. They take longer than all else in the law, which is why this is done apart, while
+    the records of the next partners are fetched.
+    """
+    radii = state.links[d + RADII + q]
+    dx = scratch[X + q] - state.discs[b + X + q]
+    dz = scratch[Z + q] - state.discs[b + Z + q]
     if soil:
         dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
     distance = math.sqrt(square)
     inverse = 1.0 / (distance * radii)
-    lever = square * inverse
-    nx = dx * (inverse * radii)
-    nz = dz * (inverse * radii)
+    scratch[NORMAL_X + q] = dx * (inverse * radii)
+    scratch[NORMAL_Z + q] = dz * (inverse * radii)
+    scratch[DISTANCE + q] = distance
+    scratch[LEVER + q] = square * inverse
+
+
+@njit(cache=True, forceinline=True, error_model="numpy")
+def motion(b: int, q: int, discs: np.ndarray, scratch: np.ndarray, slip_time: float) -> Motion:
+    """Of the contact in lane q of a slice, once `face` has been there."""
+    nx, nz = scratch[NORMAL_X + q], scratch[NORMAL_Z + q]
+    distance, lever = scratch[DISTANCE + q], scratch[LEVER + q]
     ux = scratch[VXS + q] - discs[b + VXS + q]
     uz = scratch[VZS + q] - discs[b + VZS + q]
     hx = scratch[VX + q] - discs[b + VX + q]
@@ -221,7 +232,7 @@ def between_discs(
     """
     discs, links = state.discs, state.links
     radii = links[d + RADII + q]
-    m = motion(b, q, discs, scratch, radii, slip_time, law, soil)
+    m = motion(b, q, discs, scratch, slip_time)
     over = radii - m.distance
     kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
     ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]

@@ -25,14 +25,15 @@ class Period(NamedTuple):
     rise: float
 
 
-# So long that the nearest image is always the thing itself, to the last bit.
-ENDLESS = Period(1e300, 0.0)
+# So long that the nearest image is always the thing itself, to the last bit; not so long that a way over it is a
+# denormal number, with which processors are slow.
+ENDLESS = Period(1e100, 0.0)
 
 
 @njit(forceinline=True, error_model="numpy")
 def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
     """The way (m) to the image that is nearest along x."""
-    n = math.floor(dx / period.length + 0.5)
+    n = math.floor(dx * (1.0 / period.length) + 0.5)
     return dx - n * period.length, dz - n * period.rise
 
 

@@ -7,18 +7,22 @@ comes from elsewhere must first lie in rows.
 import numpy as np
 from numba import njit
 
+from dem.kernels.arguments import State
 from dem.kernels.contact import KN
-from dem.kernels.layout import LANES, LINK_FIELDS, Layout
+from dem.kernels.layout import LANES, LINK_FIELDS
 from dem.kernels.prefetch import LINE, fetch
 from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather
 
-# The partners' first eight fields, the constants, three sums of forces.
-CONSTANT = np.uint64(8 * LANES)
-SUM_X, SUM_Z, SUM_R = (np.uint64((8 + CONSTANT_RECORD + k) * LANES) for k in range(3))
-SCRATCH = (8 + CONSTANT_RECORD + 3) * LANES
+# The partners' first eight fields, whose place soon gives way to the direction there, and two of `interaction.face`;
+# the constants; three sums of forces.
+NORMAL_X, NORMAL_Z, DISTANCE, LEVER = (np.uint64(row * LANES) for row in (0, 1, 8, 9))
+CONSTANT = np.uint64(10 * LANES)
+SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
+SCRATCH = (10 + CONSTANT_RECORD + 3) * LANES
 FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
+BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
 AHEAD = 3  # chunks: as many as a slice mostly has
 
 
@@ -60,18 +64,17 @@ def load_all_constants(
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_partners(chunk: int, layout: Layout, scratch: np.ndarray) -> None:
-    """Position and velocities of 64 partners, in rows, while the memory fetches what a later chunk will need.
+def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray) -> None:
+    """Position and velocities of 16 partners from `lane` on, in rows; the memory fetches what a later chunk will need.
 
     One line of its contacts and one of its partners at a time: a core waits once it has asked for a few dozen lines.
-    Eight partners in a row mostly share their lines.
     """
-    first = np.uint64(chunk) * ROW
-    later = min(np.uint64(chunk + AHEAD), np.uint64(layout.chunk_start[-1] - 1)) * ROW
-    for lane in range(LANES):
-        q = np.uint64(lane)
-        fetch(layout.links, later * np.uint64(LINK_FIELDS) + q * LINE)
-        fetch(layout.shared, np.uint64(layout.partner[later + q]) * LINE)
-    for lane in range(0, LANES, EIGHT):
-        q = np.uint64(lane)
-        gather(layout.shared, SHARED, SHARED, layout.partner, first + q, scratch, q)
+    chunks = np.uint64(len(state.partner)) // ROW
+    later = min(np.uint64(chunk + AHEAD), chunks - ONE) * ROW
+    for k in range(lane, lane + BLOCK):
+        q = np.uint64(k)
+        fetch(state.links, later * np.uint64(LINK_FIELDS) + q * LINE)
+        fetch(state.shared, np.uint64(state.partner[later + q]) * LINE)
+    for k in range(lane, lane + BLOCK, EIGHT):
+        q = np.uint64(k)
+        gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, scratch, q)

@@ -47,7 +47,7 @@ from dem.kernels.layout import (
 )
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.records import EIGHT, add_gathered, spread
-from dem.kernels.scratch import ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_partners, new_scratch
+from dem.kernels.scratch import ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, new_scratch
 from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
@@ -169,7 +169,7 @@ def contacts_of_slice(
     """
     too_deep = False
     b = np.uint64(p) * DISC
-    state = State(layout.discs, layout.links, layout.rolling)
+    state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     pores = law.pores or not law.soil
     for line in range(OWN_LINES):
         fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
@@ -179,7 +179,6 @@ def contacts_of_slice(
         else:
             for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
                 load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, scratch)
-        load_partners(chunk, layout, scratch)
         if entries.kept:
             deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, b, state, scratch, slip_time, law)
             entries.sums[p, DASHPOT] += damping
