@@ -23,7 +23,7 @@ FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without 
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
 BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
-AHEAD = 3  # chunks: as many as a slice mostly has
+AHEAD = 2  # chunks
 
 
 @njit(cache=True, nogil=True)
