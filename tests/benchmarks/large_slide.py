@@ -1,10 +1,11 @@
-"""A large slide: `python -m tests.benchmarks.large_slide [--discs N ...] [--seconds S] [--threads N]`.
+"""A large slide: `python -m tests.benchmarks.large_slide [--discs N ...] [--seconds S] [--threads N ...] [--json F]`.
 
 The paper's discs of S-13 in their box, case 3, from the lattice as it is; stopped half-way and taken up again from its
 checkpoint. Disc-steps a second and memory for each size, from which follows what more discs need.
 """
 
 import argparse
+import json
 import resource
 import tempfile
 import time
@@ -62,11 +63,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--discs", type=int, nargs="+", default=[3000, 12_000])
     parser.add_argument("--seconds", type=float, default=2.0)
-    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
     arguments = parser.parse_args()
     given = Input.load(SECTIONS / "s13.toml")
+    rows = []
     for discs in arguments.discs:
-        print(measure(given, discs, arguments.seconds, arguments.threads), flush=True)
+        for threads in arguments.threads:
+            rows.append(measure(given, discs, arguments.seconds, threads))
+            print(rows[-1], flush=True)
+    if arguments.json:
+        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
 
 
 if __name__ == "__main__":

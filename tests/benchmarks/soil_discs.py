@@ -1,10 +1,14 @@
-"""How near soil discs come to the continuum by themselves: python -m tests.benchmarks.soil_discs RUN... [--seeds N].
+"""How near soil discs come to the continuum by themselves: python -m tests.benchmarks.soil_discs [RUN...] [--seeds N].
 
-RUN is a folder in which `noshiro fem` has left its answer. Printed are the critical Kh of the finite elements with the
-sides of the discs' box, and that of the discs without any factor, packing by packing; half a minute of CPU for each.
+RUN is a folder in which `noshiro fem` has left its answer; without any, S-13 is run first. Printed are the critical Kh
+of the finite elements with the sides of the discs' box, and that of the discs without any factor, packing by packing;
+half a minute of CPU for each.
 """
 
 import argparse
+import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -13,6 +17,7 @@ import numpy as np
 from dem.laboratory.soil_layers import soil_layers
 from dem.search.deposit import deposit
 from dem.search.pushover import push_over
+from tests.support import SECTIONS
 from workflow.results.continuum import FemAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
@@ -22,11 +27,16 @@ from workflow.stages.discs_at_rest import continuum_for
 def main() -> None:
     """Prints a line for every packing, and the mean of each section."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("runs", nargs="+", type=Path)
+    parser.add_argument("runs", nargs="*", type=Path)
     parser.add_argument("--seeds", type=int, default=3)
     options = parser.parse_args()
     for run in options.runs:
         predict(run, options.seeds)
+    if not options.runs:
+        with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
+            command = [sys.executable, "-m", "workflow.cli", "fem", str(SECTIONS / "s13.toml"), "--out", folder]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+            predict(Path(folder), options.seeds)
 
 
 def predict(run: Path, seeds: int) -> None:
