@@ -11,10 +11,12 @@ from fem.path import EquilibriumPath
 from fem.plateau import LimitLoad, PathListener
 from meshes.quad_mesh import QuadMesh
 
-# Shares of the limit load at which the curve gets a point; to the last of them the path is to come.
-SHARES = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98)
-# Iterations of Newton's method at a level after which the next is left out, unless it is asked for.
-HARD = 25
+# Shares of the limit load at which the curve gets a point, and the one to which the path comes in any case.
+SHARES, SURE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
+# A level so near to one that was asked for, as a share of the limit load, is left out.
+ALIKE = 0.01
+# Iterations of Newton's method at a level from which on others are left out, unless they are asked for.
+HARD = 15
 
 
 def climb(
@@ -27,11 +29,14 @@ def climb(
 ) -> tuple[LimitLoad, list[State]]:
     """Raise Kh to the limit load that is ``known``, at most to ``limit``; the answer, and the fields at those of the
     ``wanted`` Kh that were reached."""
-    top = limit if known > limit else SHARES[-1] * known
     asked = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
+    sure = limit if known > limit else SURE * known
+    shares = (share * known for share in SHARES if share * known < limit)
+    levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in asked)}
     kept: list[State] = []
-    for kh in sorted({*asked, top, *(share * known for share in SHARES if share * known < top)}):
-        if kh not in asked and kh != top and path.steps and path.steps[-1].iterations > HARD:
+    for kh in sorted({*levels, *asked, sure}):
+        is_hard = any(step.iterations > HARD for step in path.steps)
+        if is_hard and kh not in asked and kh != sure:
             continue
         if not path.reach(kh):
             continue

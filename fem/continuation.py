@@ -19,7 +19,7 @@ from fem.plane_strain import PlaneStrain
 MOST_STALLED, PROGRESS = 8, 0.9
 # Where there is a potential: the share of its slope at the start of a correction that may be left at the end, the most
 # lengths that are tried, the longest, how near to an end of the interval one may lie, and the iterations granted.
-SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE, DESCENTS = 0.5, 9, 8.0, 0.1, 150
+SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE, DESCENTS = 0.5, 9, 8.0, 0.1, 120
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ def _lowest(
             step = problem.solve(residual)
         except SingularMatrixError:
             break
-        search = _Descent(problem.exchange.dot(residual, step))
+        search = Descent(problem.exchange.dot(residual, step))
         while True:
             residual, norm = residual_of(problem, loading, increment + search.part * step, multiplier, scale)
             if search.ends(problem.exchange.dot(residual, step)):
@@ -224,7 +224,7 @@ def _lowest(
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
 
 
-class _Descent:
+class Descent:
     """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
 
     ``slope`` is how steeply it falls at the start, ``part`` the length to try next.

@@ -164,26 +164,23 @@ def _towards(
 def _followed(
     ground: Ground, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
 ) -> CriticalResult:
-    """The path from ``ground``, and what it has shown.
-
-    Where the limit load is not known, the path is followed once more for the fields that are wanted.
-    """
+    """The path from ``ground``, and what it has shown."""
     problem, known, gravity = ground.problem, ground.limit, ground.gravity
     assert gravity is not None
     start = problem.state()
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
-    relaxed = True
     if known is not None:
         wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
         limit, kept = climb(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
-        kc = known.multiplier if limit.verdict == "plateau" else limit.held
-        last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+        held, relaxed = limit.held, True
+        kc = known.multiplier if limit.verdict == "plateau" else held
     else:
         rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
         limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
         relaxed = path.relax()
-        kc = max(limit.held, path.factor) if relaxed else limit.held
-        last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+        held = kc = max(limit.held, path.factor) if relaxed else limit.held
+    last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+    if known is None:  # the fields that are wanted are known only now
         problem.restore(start)
         again = seismic_path(problem, ground.constant, ground.load, sign, settings)
         kept = states_at(again, mesh, _wanted(settings, kc))
@@ -195,7 +192,7 @@ def _followed(
     ]
     return CriticalResult(
         kc=kc,
-        lower=min(max(limit.held, path.factor) if relaxed else limit.held, kc),
+        lower=min(held, kc),
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,

@@ -1,0 +1,73 @@
+"""The path to a known limit load: every level in equilibrium, also in sand without cohesion."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpi4py import MPI
+
+from fem.continuation import LONGEST, SLOPE_LEFT, Descent
+from fem.critical import critical_coefficient
+from fem.settings import FemSettings
+from meshes.gmsh_model import generate
+from meshes.settings import MeshSettings
+from tests.support.fem_problems import section, soil
+
+BANK = section(
+    [[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0,
+    soil("fill", c=2e3, phi=30.0, psi=0.0, bottom={"elevation": [[0.0, 2.0], [16.0, 2.0]]}),
+    soil("bare sand", c=0.0, phi=33.0, psi=0.0),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def bank():
+    """The critical Kh of a bank whose bed is sand without cohesion, with two Kh asked for."""
+    mesh = generate(BANK, MeshSettings(method="free", size=0.8))
+    wish = FemSettings(flow="davis", direction="downhill", kh=(0.03, 0.06))
+    return critical_coefficient(BANK, mesh, wish, MPI.COMM_SELF)
+
+
+def test_every_level_of_a_bank_of_bare_sand_is_in_equilibrium(bank) -> None:
+    """A path of small steps crept here: at the toe the sand bears no stress, and its grains move first."""
+    assert bank.verdict == "plateau"
+    assert 0.94 * bank.kc < bank.lower <= bank.kc
+    assert all(step.residual < 1e-6 for step in bank.steps)
+    assert [state.kh for state in bank.states[:2]] == [0.03, 0.06]
+    assert np.all(np.diff([step.factor for step in bank.steps]) > 0.0)
+
+
+def test_the_ground_softens_towards_its_limit_load(bank) -> None:
+    """Kh over displacement of associated flow is concave: each metre adds no more Kh than the one before."""
+    rise = np.diff([0.0, *(step.factor for step in bank.steps)]) / np.diff([0.0, *(s.displacement for s in bank.steps)])
+    assert np.all(np.diff(rise) < 1e-3 * rise[0])
+
+
+def test_a_limit_below_the_limit_load_is_no_failure() -> None:
+    mesh = generate(BANK, MeshSettings(method="free", size=1.5))
+    wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.05)
+    found = critical_coefficient(BANK, mesh, wish, MPI.COMM_SELF)
+    assert (found.verdict, found.kc, found.lower) == ("no failure", 0.05, 0.05)
+
+
+@given(
+    kinks=st.lists(st.floats(0.01, 7.0), max_size=6),
+    stiffer=st.lists(st.floats(0.0, 1e4), min_size=6, max_size=6),
+    first=st.floats(0.2, 1.0),
+)
+def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first) -> None:
+    """The slope of a convex potential, 1 - ∫ stiffness, kinks where points yield or unload; the search ends with half
+    of it, or with the longest step where it falls on."""
+
+    def slope(part: float) -> float:
+        return 1.0 - first * part - sum(k * max(part - at, 0.0) for at, k in zip(sorted(kinks), stiffer, strict=False))
+
+    search, tried = Descent(slope(0.0)), 0
+    while not search.ends(slope(search.part)):
+        tried += 1
+    assert tried < 9
+    assert 0.0 < search.part <= LONGEST
+    if tried < 8:
+        assert abs(slope(search.part)) <= SLOPE_LEFT or math.isclose(search.part, LONGEST)
