@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field, StrictBool
 
 from meshes.section.quantity import Length
+from meshes.section.record_of_motion import RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
@@ -192,9 +193,7 @@ class SlideSettings(Model):
         description="a record of the base in the place of kh, a file .AT2, K-NET or .csv; positive pushes downhill; "
         '"average" takes what [site_response] finds above the slip surface',
     )
-    unit: Literal["", "g", "m/s^2", "gal"] = Field(
-        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
-    )
+    unit: RecordUnit = ""
     scale: float = Field(
         default=1.0, ge=-100.0, le=100.0, description="a number that multiplies the record; negative turns it round"
     )

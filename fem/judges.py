@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.fields import State, touched_sides
 from meshes.quad_mesh import QuadMesh
+from meshes.quality import corner_angles
 
 if TYPE_CHECKING:
     from fem.at_once import AtOnce
@@ -125,7 +126,7 @@ def touches_base(mesh: QuadMesh, mechanism: State) -> bool:
 
 def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
     """Cells with a narrow corner, in which displacements are poor."""
-    narrowest = corner_angles(mesh).min(axis=1)
+    narrowest = np.abs(corner_angles(mesh.points, mesh.cells)).min(axis=1)
     count = int(np.count_nonzero(narrowest < NARROW))
     if count:
         x, z = mesh.points[mesh.cells[int(narrowest.argmin())]].mean(axis=0)
@@ -135,14 +136,6 @@ def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
             'use mesh.method = "free", or end thin layers in a step',
             contradiction=False,
         )
-
-
-def corner_angles(mesh: QuadMesh) -> np.ndarray:
-    """Angles (cells, 4) in degrees at the corners of the cells."""
-    corners = mesh.points[mesh.cells]
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    return np.degrees(np.arctan2(np.abs(cross), np.sum(ahead * back, axis=-1)))
 
 
 def of_bounds(kc: float, lower: float | None, upper: float | None, own: bool) -> Iterator[Doubt]:

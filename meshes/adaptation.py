@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from meshes.edges import edges_of
 from meshes.errors import InputError
 from meshes.free import Sizes
 from meshes.gmsh_model import free_mesh
@@ -70,28 +71,36 @@ def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: f
     least = np.sqrt(area) / FINER
     shape = np.maximum(indicator, FLOOR * indicator.max(initial=0.0)) if indicator.any() else np.ones_like(indicator)
     shape = (shape / shape.max()) ** -0.5
-    low, high = float(least.min()) / shape.max(), largest
+    low, high, growth = float(least.min()) / shape.max(), largest, Growth(mesh)
     for _ in range(40):  # halving the logarithm: to a millionth of any span of sizes
         middle = float(np.sqrt(low * high))
-        sizes = limited_growth(mesh, np.clip(middle * shape, least, np.maximum(largest, least)))
+        sizes = growth.limited(np.clip(middle * shape, least, np.maximum(largest, least)))
         many = float((area / sizes[mesh.cells].mean(axis=1) ** 2).sum()) > cells
         low, high = (middle, high) if many else (low, middle)
     return sizes
 
 
-def limited_growth(mesh: QuadMesh, sizes: np.ndarray) -> np.ndarray:
-    """Sizes at the points (n,) of a mesh, at most those of the cells (m,) round them, that grow by GROWTH a metre.
+class Growth:
+    """Sizes at the points of a mesh that grow by no more than GROWTH a metre from cell to cell.
 
     They are the shortest paths, along edges and diagonals, from one more point that is as far from every other as the
     size there says.
     """
-    at_points = np.full(len(mesh.points), np.inf)
-    np.minimum.at(at_points, mesh.cells.ravel(), np.repeat(sizes, 4))
-    pairs = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))
-    edges = np.unique(np.sort(np.concatenate([mesh.cells[:, pair] for pair in pairs]), axis=1), axis=0)
-    lengths = np.hypot(*(mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]).T)
-    count = len(mesh.points)
-    rows = np.concatenate([edges[:, 0], np.full(count, count)])
-    columns = np.concatenate([edges[:, 1], np.arange(count)])
-    graph = csr_array((np.concatenate([GROWTH * lengths, at_points]), (rows, columns)), shape=(count + 1, count + 1))
-    return np.asarray(dijkstra(graph, directed=False, indices=count)[:count])
+
+    def __init__(self, mesh: QuadMesh) -> None:
+        self._cells, self._count = mesh.cells, len(mesh.points)
+        around, _ = edges_of(mesh.cells)
+        edges = np.concatenate([around, mesh.cells[:, [0, 2]], mesh.cells[:, [1, 3]]])
+        lengths = np.hypot(*(mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]]).T)
+        points = np.arange(self._count)
+        self._rows = np.concatenate([edges[:, 0], np.full(self._count, self._count)])
+        self._columns = np.concatenate([edges[:, 1], points])
+        self._growth = GROWTH * lengths
+
+    def limited(self, sizes: np.ndarray) -> np.ndarray:
+        """Sizes (n,) at the points, at most the ``sizes`` (m,) of the cells round them."""
+        at_points = np.full(self._count, np.inf)
+        np.minimum.at(at_points, self._cells.ravel(), np.repeat(sizes, 4))
+        entries = np.concatenate([self._growth, at_points]), (self._rows, self._columns)
+        graph = csr_array(entries, shape=(self._count + 1, self._count + 1))
+        return np.asarray(dijkstra(graph, directed=False, indices=self._count)[: self._count])

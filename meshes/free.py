@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from itertools import pairwise
 
 import gmsh
@@ -46,11 +46,15 @@ class Sizes:
     at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     far: float = 1.0
 
+    @cached_property
+    def _tree(self) -> KDTree:
+        return KDTree(self.corners.reshape(-1, 2))
+
     def at(self, stratum: str, points: np.ndarray) -> np.ndarray:
         """The size (n,) in a stratum at points (n, 2), as it is without what is wanted ``towards`` lines."""
         size = np.full(len(points), self.strata.get(stratum, self.ordinary))
         if len(self.corners):
-            nearest = KDTree(self.corners.reshape(-1, 2)).query(points)[1]
+            nearest = self._tree.query(points)[1]
             size = np.minimum(size, self.at_corners.ravel()[nearest])
         return size
 
@@ -73,8 +77,9 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     over as a triangle becomes three convex quadrilaterals, so that no triangle stays and no cell can fold.
     ``algorithm`` is one of ALGORITHMS.
     """
-    surfaces, curves, steps = _geometry(section, layers, sizes.times(2.0))
-    _size_field(section, surfaces, curves, sizes.times(2.0), steps)
+    before_division = sizes.times(2.0)
+    surfaces, curves, steps = _geometry(section, layers, before_division)
+    _size_field(section, surfaces, curves, before_division, steps)
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)
     option("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -87,13 +92,13 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     gmsh.model.mesh.generate(2)
 
 
-def build_triangles(section: Section, sizes: Sizes) -> None:
-    """Mesh the section in the current gmsh model with triangles of about the ``sizes``."""
+def build_triangles(section: Section, sizes: Sizes, algorithm: int) -> None:
+    """Mesh the section in the current gmsh model with triangles of about the ``sizes`` by one of gmsh's algorithms."""
     surfaces, curves, _ = _geometry(section, section.layering)
     _size_field(section, surfaces, curves, sizes)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: takes any geometry
+    gmsh.option.setNumber("Mesh.Algorithm", algorithm)
     gmsh.model.mesh.generate(2)
 
 

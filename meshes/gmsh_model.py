@@ -12,6 +12,7 @@ from typing import Any
 import gmsh
 import numpy as np
 
+from meshes.edges import without_cells
 from meshes.errors import InputError
 from meshes.free import ALGORITHMS, Sizes, build_free
 from meshes.mapped import build_mapped
@@ -121,12 +122,7 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         boundaries[name] = group_nodes(1, name, GMSH_LINE, 2)
     quads = np.concatenate(cells)
     used = np.unique(quads)
-    bare = _without_cells(quads, np.concatenate(list(boundaries.values())))
-    if len(bare):
-        place = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
-        raise BadMeshError(
-            f"gmsh left ground without cells near x = {place[0]:.2f} m, z = {place[1]:.2f} m; try another size"
-        )
+    refuse_bare_ground(quads, np.concatenate(list(boundaries.values())), tags, coordinates)
     points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
     return QuadMesh(
         points=points,
@@ -138,14 +134,12 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
     )
 
 
-def _without_cells(cells: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Edges (k, 2) that are outer ones of cells (m, 4) and not of the ``boundary`` (n, 2), or the other way round."""
-    edges = np.concatenate([cells[:, [a, (a + 1) % 4]] for a in range(4)])
-    edges, times = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
-    either, times = np.unique(
-        np.concatenate([edges[times == 1], np.sort(boundary, axis=1)]), axis=0, return_counts=True
-    )
-    return np.asarray(either[times == 1])
+def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray, coordinates: np.ndarray) -> None:
+    """Raise BadMeshError unless the outer edges of the cells are those (n, 2) of the boundary."""
+    bare = without_cells(cells, boundary)
+    if len(bare):
+        x, z, _ = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
+        raise BadMeshError(f"gmsh left ground without cells near x = {x:.2f} m, z = {z:.2f} m; try another size")
 
 
 def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:

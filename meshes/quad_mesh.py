@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meshes.edges import edges_of
 from meshes.errors import InputError, NoAnswerError
 from meshes.quality import Quality, areas, quality, scaled_jacobians
 from meshes.section.section import BOUNDARIES
@@ -42,9 +43,8 @@ class QuadMesh:
 
 def divided(mesh: QuadMesh) -> QuadMesh:
     """The mesh with every cell cut at the middles of its edges into four."""
-    ends = np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=-1)
-    edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-    middle = len(mesh.points) + number.reshape(-1, 4)
+    edges, of_cell = edges_of(mesh.cells)
+    middle = len(mesh.points) + of_cell
     centre = len(mesh.points) + len(edges) + np.arange(len(mesh.cells))
     points = np.vstack([mesh.points, mesh.points[edges].mean(axis=1), mesh.points[mesh.cells].mean(axis=1)])
     parts = [np.column_stack([mesh.cells[:, k], middle[:, k], centre, middle[:, k - 1]]) for k in range(4)]

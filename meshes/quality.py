@@ -35,6 +35,13 @@ def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, n
     return np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
 
 
+def corner_angles(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Angles (cells, 4) in degrees in the corners of counter-clockwise cells; negative where one is folded."""
+    ahead, back = corner_vectors(points, cells)
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    return np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
+
+
 def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Smallest over the four corners of the sine-like Jacobian over its two edge lengths, (cells,).
 
@@ -55,9 +62,8 @@ def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 def quality(points: np.ndarray, cells: np.ndarray) -> Quality:
     """The quality of a mesh of quadrilaterals: points (n, 2), cells (m, 4) counter-clockwise."""
-    ahead, back = corner_vectors(points, cells)
-    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    angles = np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
+    ahead, _ = corner_vectors(points, cells)
+    angles = corner_angles(points, cells)
     lengths = np.hypot(ahead[..., 0], ahead[..., 1])
     aspect = lengths.max(axis=1) * lengths.sum(axis=1) / (4.0 * areas(points, cells))
     return Quality(

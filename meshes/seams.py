@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from meshes.quality import corner_angles
 from meshes.section.layering import Layering
 
 # A layer with more rows than this, where its cells are smallest, is none: it has room for a free mesh.
@@ -52,10 +53,9 @@ class Seam:
 
     def narrowest(self) -> float:
         """The smallest angle (deg) in the corners of its columns; negative where one is folded."""
-        corners = np.stack([self.bottom[:-1], self.bottom[1:], self.top[1:], self.top[:-1]], axis=1)
-        ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-        cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-        return float(np.degrees(np.arctan2(cross, (ahead * back).sum(axis=-1))).min())
+        start = np.arange(len(self.bottom) - 1)
+        cells = np.stack([start, start + 1, start + 1 + len(self.bottom), start + len(self.bottom)], axis=1)
+        return float(corner_angles(np.vstack([self.bottom, self.top]), cells).min())
 
     def points(self) -> np.ndarray:
         """All its points (n, 2), in m."""

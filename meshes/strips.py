@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from meshes.edges import edges_of
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import areas
 
@@ -35,9 +36,7 @@ class Strips:
 
 def strips_of(mesh: QuadMesh) -> Strips:
     """The strips of a mesh."""
-    ends = np.stack([mesh.cells, np.roll(mesh.cells, -1, axis=1)], axis=-1)
-    edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-    of_cell = number.reshape(-1, 4)
+    edges, of_cell = edges_of(mesh.cells)
     opposite = np.concatenate([of_cell[:, [0, 2]], of_cell[:, [1, 3]]])
     graph = coo_array((np.ones(len(opposite)), opposite.T), shape=(len(edges), len(edges)))
     return Strips(edges, of_cell, connected_components(graph, directed=False)[1])

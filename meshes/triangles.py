@@ -6,12 +6,17 @@ from functools import cached_property
 import gmsh
 import numpy as np
 
+from meshes.edges import edges_of
 from meshes.free import Sizes, build_triangles
-from meshes.gmsh_model import group_nodes, session
+from meshes.gmsh_model import group_nodes, refuse_bare_ground, session
 from meshes.quad_mesh import BadMeshError
 from meshes.section.section import BOUNDARIES, Section
 
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
+
+
+# gmsh's 2-D algorithms, the one that takes nearly any geometry first: Delaunay, frontal, and one that adapts.
+ALGORITHMS = (5, 6, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +39,7 @@ class TriMesh:
 
     @cached_property
     def _numbered(self) -> tuple[np.ndarray, np.ndarray]:
-        ends = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=-1)
-        edges, number = np.unique(np.sort(ends.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
-        return edges, number.reshape(-1, 3)
+        return edges_of(self.cells)
 
     @property
     def edges(self) -> np.ndarray:
@@ -86,11 +89,23 @@ class TriMesh:
 def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None) -> TriMesh:
     """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name.
 
-    Raises BadMeshError if gmsh gives up or leaves a flat cell.
+    Raises BadMeshError, the first one's, if no algorithm of gmsh makes them.
     """
+    failure: BadMeshError | None = None
+    for algorithm in ALGORITHMS:
+        try:
+            return _triangulated(section, Sizes(size, sizes or {}), algorithm)
+        except BadMeshError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure
+
+
+def _triangulated(section: Section, sizes: Sizes, algorithm: int) -> TriMesh:
+    """Triangles made by one algorithm of gmsh; raises BadMeshError if it gives up or leaves a hole or a flat cell."""
     with session(section.name):
         try:
-            build_triangles(section, Sizes(size, sizes or {}))
+            build_triangles(section, sizes, algorithm)
         except Exception as error:  # gmsh raises plain Exception with its last error message
             raise BadMeshError(f"gmsh gave up: {error}") from error
         mesh = _from_gmsh(section)
@@ -106,6 +121,8 @@ def _from_gmsh(section: Section) -> TriMesh:
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     parts = [group_nodes(2, layer.name, GMSH_TRIANGLE, 3) for layer in section.strata]
     triangles = np.concatenate(parts)
+    boundaries = {name: group_nodes(1, name, GMSH_LINE, 2) for name in BOUNDARIES}
+    refuse_bare_ground(triangles, np.concatenate(list(boundaries.values())), tags, coordinates)
     used = np.unique(triangles)
     points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
     cells = np.searchsorted(used, triangles)
@@ -116,7 +133,5 @@ def _from_gmsh(section: Section) -> TriMesh:
         points=points,
         cells=cells,
         stratum=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
-        boundaries={
-            name: np.searchsorted(used, group_nodes(1, name, GMSH_LINE, 2)).reshape(-1, 2) for name in BOUNDARIES
-        },
+        boundaries={name: np.searchsorted(used, ends).reshape(-1, 2) for name, ends in boundaries.items()},
     )

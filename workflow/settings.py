@@ -17,6 +17,7 @@ from meshes.errors import InputError
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.quantity import Length
+from meshes.section.record_of_motion import RecordScale, RecordUnit
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.accelerogram import Accelerogram
@@ -93,10 +94,8 @@ class SlidingBlockSettings(Model):
     accelerogram: str = Field(
         default="", description="a file with a record of the ground's acceleration: .AT2, K-NET or .csv"
     )
-    unit: Literal["", "g", "m/s^2", "gal"] = Field(
-        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
-    )
-    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
+    unit: RecordUnit = ""
+    scale: RecordScale = 1.0
     kh: float | None = Field(
         default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
     )

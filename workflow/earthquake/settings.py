@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from meshes.section.quantity import Coordinate, Density, Length
+from meshes.section.record_of_motion import RecordScale, RecordUnit
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import read as read_record
@@ -39,10 +40,8 @@ class EarthquakeSettings(Model):
         description="a file with a record of the ground surface, .AT2, K-NET or .csv, whose peak is taken; goes before "
         "magnitude and distance",
     )
-    unit: Literal["", "g", "m/s^2", "gal"] = Field(
-        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
-    )
-    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
+    unit: RecordUnit = ""
+    scale: RecordScale = 1.0
 
     def motion(self) -> Motion | None:
         """The peak acceleration with its spread; None where nothing says it.
@@ -66,10 +65,8 @@ class SiteResponseSettings(Model):
         default="",
         description="a file with a record of the rock below: .AT2, K-NET or .csv, as it is where rock crops out",
     )
-    unit: Literal["", "g", "m/s^2", "gal"] = Field(
-        default="", description='the unit of a .csv file, "g", "m/s^2" or "gal", where its heading does not say'
-    )
-    scale: float = Field(default=1.0, gt=0.0, le=100.0, description="a number that multiplies the record, above 0")
+    unit: RecordUnit = ""
+    scale: RecordScale = 1.0
     x: Coordinate | None = Field(default=None, description="where, along the section; its middle if not given")
     velocities: dict[str, Annotated[float, Field(gt=10.0, le=3000.0)]] = Field(
         default={}, description="measured V_s (m/s) by the name of the stratum; else from E and ν"

@@ -9,7 +9,6 @@ from fem.critical import CriticalResult
 from fem.fields import State, is_mechanism, touched_sides
 from fem.judges import (
     Computed,
-    corner_angles,
     doubts_of,
     is_doubtful,
     of_bounds,
@@ -20,6 +19,7 @@ from fem.judges import (
     touches_base,
 )
 from fem.slip_surface import slip_surface
+from meshes.quality import corner_angles
 from tests.support.fem_problems import grid
 
 MESH = grid(np.linspace(0.0, 20.0, 21), np.linspace(0.0, 10.0, 11))
@@ -102,7 +102,7 @@ def test_mechanism_along_the_base_is_told():
 
 def test_narrow_cells_are_told_with_their_place():
     flat = grid(np.array([0.0, 1.0]), np.array([0.0, 1.0]), move=lambda x, y: (x + 5.0 * y, y))
-    assert corner_angles(flat).min() == pytest.approx(np.degrees(np.arctan(1.0 / 5.0)))
+    assert corner_angles(flat.points, flat.cells).min() == pytest.approx(np.degrees(np.arctan(1.0 / 5.0)))
     (doubt,) = of_cells(flat)
     assert "1 of 1 cells" in doubt.what
     assert "11.3°" in doubt.what

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from meshes.adaptation import COARSER, FINER, GROWTH, adapted, limited_growth
+from meshes.adaptation import COARSER, FINER, GROWTH, Growth, adapted
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
@@ -64,7 +64,7 @@ def test_sizes_grow_by_the_distance_from_the_smallest() -> None:
     corner = int(np.argmin(middles(mesh).sum(axis=1)))
     sizes = np.full(len(mesh.cells), 100.0)
     sizes[corner] = 0.5
-    at_points = limited_growth(mesh, sizes)
+    at_points = Growth(mesh).limited(sizes)
     x, z = mesh.points.T
     from_corner = np.maximum(np.maximum(x, z) - 1.0, 0.0) + (np.sqrt(2.0) - 1.0) * np.maximum(np.minimum(x, z) - 1.0, 0)
     np.testing.assert_allclose(at_points, 0.5 + GROWTH * from_corner, atol=1e-9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from meshes.gmsh_model import generate
-from meshes.quad_mesh import QuadMesh
+from meshes.quality import corner_angles
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.random_sections import random_section
@@ -31,14 +31,6 @@ def with_seam(thickness: float, bottom: list[list[float]]) -> Section:
     return Section.parse({"name": "s", "surface": surface, "base": {"elevation": -4.0}, "strata": strata})
 
 
-def angles(mesh: QuadMesh, cells: np.ndarray) -> np.ndarray:
-    """Angles (m, 4) in degrees in the corners of ``cells`` (m, 4)."""
-    corners = mesh.points[cells]
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cosine = (ahead * back).sum(axis=-1) / np.hypot(*ahead.transpose(2, 0, 1)) / np.hypot(*back.transpose(2, 0, 1))
-    return np.degrees(np.arccos(cosine))
-
-
 BELOW_THE_TOE = [[0.0, 2.0], [22.0, 2.0], [60.0, 5.2]]
 OUT_OF_THE_FACE = [[0.0, -1.0], [15.0, -1.0], [60.0, 5.2]]
 
@@ -50,8 +42,8 @@ def test_cells_of_a_seam_are_upright_and_as_thick_as_it_says(thickness: float, b
     mesh = generate(section, MeshSettings(method="free"))
     cells = mesh.cells[mesh.stratum == 1]
     assert mesh.stratum_areas() == pytest.approx(section.layering.areas(), rel=1e-9)
-    assert angles(mesh, cells).min() > 40.0  # the face is at 45 degrees to it
-    assert np.median(angles(mesh, cells).min(axis=1)) > 80.0
+    assert corner_angles(mesh.points, cells).min() > 40.0  # the face is at 45 degrees to it
+    assert np.median(corner_angles(mesh.points, cells).min(axis=1)) > 80.0
     heights = np.ptp(mesh.points[cells][..., 1], axis=1)
     assert len(cells) % 2 == 0
     assert np.median(heights) < 0.75 * thickness + 0.1  # two rows of it at least; lines that dip are higher
@@ -70,4 +62,4 @@ def test_a_kink_in_one_line_alone_is_a_point_of_both() -> None:
 def test_random_sections_with_seams_lost_their_narrow_cells(number: int) -> None:
     """Their smallest angles were 10.5, 8.4 and 8.0 degrees with seams meshed like any layer."""
     mesh = generate(random_section(number), MeshSettings(method="free"))
-    assert angles(mesh, mesh.cells).min() > 20.0
+    assert corner_angles(mesh.points, mesh.cells).min() > 20.0
