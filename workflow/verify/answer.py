@@ -1,4 +1,4 @@
-"""What this program finds for a published case: finite elements with and without dilation, and strict bounds."""
+"""What this program finds for a published case: elements with ψ = φ and with Davis's substitute, and strict bounds."""
 
 import math
 import time
@@ -17,7 +17,6 @@ from fem.strength_reduction import safety_factor
 from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
-from meshes.settings import MeshSettings
 from workflow.verify.case import Case
 from workflow.verify.record import PARTS, Answer, Part
 
@@ -64,9 +63,9 @@ def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, An
 def _elements(case: Case, part: Part) -> dict[str, Any]:
     from mpi4py import MPI
 
-    flow: Literal["associated", "section"] = "associated" if part == "associated" else "section"
+    flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"
     wish = case.fem.model_copy(update={"flow": flow, "kh": ()})
-    mesh = generate(case.section, MeshSettings())
+    mesh = generate(case.section, case.mesh)
     run = _kc if case.published.expected == "kc" else _fs
     factor, upper = run(case, mesh, wish, MPI.COMM_SELF)
     return {part: factor, f"{part}_upper": upper}
@@ -79,7 +78,7 @@ def _kc(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float
     """On meshes made for the mechanism where the flow is associated, as `noshiro fem` does it."""
     if is_associated(case.section.strata, wish.flow):
         try:
-            kc = adapted_answer(case.section, MeshSettings(), mesh, wish, comm, lambda words: None).result.kc
+            kc = adapted_answer(case.section, case.mesh, mesh, wish, comm, lambda words: None).result.kc
         except NoAnswerError:  # the solver left none: a path has to do
             pass
         else:

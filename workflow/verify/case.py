@@ -1,7 +1,7 @@
 """A published case: a section as users write it, and in the table [published] what others found for it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -10,6 +10,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Model, Section, read_toml
+from meshes.settings import MeshSettings
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/published")
@@ -44,11 +45,12 @@ class Published(Model):
 
 @dataclass(frozen=True)
 class Case:
-    """A section with what was published on it, and the settings of the finite elements in its file."""
+    """A section with what was published on it, and the settings of elements and mesh in its file."""
 
     section: Section
     fem: FemSettings
     published: Published
+    mesh: MeshSettings = field(default_factory=MeshSettings)
 
     @property
     def name(self) -> str:
@@ -61,10 +63,11 @@ def read_case(path: Path) -> Case:
     try:
         published = TypeAdapter(Published).validate_python(data.pop("published", {}))
         fem = FemSettings.model_validate(data.pop("fem", {}))
+        mesh = MeshSettings.model_validate(data.pop("mesh", {}))
     except ValidationError as error:
         problems = [f"{', '.join(map(str, entry['loc']))}: {entry['msg']}" for entry in error.errors()]
         raise InputError(str(path), problems) from error
-    case = Case(Section.parse(data, str(path)), fem, published)
+    case = Case(Section.parse(data, str(path)), fem, published, mesh)
     if case.name != path.stem:
         raise InputError(str(path), [f'name = "{case.name}": expected that of the file, "{path.stem}"'])
     return case

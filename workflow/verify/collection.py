@@ -30,9 +30,9 @@ class Row:
             "upper": found.upper,
             "skin": found.skin,
             "elements_associated": found.associated,
-            "elements": found.section,
+            "elements_davis": found.davis,
             "seconds": {"bounds": found.bounds_seconds, "elements_associated": found.associated_seconds}
-            | {"elements": found.section_seconds},
+            | {"elements_davis": found.davis_seconds},
             "published": [value.model_dump() for value in self.case.published.values],
             "remarks": list(self.verdict.remarks),
         }

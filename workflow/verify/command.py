@@ -20,7 +20,7 @@ def verify(
     names: Annotated[list[str] | None, typer.Argument(help="Cases whose names begin so; all without any.")] = None,
     folder: Annotated[Path | None, FOLDER_OPTION] = None,
     only: Annotated[
-        list[str] | None, typer.Option(help="bounds, associated or section; repeatable.", show_default=False)
+        list[str] | None, typer.Option(help="bounds, associated or davis; repeatable.", show_default=False)
     ] = None,
     judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON, and nothing else.")] = False,

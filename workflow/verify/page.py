@@ -14,7 +14,7 @@ PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 HEAD = """# Published slopes
 
 Slopes on which others have published numbers, with what this program finds: strict bounds by limit analysis (ψ = φ),
-and finite elements with ψ = φ and with the dilation of the strata, which is none unless a file says otherwise. Every
+and finite elements with ψ = φ and with Davis's substitute of ψ, which is zero unless a file says otherwise. Every
 case is a section as users write it, with a table `[published]`. Made by `make verify`; `noshiro verify acads` runs
 those whose names begin so.
 
@@ -58,7 +58,7 @@ def numbers(found: Answer) -> str:
 
 def elements(found: Answer) -> str:
     """What the elements find with ψ = φ and with the dilation of the strata."""
-    return " and ".join(f"{one:.3f}" if one is not None else "-" for one in (found.associated, found.section))
+    return " and ".join(f"{one:.3f}" if one is not None else "-" for one in (found.associated, found.davis))
 
 
 def published(case: Case) -> str:
@@ -85,12 +85,12 @@ def _summary(verdicts: Mapping[str, Verdict], answers: Mapping[str, Answer]) -> 
 
 def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
     rows = [
-        "| | case | published | bounds | elements, ψ = φ | elements | seconds | |",
+        "| | case | published | bounds | elements, ψ = φ | elements, Davis | seconds | |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for case in cases:
         found = answers.get(case.name, Answer(case.name))
-        elements = [f"{one:.3f}" if one is not None else "" for one in (found.associated, found.section)]
+        elements = [f"{one:.3f}" if one is not None else "" for one in (found.associated, found.davis)]
         wanted = "kc" if case.published.expected == "kc" else "FS"
         wanted += f", Kh = {case.published.kh:g}" if case.published.kh else ""
         cells = [
@@ -108,7 +108,7 @@ def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mappi
 
 def seconds(found: Answer) -> str:
     """Seconds of processor time of bounds and both elements."""
-    spent = (found.bounds_seconds, found.associated_seconds, found.section_seconds)
+    spent = (found.bounds_seconds, found.associated_seconds, found.davis_seconds)
     return " + ".join("-" if one is None else f"{one:.0f}" for one in spent)
 
 

@@ -13,15 +13,15 @@ from workflow.run.store import Store
 
 FILE = "answers.json"
 
-Part = Literal["bounds", "associated", "section"]
-PARTS: tuple[Part, ...] = ("bounds", "associated", "section")
+Part = Literal["bounds", "associated", "davis"]
+PARTS: tuple[Part, ...] = ("bounds", "associated", "davis")
 
 
 @dataclass(frozen=True)
 class Answer:
     """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
 
-    ``associated`` and ``section`` are of the finite elements with ψ = φ and with the dilation of the strata; with each
+    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's substitute of ψ < φ; with each
     what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where grains roll down a face before,
     at ``skin``, all of these are of the slope as a whole.
     """
@@ -31,12 +31,12 @@ class Answer:
     upper: float | None = None
     associated: float | None = None
     associated_upper: float | None = None
-    section: float | None = None
-    section_upper: float | None = None
+    davis: float | None = None
+    davis_upper: float | None = None
     skin: float | None = None
     bounds_seconds: float | None = None
     associated_seconds: float | None = None
-    section_seconds: float | None = None
+    davis_seconds: float | None = None
     failures: tuple[str, ...] = ()
 
 

@@ -64,7 +64,7 @@ def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
         return None
     low, high = min(ends), max(ends)
     if kind == "elements":
-        low = min([low, *(e for e in (found.section, found.associated) if e is not None)])
+        low = min([low, *(e for e in (found.davis, found.associated) if e is not None)])
     return (low if found.skin is None else min(low, found.skin)), high
 
 
@@ -108,8 +108,8 @@ def _contradictions(found: Answer) -> Iterator[str]:
     if elements is not None and upper is not None and elements > (1.0 + ABOVE) * upper:
         yield f"elements with ψ = φ find {elements:.4g}, {100 * (elements / upper - 1):.0f} % above the upper bound"
     top = upper if upper is not None else elements
-    if found.section is not None and top is not None and found.section > (1.0 + ABOVE + NO_STRONGER) * top:
-        yield f"elements find {found.section:.4g} with the dilation of the strata, more than with ψ = φ"
+    if found.davis is not None and top is not None and found.davis > (1.0 + ABOVE + NO_STRONGER) * top:
+        yield f"elements find {found.davis:.4g} with Davis's substitute, more than with ψ = φ"
 
 
 def _apart(case: Case, found: Answer) -> Iterator[str]:

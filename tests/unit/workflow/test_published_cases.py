@@ -13,7 +13,7 @@ from workflow.verify.case import Value, read_case, read_cases
 from workflow.verify.record import Answer
 from workflow.verify.verdict import judge, outside
 
-GOOD = Answer("acads_1a", lower=0.975, upper=0.995, associated=0.99, section=0.98)
+GOOD = Answer("acads_1a", lower=0.975, upper=0.995, associated=0.99, davis=0.98)
 
 
 def test_every_case_is_a_sound_section_with_a_source():
@@ -57,7 +57,7 @@ def test_a_case_within_all_tolerances_is_right():
     [
         ({"associated": 0.95}, "below the lower bound"),
         ({"associated": 1.06}, "above the upper bound"),
-        ({"section": 1.10}, "more than with ψ = φ"),
+        ({"davis": 1.10}, "more than with ψ = φ"),
         ({"lower": 1.10, "upper": 1.12, "associated": 1.13}, "published"),
         ({"failures": ("section: it did not end",)}, "no answer by section"),
     ],
@@ -79,7 +79,7 @@ def test_a_published_value_that_is_excluded_is_told():
 
 def test_what_is_far_off_for_a_reason_is_explained():
     """The dam's published values are of one face, the other one fails at tan 45° / tan 30.9° = 1.669."""
-    found = Answer("acads_2a", lower=1.65, upper=1.68, associated=1.68, section=1.67)
+    found = Answer("acads_2a", lower=1.65, upper=1.68, associated=1.68, davis=1.67)
     assert judge(cases()["acads_2a"], found).word == "explained"
 
 
