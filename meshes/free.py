@@ -92,13 +92,13 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     gmsh.model.mesh.generate(2)
 
 
-def build_triangles(section: Section, sizes: Sizes, algorithm: int) -> None:
-    """Mesh the section in the current gmsh model with triangles of about the ``sizes`` by one of gmsh's algorithms."""
+def build_triangles(section: Section, sizes: Sizes) -> None:
+    """Mesh the section in the current gmsh model with triangles of about the ``sizes``."""
     surfaces, curves, _ = _geometry(section, section.layering)
     _size_field(section, surfaces, curves, sizes)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-    gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: others end the process on some geometries
     gmsh.model.mesh.generate(2)
 
 

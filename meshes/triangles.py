@@ -15,8 +15,8 @@ from meshes.section.section import BOUNDARIES, Section
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
 
 
-# gmsh's 2-D algorithms, the one that takes nearly any geometry first: Delaunay, frontal, and one that adapts.
-ALGORITHMS = (5, 6, 1)
+# Sizes that are tried, in those asked for: where Delaunay's algorithm gives up, a little smaller cells get through.
+SCALES = (1.0, 0.83, 0.61, 0.4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,23 +89,23 @@ class TriMesh:
 def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None) -> TriMesh:
     """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name.
 
-    Raises BadMeshError, the first one's, if no algorithm of gmsh makes them.
+    Raises BadMeshError, the first one's, if gmsh makes none of about that size.
     """
     failure: BadMeshError | None = None
-    for algorithm in ALGORITHMS:
+    for scale in SCALES:
         try:
-            return _triangulated(section, Sizes(size, sizes or {}), algorithm)
+            return _triangulated(section, Sizes(size, sizes or {}).times(scale))
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None
     raise failure
 
 
-def _triangulated(section: Section, sizes: Sizes, algorithm: int) -> TriMesh:
-    """Triangles made by one algorithm of gmsh; raises BadMeshError if it gives up or leaves a hole or a flat cell."""
+def _triangulated(section: Section, sizes: Sizes) -> TriMesh:
+    """Triangles of these sizes; raises BadMeshError if gmsh gives up or leaves a hole or a flat cell."""
     with session(section.name):
         try:
-            build_triangles(section, sizes, algorithm)
+            build_triangles(section, sizes)
         except Exception as error:  # gmsh raises plain Exception with its last error message
             raise BadMeshError(f"gmsh gave up: {error}") from error
         mesh = _from_gmsh(section)

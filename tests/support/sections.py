@@ -92,7 +92,7 @@ class _Ground:
     def __init__(self, draw: st.DrawFn) -> None:
         self.draw = draw
         self.width = draw(st.integers(100, 3000)) / 10.0
-        share = draw(st.sets(st.integers(1, 99), max_size=6))
+        share = draw(st.sets(st.integers(1, 19).map(lambda part: 5 * part), max_size=6))  # no needles of ground
         self.x = [round(self.width * part / 100.0, 3) for part in (0, *sorted(share), 100)]
         self.last = len(self.x) - 1
         self.depth = np.zeros((len(self.x), 2))
