@@ -7,7 +7,10 @@ from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
     LINK_FIELDS,
+    ROLL,
     ROLL_FIELDS,
+    X0,
+    Z0,
     Layout,
     count_slots,
     find_fresh,
@@ -20,8 +23,8 @@ from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
 
 FAR = 1e15  # m: where lanes without a disc are
-# what a run changes: field of the layout and array of the model
-_STATE = {0: "x", 1: "z", 2: "vx_half", 3: "vz_half", 4: "vr_half", 5: "vx", 6: "vz", 7: "vr", 13: "roll"}
+# what a run changes, beside `roll`: arrays of the model in the order of the record of a disc
+_STATE = ("x", "z", "vx_half", "vz_half", "vr_half", "vx", "vz", "vr")
 
 _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
@@ -69,14 +72,11 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
         for field, name in _LINE_ROLLING.items():
             rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
     incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
-    discs = _discs(model, slices)
-    shared = large_zeros(slices * LANES, SHARED)
-    shared.reshape(slices, LANES, SHARED)[...] = discs[:, :SHARED].transpose(0, 2, 1)
     return Layout(
-        discs=discs.reshape(-1), shared=shared.reshape(-1), links=links.reshape(-1), rolling=rolling.reshape(-1),
-        partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
+        discs=_discs(model, slices), shared=_shared(model, slices), links=links.reshape(-1),
+        rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
-        line_disc=(line_disc // LANES).astype(np.int64) * (DISC_FIELDS * LANES) + line_disc % LANES,
+        line_disc=line_disc.astype(np.int64),
         line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
@@ -86,27 +86,34 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
 
 def _discs(model: DiscModel, slices: int) -> np.ndarray:
     n, order = len(model), model.order
+    free = ~model.fixed
+    pull_x, pull_z = model.pull
     discs = large_zeros(slices, DISC_FIELDS, LANES)
-
-    def put(field: int, values: np.ndarray) -> None:
+    fields = (
+        np.where(free, 1.0 / model.mass, 0.0), np.where(free, model.inertia_ratio / model.mass, 0.0),
+        pull_x, pull_z, model.x_list, model.z_list, model.roll,
+    )  # fmt: skip
+    for field, values in enumerate(fields):
         lanes = np.zeros(slices * LANES)
         lanes[:n] = values[order]
         discs[:, field] = lanes.reshape(slices, LANES)
-
-    for field, name in _STATE.items():
-        put(field, getattr(model, name))
-    free = ~model.fixed
-    put(8, np.where(free, 1.0 / model.mass, 0.0))
-    put(9, np.where(free, model.inertia_ratio / model.mass, 0.0))
-    pull_x, pull_z = model.pull
-    put(10, pull_x)
-    put(14, pull_z)
-    put(11, model.x_list)
-    put(12, model.z_list)
     empty = np.arange(n % LANES, LANES)
-    for field in (0, 1, 11, 12):
-        discs[-1, field, empty] = FAR * (1.0 + empty)
-    return discs
+    for row in (X0, Z0):
+        discs[-1, int(row) // LANES, empty] = _far(empty)
+    return discs.reshape(-1)
+
+
+def _shared(model: DiscModel, slices: int) -> np.ndarray:
+    n, order = len(model), model.order
+    shared = large_zeros(slices * LANES, SHARED)
+    for field, name in enumerate(_STATE):
+        shared[:n, field] = getattr(model, name)[order]
+    shared[n:, :2] = _far(np.arange(n, slices * LANES) % LANES)[:, np.newaxis]
+    return shared.reshape(-1)
+
+
+def _far(lanes: np.ndarray) -> np.ndarray:
+    return FAR * (1.0 + lanes)
 
 
 def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
@@ -115,7 +122,7 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     there = np.flatnonzero((model.swing_x[order] != 0.0) | (model.swing_z[order] != 0.0))
     fields = (*model.pull, model.swing_x, model.swing_z)
     return {
-        "swing_disc": there // LANES * (DISC_FIELDS * LANES) + there % LANES,
+        "swing_disc": there,
         "swing": np.column_stack([values[order][there] for values in fields]),
         "swing_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
     }
@@ -124,10 +131,10 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 def unpack(layout: Layout, model: DiscModel) -> None:
     """Writes what a run has changed back into the model."""
     n, order = len(model), model.order
-    discs = layout.discs.reshape(-1, DISC_FIELDS, LANES)
-
-    for field, name in _STATE.items():
-        getattr(model, name)[order] = discs[:, field].reshape(-1)[:n]
+    shared = layout.shared.reshape(-1, SHARED)
+    for field, name in enumerate(_STATE):
+        getattr(model, name)[order] = shared[:n, field]
+    model.roll[order] = layout.discs.reshape(-1, DISC_FIELDS, LANES)[:, int(ROLL) // LANES].reshape(-1)[:n]
     model.pair_i, model.pair_j, memory = list_links(layout, order, len(model.memory))
     for name, values in zip(model.memory, memory, strict=True):
         setattr(model, name, values)

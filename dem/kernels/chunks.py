@@ -34,7 +34,7 @@ def add(total: float, value: float) -> float:
 
 @njit(cache=True, forceinline=True, error_model="numpy")
 def contact(
-    b: int, d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
+    d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
     pores: bool, booked: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contact in lane q: writes forces and memory.
@@ -42,7 +42,7 @@ def contact(
     Returns whether it is too deep, and what its dashpots, sliding, cracks and rolling took since the last step (J).
     """
     links = state.links
-    m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, soil, pores, booked)
+    m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, pores, booked)
     deep = now.over > scratch[constant(ALLOWED) + q] * links[d + RADII + q]
     if pores:
         cracked = now.length != links[d + LENGTH + q]
@@ -62,18 +62,18 @@ def contact(
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def face_partners(chunk: int, b: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
+def face_partners(chunk: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
     """Fetches the partners of one chunk into the scratch rows, and turns to them."""
     wide_vectors()
     for begin in range(0, LANES, BLOCK):
         load_partners(chunk, begin, state, scratch)
         for lane in range(begin, begin + BLOCK):
-            face(b, np.uint64(chunk) * LINK, np.uint64(lane), state, scratch, law, soil)
+            face(np.uint64(chunk) * LINK, np.uint64(lane), state, scratch, law, soil)
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
 def all_lanes(
-    chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
+    chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     booked: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contacts of one chunk, and the sums of what they took."""
@@ -81,10 +81,10 @@ def all_lanes(
     too_deep = False
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     d, w = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK
-    face_partners(chunk, b, state, scratch, law, soil)
+    face_partners(chunk, state, scratch, law, soil)
     for lane in range(LANES):
         deep, damped, slid, cracked, rolled = contact(
-            b, d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, booked
+            d, np.uint64(lane), w, state, scratch, slip_time, law, soil, pores, booked
         )
         too_deep |= deep
         if booked:
@@ -96,25 +96,25 @@ def all_lanes(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def contacts(chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law) -> bool:
+def contacts(chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law) -> bool:
     """Forces and memory of one chunk of contacts; True if an overlap is larger than allowed."""
     if not law.soil:
-        return all_lanes(chunk, b, state, scratch, slip_time, law, False, True, False)[0]
+        return all_lanes(chunk, state, scratch, slip_time, law, False, True, False)[0]
     if law.pores:
-        return all_lanes(chunk, b, state, scratch, slip_time, law, True, True, False)[0]
-    return all_lanes(chunk, b, state, scratch, slip_time, law, True, False, False)[0]
+        return all_lanes(chunk, state, scratch, slip_time, law, True, True, False)[0]
+    return all_lanes(chunk, state, scratch, slip_time, law, True, False, False)[0]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contacts_with_losses(
-    chunk: int, b: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
+    chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
     """The same, with what dashpots, sliding, cracks and rolling took since the last step (J)."""
     if not law.soil:
-        return all_lanes(chunk, b, state, scratch, slip_time, law, False, True, True)
+        return all_lanes(chunk, state, scratch, slip_time, law, False, True, True)
     if law.pores:
-        return all_lanes(chunk, b, state, scratch, slip_time, law, True, True, True)
-    return all_lanes(chunk, b, state, scratch, slip_time, law, True, False, True)
+        return all_lanes(chunk, state, scratch, slip_time, law, True, True, True)
+    return all_lanes(chunk, state, scratch, slip_time, law, True, False, True)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

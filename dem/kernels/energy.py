@@ -25,9 +25,9 @@ from dem.kernels.layout import (
     VX,
     VZ,
     Layout,
-    disc_at,
+    entry,
 )
-from dem.kernels.scratch import ROW, load_all_constants, new_scratch
+from dem.kernels.scratch import ROW, load_all_constants, load_own, new_scratch
 from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
@@ -50,16 +50,16 @@ def book(now: Contact, out: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def contact_energy(
-    p: int, chunk: int, lane: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, out: np.ndarray
+    chunk: int, lane: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, out: np.ndarray
 ) -> tuple[float, float, float, float]:
     """Books the contact in this lane. Returns its force on the partner, and rim forces on partner and owner."""
-    b, d, w, q = np.uint64(p) * DISC, np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK, np.uint64(lane)
+    d, w, q = np.uint64(chunk) * LINK, np.uint64(chunk) * ROLL_LINK, np.uint64(lane)
     share = 0.0
     if law.soil:
         share = state.rolling[w + SHARE + q]
-        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, True, True, True)
+        m, now = between_discs(d, q, w, state, scratch, slip_time, law, True, True, True)
     else:
-        m, now = between_discs(b, d, q, w, state, scratch, slip_time, law, False, True, True)
+        m, now = between_discs(d, q, w, state, scratch, slip_time, law, False, True, True)
     book(now, out)
     rim = now.drag * m.lever - share * now.torque
     return now.push * m.nx + now.drag * m.nz, now.push * m.nz - now.drag * m.nx, rim, rim + now.torque
@@ -87,7 +87,9 @@ def kinetic(layout: Layout, force: np.ndarray, loads: Loads, dt: float, out: np.
         for lane in range(LANES):
             q = np.uint64(lane)
             fx, fz, fr = force[p * LANES + lane]
-            vx, vz, vr = discs[b + VX + q], discs[b + VZ + q], discs[b + VR + q]
+            i = p * LANES + lane
+            vx, vz = layout.shared[entry(i, VX)], layout.shared[entry(i, VZ)]
+            vr = layout.shared[entry(i, VR)]
             invmass, rim = discs[b + INVMASS + q], discs[b + RIM + q]
             if invmass > 0.0:
                 next_x = vx + dt * (fx * invmass + discs[b + PULL_X + q] + ax)
@@ -108,12 +110,13 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
     force = np.zeros((slices * LANES, 3))
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     for p in range(slices):
+        load_own(p, layout.shared, scratch)
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             first = np.uint64(chunk) * ROW
             load_all_constants(first, layout.kinds, springs.records, True, True, scratch)
-            face_partners(chunk, np.uint64(p) * DISC, state, scratch, law, law.soil)
+            face_partners(chunk, state, scratch, law, law.soil)
             for lane in range(LANES):
-                fx, fz, rim, own = contact_energy(p, chunk, lane, state, scratch, last_dt, law, out)
+                fx, fz, rim, own = contact_energy(chunk, lane, state, scratch, last_dt, law, out)
                 i, j = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
                 force[i, 0] -= fx
                 force[i, 1] -= fz
@@ -123,7 +126,7 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
                 force[j, 2] += rim
     for e in range(len(layout.line_disc)):
         fx, fz, rim = line_energy(e, layout, springs, last_dt, law, out)
-        i = disc_at(layout.line_disc[e])
+        i = layout.line_disc[e]
         force[i, 0] += fx
         force[i, 1] += fz
         force[i, 2] += rim

@@ -60,9 +60,10 @@ from dem.kernels.layout import (
     Layout,
     X,
     Z,
+    entry,
 )
 from dem.kernels.period import image
-from dem.kernels.scratch import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, constant
+from dem.kernels.scratch import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWN, constant
 
 # Entries of a line (rigid wall): a point on it, its inward unit normal, and how far it reaches along
 # (-nz, nx) from that point.
@@ -137,15 +138,15 @@ class Contact(NamedTuple):
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def face(b: int, d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
+def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
     """Where the partner in lane q lies: from its place in the scratch rows to direction, distance and lever there.
 
     One square root, one division. They take longer than all else in the law, which is why this is done apart, while
     the records of the next partners are fetched.
     """
     radii = state.links[d + RADII + q]
-    dx = scratch[X + q] - state.discs[b + X + q]
-    dz = scratch[Z + q] - state.discs[b + Z + q]
+    dx = scratch[X + q] - scratch[OWN + X + q]
+    dz = scratch[Z + q] - scratch[OWN + Z + q]
     if soil:
         dx, dz = image(dx, dz, law.period)
     square = dx * dx + dz * dz
@@ -158,30 +159,28 @@ def face(b: int, d: int, q: int, state: State, scratch: np.ndarray, law: Law, so
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def motion(b: int, q: int, discs: np.ndarray, scratch: np.ndarray, slip_time: float) -> Motion:
+def motion(q: int, scratch: np.ndarray, slip_time: float) -> Motion:
     """Of the contact in lane q of a slice, once `face` has been there."""
     nx, nz = scratch[NORMAL_X + q], scratch[NORMAL_Z + q]
     distance, lever = scratch[DISTANCE + q], scratch[LEVER + q]
-    ux = scratch[VXS + q] - discs[b + VXS + q]
-    uz = scratch[VZS + q] - discs[b + VZS + q]
-    hx = scratch[VX + q] - discs[b + VX + q]
-    hz = scratch[VZ + q] - discs[b + VZ + q]
+    ux = scratch[VXS + q] - scratch[OWN + VXS + q]
+    uz = scratch[VZS + q] - scratch[OWN + VZS + q]
+    hx = scratch[VX + q] - scratch[OWN + VX + q]
+    hz = scratch[VZ + q] - scratch[OWN + VZ + q]
     vn = ux * nx + uz * nz
-    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + discs[b + VRS + q])
-    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + discs[b + VR + q]))
+    vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + scratch[OWN + VRS + q])
+    slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + scratch[OWN + VR + q]))
     stretch = slip_time * (hx * nx + hz * nz)
     return Motion(distance, nx, nz, lever, vn, vt, slip, stretch)
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def rolling_motion(
-    b: int, q: int, discs: np.ndarray, scratch: np.ndarray, share: float, slip_time: float
-) -> tuple[float, float]:
+def rolling_motion(q: int, scratch: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
     """R times the turn of j less that of i since the last step (m), and its speed at the end of the step (m/s).
 
     share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
     """
-    rim, rim_end = discs[b + VR + q], discs[b + VRS + q]
+    rim, rim_end = scratch[OWN + VR + q], scratch[OWN + VRS + q]
     roll = slip_time * (share * (rim + scratch[VR + q]) - rim)
     return roll, share * (rim_end + scratch[VRS + q]) - rim_end
 
@@ -213,7 +212,6 @@ def crack_loss(kpn: float, length: float, new: float, distance: float, stretch: 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
 def between_discs(
-    b: int,
     d: int,
     q: int,
     w: int,
@@ -225,14 +223,14 @@ def between_discs(
     pores: bool,
     booked: bool,
 ) -> tuple[Motion, Contact]:
-    """The contact in lane q of the slice at b and the chunk at d (rolling memory at w); changes nothing.
+    """The contact in lane q of the chunk at d (rolling memory at w); changes nothing.
 
     soil, pores, booked: whether the law of soil discs holds, there are pore springs, and losses are wanted; written out
     where this is called, so that the compiler can leave out what is not.
     """
-    discs, links = state.discs, state.links
+    links = state.links
     radii = links[d + RADII + q]
-    m = motion(b, q, discs, scratch, slip_time)
+    m = motion(q, scratch, slip_time)
     over = radii - m.distance
     kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
     ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]
@@ -269,7 +267,7 @@ def between_discs(
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if soil:
         before, whole = state.rolling[w + ROLLED + q], state.rolling[w + TORQUE + q]
-        roll, rate = rolling_motion(b, q, discs, scratch, state.rolling[w + SHARE + q], slip_time)
+        roll, rate = rolling_motion(q, scratch, state.rolling[w + SHARE + q], slip_time)
         most = friction_limit(normal, scratch[constant(MU_ROLLING) + q])
         torque, tried, rolled = held(before, roll, rate, ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
@@ -306,20 +304,19 @@ def between_discs(
 @njit(cache=True, nogil=True, error_model="numpy")
 def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
     """Overlap of a disc with a rigid line, and how it moves there; the lever is the disc's radius."""
-    disc = np.uint64(layout.line_disc[e])
-    discs = layout.discs
+    disc, shared = layout.line_disc[e], layout.shared
     line = walls[layout.line_id[e]]
     nx, nz = line[LINE_NX], line[LINE_NZ]
-    px, pz = discs[disc + X] - line[LINE_X], discs[disc + Z] - line[LINE_Z]
+    px, pz = shared[entry(disc, X)] - line[LINE_X], shared[entry(disc, Z)] - line[LINE_Z]
     distance = px * nx + pz * nz
     over = layout.line_radius[e] - distance
     along = pz * nx - px * nz
     if along < line[LINE_FROM] or along > line[LINE_TO]:
         over = -1.0
-    vn = discs[disc + VXS] * nx + discs[disc + VZS] * nz
-    vt = discs[disc + VZS] * nx - discs[disc + VXS] * nz - discs[disc + VRS]
-    slip = slip_time * (discs[disc + VZ] * nx - discs[disc + VX] * nz - discs[disc + VR])
-    stretch = slip_time * (discs[disc + VX] * nx + discs[disc + VZ] * nz)
+    vn = shared[entry(disc, VXS)] * nx + shared[entry(disc, VZS)] * nz
+    vt = shared[entry(disc, VZS)] * nx - shared[entry(disc, VXS)] * nz - shared[entry(disc, VRS)]
+    slip = slip_time * (shared[entry(disc, VZ)] * nx - shared[entry(disc, VX)] * nz - shared[entry(disc, VR)])
+    stretch = slip_time * (shared[entry(disc, VX)] * nx + shared[entry(disc, VZ)] * nz)
     return over, Motion(distance, nx, nz, 1.0, vn, vt, slip, stretch)
 
 
@@ -338,11 +335,11 @@ def at_line(
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if law.soil:
         limit = strength(over, normal, column[MU], column[COHESION], column[MU_OTHER], column[COHESION_OTHER])
-        disc = np.uint64(layout.line_disc[e])
+        disc = layout.line_disc[e]
         before, whole = layout.rolling[w + ROLLED], layout.rolling[w + TORQUE]
-        roll = -slip_time * layout.discs[disc + VR]
+        roll = -slip_time * layout.shared[entry(disc, VR)]
         most = friction_limit(normal, column[MU_ROLLING])
-        torque, tried, rolled = held(before, roll, -layout.discs[disc + VRS], ks, ct, most)
+        torque, tried, rolled = held(before, roll, -layout.shared[entry(disc, VRS)], ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
         rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
     shear = links[at + SHEAR]

@@ -14,17 +14,19 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dem.kernels.records import EIGHT
+from dem.kernels.records import EIGHT, SHARED
 
 LANES = 64
 
-# Fields of a disc, as offsets from the base of its slice. Rim speeds are radius times spin; *S are the velocities
-# extrapolated to the end of the step, the others stand half a step behind.
-# PULL is the acceleration by weight and water, and by what else shakes with the ground.
-DISC_FIELDS = 15
-X, Z, VX, VZ, VR, VXS, VZS, VRS, INVMASS, RIM, PULL_X, X0, Z0, ROLL, PULL_Z = (
-    np.uint64(k * LANES) for k in range(DISC_FIELDS)
-)
+# What partners read of a disc, eight doubles in a record of its own, a cache line; these are the offsets of the rows in
+# which they stand in the scratch. Rim speeds are radius times spin; *S are the velocities extrapolated to the end of
+# the step, the others stand half a step behind.
+X, Z, VX, VZ, VR, VXS, VZS, VRS = (np.uint64(k * LANES) for k in range(SHARED))
+
+# The other fields of a disc, as offsets from the base of its slice. PULL is the acceleration by weight and water, and
+# by what else shakes with the ground.
+DISC_FIELDS = 7
+INVMASS, RIM, PULL_X, PULL_Z, X0, Z0, ROLL = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
 DISC = np.uint64(DISC_FIELDS * LANES)
 
 # Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
@@ -46,13 +48,13 @@ class Layout(NamedTuple):
     Attributes
     ----------
     discs : (slices * DISC,)
-        Fields of the discs, in spatial order.
+        Fields of the discs that concern nobody else, in spatial order.
     links : ((chunks + 1 + line chunks) * LINK,)
         Fields of the contacts: chunks, one whose forces stay zero, then contacts with rigid lines.
     rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
         Memory of rolling of the same contacts; empty for the paper's discs.
     shared : (slices * 64 * SHARED,)
-        The first eight fields of the discs once more, disc by disc: what partners read.
+        The fields of the discs that partners read, disc by disc.
     partner : (chunks * 64,)
         Number of the partner in spatial order.
     kinds : (chunks * 64,)
@@ -70,13 +72,13 @@ class Layout(NamedTuple):
     first, last : (slices,)
         Lowest and highest slice that owns a contact of the slice's discs.
     line_disc, line_id, line_kind : (contacts with lines,)
-        Where the disc's x lies in `discs`, number of the line, column of the table of lines.
+        Number of the disc in spatial order, number of the line, column of the table of lines.
     line_radius : (contacts with lines,)
         The disc's radius (m).
     line_start : (slices + 1,)
         First contact with a line of each slice.
     swing_disc : (discs that carry what shakes,)
-        Where their x lies in `discs`.
+        Their numbers in spatial order.
     swing : (discs that carry what shakes, 4)
         Their PULL_X and PULL_Z without it, and what it adds over the acceleration of the frame across gravity.
     swing_start : (slices + 1,)
@@ -106,17 +108,16 @@ class Layout(NamedTuple):
     swing_start: np.ndarray
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def offset(disc: int) -> int:
-    """Place of the x of sorted disc number `disc` in the array of discs."""
-    return (disc // LANES) * (DISC_FIELDS * LANES) + disc % LANES
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def entry(disc: int, field: int) -> np.uint64:
+    """Where in `shared` a field of this disc lies."""
+    return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def disc_at(place: int) -> int:
-    """Number of the sorted disc whose x lies at `place`."""
-    at = int(place)
-    return (at // (DISC_FIELDS * LANES)) * LANES + at % LANES
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def place(disc: int, field: int) -> np.uint64:
+    """Where in `discs` a field of this disc lies."""
+    return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -51,6 +51,17 @@ def _all(builder: Any, value: Any) -> Any:
     return builder.shuffle_vector(one, one, _order(*[0] * EIGHT))
 
 
+def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any, to: Any) -> None:
+    """The first `fields` of the eight records that begin at these places of `source` into rows of `target`."""
+    word = ir.IntType(64)
+    for field in range(0, fields, 2):
+        parts = [builder.load(_at(builder, source, builder.add(start, word(field)), _pair), align=8) for start in begin]
+        even, odd = _join(builder, parts[0::2]), _join(builder, parts[1::2])
+        for row, order in enumerate((_LOW, _HIGH)):
+            place = builder.add(to, word((field + row) * _ROW))
+            builder.store(builder.shuffle_vector(even, odd, order), _at(builder, target, place, _eight), 8)
+
+
 @intrinsic(prefer_literal=True)
 def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
     """The first `fields` of eight records into rows[to : to + 8], rows[to + 64 : to + 72] and so on.
@@ -68,17 +79,25 @@ def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, fir
         for lane in range(EIGHT):
             place = builder.load(builder.gep(index, [builder.add(arguments[4], word(lane))]))
             begin.append(builder.mul(builder.zext(place, word), word(apart.literal_value)))
-        for field in range(0, fields.literal_value, 2):
-            parts = [
-                builder.load(_at(builder, source, builder.add(start, word(field)), _pair), align=8) for start in begin
-            ]
-            even, odd = _join(builder, parts[0::2]), _join(builder, parts[1::2])
-            for row, order in enumerate((_LOW, _HIGH)):
-                place = builder.add(arguments[6], word((field + row) * _ROW))
-                builder.store(builder.shuffle_vector(even, odd, order), _at(builder, target, place, _eight), 8)
+        _turn(builder, source, begin, fields.literal_value, target, arguments[6])
         return context.get_dummy_value()
 
     return types.none(records, apart, fields, places, types.uintp, rows, types.uintp), generate
+
+
+@intrinsic
+def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
+    """The way back from `spread`: eight records of discs, one after the other from records[at] on, into eight rows."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        source = _data(context, builder, signature.args[0], arguments[0])
+        target = _data(context, builder, signature.args[2], arguments[2])
+        word = ir.IntType(64)
+        begin = [builder.add(arguments[1], word(lane * SHARED)) for lane in range(EIGHT)]
+        _turn(builder, source, begin, SHARED, target, arguments[3])
+        return context.get_dummy_value()
+
+    return types.none(records, types.uintp, rows, types.uintp), generate
 
 
 @intrinsic
@@ -152,6 +171,12 @@ if config.DISABLE_JIT:
         for lane in range(EIGHT):
             for field in range(fields):
                 rows[int(to) + field * _ROW + lane] = records[int(places[int(first) + lane]) * apart + field]
+
+    def unfold(records: Any, at: Any, rows: Any, to: Any) -> None:
+        """The same, double by double."""
+        for lane in range(EIGHT):
+            for field in range(SHARED):
+                rows[int(to) + field * _ROW + lane] = records[int(at) + lane * SHARED + field]
 
     def spread(rows: Any, at: Any, records: Any, to: Any) -> None:
         """The same, double by double."""

@@ -11,14 +11,15 @@ from dem.kernels.arguments import State
 from dem.kernels.contact import KN
 from dem.kernels.layout import LANES, LINK_FIELDS
 from dem.kernels.prefetch import LINE, fetch
-from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather
+from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
 
 # The partners' first eight fields, whose place soon gives way to the direction there, and two of `interaction.face`;
 # the constants; three sums of forces.
 NORMAL_X, NORMAL_Z, DISTANCE, LEVER = (np.uint64(row * LANES) for row in (0, 1, 8, 9))
 CONSTANT = np.uint64(10 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
-SCRATCH = (10 + CONSTANT_RECORD + 3) * LANES
+OWN = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
+SCRATCH = (13 + CONSTANT_RECORD + SHARED) * LANES
 FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
@@ -61,6 +62,14 @@ def load_all_constants(
     """The same for a whole chunk."""
     for lane in range(0, LANES, EIGHT):
         load_constants(first + np.uint64(lane), kinds, records, soil, pores, scratch)
+
+
+@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+def load_own(p: int, shared: np.ndarray, scratch: np.ndarray) -> None:
+    """The shared fields of the 64 discs of slice p, in rows."""
+    for lane in range(0, LANES, EIGHT):
+        q = np.uint64(lane)
+        unfold(shared, (np.uint64(p) * ROW + q) * LINE, scratch, OWN + q)
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")

@@ -47,7 +47,7 @@ from dem.kernels.layout import (
 )
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.records import EIGHT, add_gathered, spread
-from dem.kernels.scratch import ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, new_scratch
+from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own, new_scratch
 from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
@@ -58,7 +58,7 @@ DONE, MOVED, OVERLAP = 0, 1, 2
 WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING = range(7)
 LEDGER = 7
 
-OWN_LINES = (DISC_FIELDS - 8) * LANES // 8  # cache lines of a slice that its neighbours do not read
+OWN_LINES = DISC_FIELDS * LANES // 8  # cache lines of a slice that its neighbours do not read
 
 
 @njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
@@ -108,26 +108,26 @@ def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, ste
         accel_x = scratch[SUM_X + q] * invmass + free * (discs[b + PULL_X + q] + step.ax)
         accel_z = scratch[SUM_Z + q] * invmass + free * (discs[b + PULL_Z + q] + step.az)
         accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
-        vx = discs[b + VX + q] + step.kick * accel_x
-        vz = discs[b + VZ + q] + step.kick * accel_z
-        vr = discs[b + VR + q] + step.kick * accel_r
-        x = discs[b + X + q] + step.dt * vx
-        z = discs[b + Z + q] + step.dt * vz
-        discs[b + VX + q] = vx
-        discs[b + VZ + q] = vz
-        discs[b + VR + q] = vr
-        discs[b + VXS + q] = vx + half * accel_x
-        discs[b + VZS + q] = vz + half * accel_z
-        discs[b + VRS + q] = vr + half * accel_r
-        discs[b + X + q] = x
-        discs[b + Z + q] = z
+        vx = scratch[OWN + VX + q] + step.kick * accel_x
+        vz = scratch[OWN + VZ + q] + step.kick * accel_z
+        vr = scratch[OWN + VR + q] + step.kick * accel_r
+        x = scratch[OWN + X + q] + step.dt * vx
+        z = scratch[OWN + Z + q] + step.dt * vz
+        scratch[OWN + VX + q] = vx
+        scratch[OWN + VZ + q] = vz
+        scratch[OWN + VR + q] = vr
+        scratch[OWN + VXS + q] = vx + half * accel_x
+        scratch[OWN + VZS + q] = vz + half * accel_z
+        scratch[OWN + VRS + q] = vr + half * accel_r
+        scratch[OWN + X + q] = x
+        scratch[OWN + Z + q] = z
         discs[b + ROLL + q] += step.dt * vr
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
         moved |= not (dx * dx + dz * dz <= step.reach)
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
-        spread(discs, b + q, shared, (np.uint64(p) * ROW + q) * LINE)
+        spread(scratch, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
     return moved
 
 
@@ -143,11 +143,11 @@ def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[fl
         q = np.uint64(lane)
         invmass = discs[b + INVMASS + q]
         mass = 1.0 / invmass if invmass > 0.0 else 0.0
-        vx = discs[b + VX + q]
-        vz = discs[b + VZ + q]
+        vx = scratch[OWN + VX + q]
+        vz = scratch[OWN + VZ + q]
         by_weight = add(by_weight, mass * (discs[b + PULL_X + q] * vx + discs[b + PULL_Z + q] * vz))
         by_external = add(by_external, mass * (step.mean_x * vx + step.mean_z * vz))
-        driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * discs[b + VR + q]
+        driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * scratch[OWN + VR + q]
         by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     return by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
@@ -168,11 +168,11 @@ def contacts_of_slice(
     unknown: a chunk that finds in the scratch rows something else than the constants of the chunk before.
     """
     too_deep = False
-    b = np.uint64(p) * DISC
+    load_own(p, layout.shared, scratch)
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     pores = law.pores or not law.soil
     for line in range(OWN_LINES):
-        fetch(layout.discs, b + INVMASS + np.uint64(line) * LINE)
+        fetch(layout.discs, np.uint64(p) * DISC + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         if chunk == unknown:
             load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, scratch)
@@ -180,13 +180,13 @@ def contacts_of_slice(
             for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
                 load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, scratch)
         if entries.kept:
-            deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, b, state, scratch, slip_time, law)
+            deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, state, scratch, slip_time, law)
             entries.sums[p, DASHPOT] += damping
             entries.sums[p, SLIDING] += slid
             entries.sums[p, CRACKS] += cracked
             entries.sums[p, ROLLING] += rolled
         else:
-            deep = contacts(chunk, b, state, scratch, slip_time, law)
+            deep = contacts(chunk, state, scratch, slip_time, law)
         too_deep |= deep
     for e in range(layout.line_start[p], layout.line_start[p + 1]):
         deep, damping, slid, rolled = line_contact(e, layout, springs, slip_time, law)
@@ -199,10 +199,15 @@ def contacts_of_slice(
 
 
 @njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
-def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries) -> bool:
-    """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list."""
+def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries, at_hand: bool) -> bool:
+    """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
+
+    at_hand: whether the scratch rows still hold the slice's own discs.
+    """
     sum_forces(p, layout, scratch)
     swing_slice(p, layout, step.level)
+    if not at_hand:
+        load_own(p, layout.shared, scratch)
     moved = move(p, layout.discs, layout.shared, scratch, step)
     if entries.kept:
         by_weight, by_external, by_boundary = work(p, layout.discs, scratch, step)
@@ -309,18 +314,20 @@ def take_steps(
         ready = begin
         for p in range(begin, end):
             too_deep |= contacts_of_slice(p, layout, springs, scratch, unknown, last_dt, law, entries)
+            at_hand = p
             if threads > 1:
                 report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
-                    moved |= move_slice(ready, layout, scratch, step, entries)
+                    moved |= move_slice(ready, layout, scratch, step, entries, ready == at_hand)
+                    at_hand = ready
                 ready += 1
         for k in range(len(shared)):
             for t in range(threads):
                 if need[k, t] > 0:
                     size = begin_of(t + 1, threads, slices) - begin_of(t, threads, slices)
                     wait_for(barrier, t, taken * size + need[k, t])
-            moved |= move_slice(shared[k], layout, scratch, step, entries)
+            moved |= move_slice(shared[k], layout, scratch, step, entries, False)
         team.stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
             wait(barrier, threads)
