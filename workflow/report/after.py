@@ -26,7 +26,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
         word = "still stands" if one.stands == "stands" else "flows without any shaking"
         yield f"{which}, strength left {kept}: after liquefaction it {word}; {one.reason}."
         if one.factor is not None or one.factor_lower is not None:
-            yield f"    Factor of safety at Kh = 0: {factors(one)}."
+            yield f"    Factor of safety at Kh = 0, between held sides: {factors(one)}."
         if one.kc is not None:
             proven = f" (strict bounds {bracket(one.kc_lower, one.kc_upper, 3)})" if one.kc_lower is not None else ""
             yield f"    It still bears Kh = {one.kc:.3f}{proven}."
@@ -35,12 +35,12 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def factors(case: LiquefiedCase) -> str:
-    """The factor of safety with its bounds, each with its sides."""
+    """The factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
     told = []
     if case.factor_lower is not None or case.factor_upper is not None:
-        told.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} with the K0 stress on the sides (strict)")
+        told.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds")
     if case.factor is not None:
-        told.append(f"{case.factor:.2f} between sides that are held (elements)")
+        told.append(f"{case.factor:.2f} by elements")
     return ", ".join(told)
 
 

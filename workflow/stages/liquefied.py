@@ -102,7 +102,8 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
         notes.append("the layers keep no strength, so that no factor of safety can be given; see slide.cases, residual")
     else:
         safety = _tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
-        strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0))
+        guess = safety.factor if safety is not None else 1.0
+        strict = _tried("strict bounds", notes, lambda: safety_bounds(section, fem, asked, 0.0, guess, held=True))
     factor = safety.factor if safety is not None and safety.verdict != "undecided" else None
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
