@@ -7,7 +7,6 @@ import pyvista as pv
 from matplotlib.lines import Line2D
 
 from fem.fields import State
-from fem.slip_surface import slip_surface
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import foot
@@ -33,7 +32,7 @@ def draw_all(given: Input, results: FemResults, store: Store) -> None:
             drawn[same] = _views(results.mesh, state)
         names.append(picture_of(given, state))
         with store.writing(names[-1]) as path:
-            _state_sheet(given, results.answer.element, state, drawn[same]).save(path)
+            _state_sheet(given, results, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
         _curve_sheet(given, results.answer).save(path)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
@@ -43,7 +42,7 @@ def draw_state(given: Input, results: FemResults, state: State, store: Store) ->
     """Draw one state again; returns the name of its picture."""
     name = picture_of(given, state)
     with store.writing(name) as path:
-        _state_sheet(given, results.answer.element, state, _views(results.mesh, state)).save(path)
+        _state_sheet(given, results, state, _views(results.mesh, state)).save(path)
     return name
 
 
@@ -71,11 +70,10 @@ def _dilations(given: Input) -> str:
 
 
 class Views(NamedTuple):
-    """The rendered views of a state, its slip surface, and how much longer than true the arrows are."""
+    """The rendered views of a state, and how much longer than true the arrows are."""
 
     arrows: np.ndarray
     safety: np.ndarray
-    slip: np.ndarray
     stretch: float
     largest: float
     window: Window
@@ -104,11 +102,11 @@ def _views(mesh: QuadMesh, state: State) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    return Views(render(window, arrows), render(window, safety), slip_surface(mesh, state), stretch, largest, window)
+    return Views(render(window, arrows), render(window, safety), stretch, largest, window)
 
 
-def _state_sheet(given: Input, element: str, state: State, views: Views) -> Sheet:
-    window = views.window
+def _state_sheet(given: Input, results: FemResults, state: State, views: Views) -> Sheet:
+    window, slip = views.window, results.slip_surface(state)
     title = f"{given.title or given.name}: FEM, {state.label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(given), legend_rows=3)
     shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
@@ -119,11 +117,13 @@ def _state_sheet(given: Input, element: str, state: State, views: Views) -> Shee
         window,
         "mobilised share of strength τ / (c + N tan φ) on the worst plane (the paper: local safety factor)",
     )
-    if len(views.slip):
-        axes.plot(*views.slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
+    if len(slip):
+        axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     label = "mobilised / available shear strength (-); 1: failure"
     sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
-    note = f"{conditions(given, element)}. Dotted: slip surface, where the section fails."
+    note = f"{conditions(given, results.answer.element)}."
+    if len(slip):
+        note += " Dotted: slip surface."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
     sheet.note(note)

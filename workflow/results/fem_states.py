@@ -42,6 +42,11 @@ class FemResults:
                 states.append(_state(grid, told.label, told.kh))
         return cls(fem_mesh(given, store, answer.mesh.method), answer, states)
 
+    def slip_surface(self, state: State) -> np.ndarray:
+        """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
+        told = next(told for told, one in zip(self.answer.states, self.states, strict=True) if one is state)
+        return np.array(told.slip_surface).reshape(-1, 2)
+
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:
     cells = grid.cell_data

@@ -190,15 +190,15 @@ def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> 
 def _kept(mesh: "QuadMesh", state: "State", result: "CriticalResult") -> KeptState:
     from fem.slip_surface import slip_surface
 
-    # states at failure are those of the mechanism, which the limit load shows most clearly
-    surface = result.mechanism if state.past_equilibrium or state.kh >= result.lower else state
+    # the ground slips only where it fails, which the limit load shows most clearly; below that it bends
+    fails = state.past_equilibrium or state.kh >= result.lower
     return KeptState(
         label=state.label,
         kh=state.kh,
         past_equilibrium=state.past_equilibrium,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
         failed_share_by_stratum=failed_shares(mesh, state),
-        slip_surface=line(slip_surface(mesh, surface)),
+        slip_surface=line(slip_surface(mesh, result.mechanism)) if fails else (),
     )
 
 
