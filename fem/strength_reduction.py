@@ -47,6 +47,8 @@ DISPLACEMENT_UNIT = 0.1
 LARGEST_FACTOR = 20.0
 # Trials of the factor at most, what it changes by from one to the next at most, and the change at which it is found.
 TRIALS, LARGEST_STEP, CLOSE = 25, 1.6, 5e-4
+# A limit load this far below the Kh given says that the weight fails, and no secant goes through it.
+FAR = 1.0
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,7 @@ def _divisor(borne: Callable[[float], DirectLimit], kh: float, guess: float) -> 
     for _ in range(TRIALS):
         found = borne(math.exp(at))
         over = found.multiplier - kh
+        over = over if over > -FAR else -math.inf
         low, high = (max(low, at), high) if over >= 0.0 else (low, min(high, at))
         if math.isfinite(over) and before is not None and before[1] != over:
             slope = (over - before[1]) / (at - before[0])
