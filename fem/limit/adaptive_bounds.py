@@ -288,8 +288,9 @@ def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Me
         return found, check_velocity(problem, found.velocity)
 
     steep = problem.friction > STEEP
-    found, check, notes = _first_that_holds("upper bound", attempt, 1 if steep.any() else ATTEMPTS)
-    if check is None and steep.any() and found.solution.none != "no stress":
+    some = bool(steep.any() and not steep.all())
+    found, check, notes = _first_that_holds("upper bound", attempt, 1 if some else ATTEMPTS)
+    if check is None and some and found.solution.none != "no stress":
         found, check, more_notes = _first_that_holds("upper bound, steep ground held", attempt_held)
         notes += more_notes
     return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None

@@ -44,7 +44,7 @@ def test_what_was_found_before_is_judged_without_computing(folder: Path, capsys:
 
 
 def test_unknown_parts_and_spoiled_answers_are_told(folder: Path):
-    with pytest.raises(InputError, match="expected one of bounds, associated, section"):
+    with pytest.raises(InputError, match="expected one of bounds, associated, davis"):
         verify(folder=folder, only=["everything"])
     (folder / "answers.json").write_text("[1]", encoding="utf-8")
     with pytest.raises(InputError, match="delete the file"):
