@@ -145,6 +145,11 @@ class Outline:
     dead: np.ndarray
     live: np.ndarray
 
+    @property
+    def loaded(self) -> np.ndarray:
+        """Ends of edges (k, 2), as a mask, on which there is a traction, or may be one since they are held."""
+        return (self.held[:, None, :] | (self.dead != 0.0) | (self.live != 0.0)).any(axis=2)
+
 
 @dataclass(frozen=True, eq=False)
 class LimitProblem:
@@ -275,7 +280,7 @@ def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProble
 def bare_corners(problem: LimitProblem) -> np.ndarray:
     """Corners (m, 3), as a mask, on an edge of the outline of their cell on which there is no traction at all."""
     outline = problem.outline
-    loaded = (outline.held[:, None, :] | (outline.dead != 0.0) | (outline.live != 0.0)).any(axis=2)  # (k, 2 ends)
+    loaded = outline.loaded
     found = np.zeros(problem.mesh.cells.shape, dtype=bool)
     for end in (0, 1):
         cells = outline.cells[~loaded[:, end]]

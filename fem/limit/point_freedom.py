@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.limit.limit_problem import LimitProblem
+from meshes.quality import corner_angles
 
 # Singular value of equations of unit length, all at one point, up to which they depend on each other.
 DEPENDENT = 1e-12
@@ -79,12 +80,8 @@ def _crests(problem: LimitProblem) -> np.ndarray:
     Compression that both faces leave alone would push the point out.
     """
     outline, mesh = problem.outline, problem.mesh
-    loaded = (outline.held[:, None, :] | (outline.dead != 0.0) | (outline.live != 0.0)).any(axis=2)
-    bare = np.bincount(outline.ends[~loaded], minlength=len(mesh.points)) == 2
-    sides = mesh.points[mesh.cells]
-    ahead, back = np.roll(sides, -1, axis=1) - sides, np.roll(sides, 1, axis=1) - sides
-    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
-    angles = np.arctan2(np.abs(cross), np.sum(ahead * back, axis=-1))
+    bare = np.bincount(outline.ends[~outline.loaded], minlength=len(mesh.points)) == 2
+    angles = np.radians(corner_angles(mesh.points, mesh.cells))
     inside = np.bincount(mesh.cells.ravel(), weights=angles.ravel(), minlength=len(mesh.points))
     crest = bare & (inside < np.pi - CREST)
     return crest[mesh.cells] & (problem.tension == 0.0)[:, None]

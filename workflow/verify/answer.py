@@ -2,18 +2,18 @@
 
 import math
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Literal
 
 from fem.adaptive import adapted_answer, adapted_safety
-from fem.critical import critical_coefficient
+from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from fem.strength import is_associated
-from fem.strength_reduction import safety_factor
+from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
@@ -67,35 +67,25 @@ def _elements(case: Case, part: Part) -> dict[str, Any]:
     most = min(case.fem.max_cells, MOST_CELLS)
     wish = case.fem.model_copy(update={"flow": flow, "kh": (), "max_cells": most})
     mesh = generate(case.section, case.mesh)
-    run = _kc if case.published.expected == "kc" else _fs
-    factor, upper = run(case, mesh, wish, MPI.COMM_SELF)
-    return {part: factor, f"{part}_upper": upper}
+    found = _adapted(case, mesh, wish, MPI.COMM_SELF)
+    if found is not None:
+        return {part: found, f"{part}_upper": found}
+    if case.published.expected == "kc":
+        path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, wish, MPI.COMM_SELF)
+    else:
+        path = safety_factor(case.section, mesh, wish, case.published.kh, MPI.COMM_SELF)
+    return {part: path.value, f"{part}_upper": path.upper}
 
 
-Run = Callable[[Case, QuadMesh, FemSettings, Any], tuple[float, float]]
-
-
-def _kc(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
-    """On meshes made for the mechanism where the flow is associated, as `noshiro fem` does it."""
-    if is_associated(case.section.strata, wish.flow):
-        try:
-            kc = adapted_answer(case.section, case.mesh, mesh, wish, comm, lambda words: None).result.kc
-        except NoAnswerError:  # the solver left none: a path has to do
-            pass
-        else:
-            return kc, kc
-    found = critical_coefficient(case.section, mesh, wish, comm)
-    return found.kc, found.upper
-
-
-def _fs(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> tuple[float, float]:
-    """On meshes made for the mechanism where the flow is associated, as `noshiro fem` does it."""
-    if is_associated(case.section.strata, wish.flow):
-        try:
-            told = adapted_safety(case.section, case.mesh, mesh, wish, case.published.kh, comm, lambda words: None)
-        except NoAnswerError:  # the solver left none: a path has to do
-            pass
-        else:
-            return told.result.factor, told.result.factor
-    found = safety_factor(case.section, mesh, wish, case.published.kh, comm)
-    return found.factor, found.upper
+def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> float | None:
+    """On meshes made for the mechanism, as `noshiro fem` does it; None where a path has to do, since the flow is not
+    associated or the solver left nothing."""
+    if not is_associated(case.section.strata, wish.flow):
+        return None
+    try:
+        if case.published.expected == "kc":
+            return adapted_answer(case.section, case.mesh, mesh, wish, comm, lambda words: None).result.kc
+        kh = case.published.kh
+        return adapted_safety(case.section, case.mesh, mesh, wish, kh, comm, lambda words: None).result.factor
+    except NoAnswerError:
+        return None
