@@ -67,6 +67,9 @@ class ConeProgram:
     bare : ndarray (k,) of bool
         Corners on a bare surface, where one principal stress is zero by balance: there the cut-off is one of the other,
         which is all of the trace.
+    softening : ndarray (k,) or None
+        s > 0 where λ is asked of the strength and of no load: the right-hand side of the yield condition less λ s. Then
+        b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
     """
 
     strain: sparse.csr_matrix
@@ -80,6 +83,7 @@ class ConeProgram:
     strain_share: float = 0.0
     tension: np.ndarray | float = np.inf
     bare: np.ndarray | bool = False
+    softening: np.ndarray | None = None
 
     @property
     def torn(self) -> np.ndarray:
@@ -103,6 +107,9 @@ class Solution:
         The stress σ at the corners, [xx, yy, xy].
     ended : str
         Empty where the solver met its tolerances, otherwise its status.
+    shear : ndarray (k,)
+        The shear rate |(εxx - εyy, εxy)| at the corners that their yield condition, without the cut-off, is to blame
+        for, times their weight.
     none : str
         Not empty where it proved that there is no solution: "no stress" is in equilibrium with the loads, whatever the
         multiplier, or in "no mechanism" does the live load do work.
@@ -115,6 +122,7 @@ class Solution:
     multiplier: float
     rates: np.ndarray
     stress: np.ndarray
+    shear: np.ndarray
     ended: str
     none: str
     iterations: int
@@ -128,7 +136,7 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
-    cost, matrix, offset, cones = _assembled(program, clay)
+    cost, matrix, offset, cones, work = _assembled(program, clay)
     for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
         solver = clarabel.DefaultSolver(
             sparse.csc_matrix((len(cost), len(cost))),
@@ -145,12 +153,13 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
             break
     z = np.asarray(found.z)
     first = 1 + len(clay)
-    stress = _stress(program, z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
+    stress = _stress(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
     none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
     return Solution(
         multiplier=-float(z[0]),
         rates=np.asarray(found.x)[:n],
         stress=stress,
+        shear=work @ np.asarray(found.x),
         ended="" if status in MET else status,
         none=none,
         iterations=found.iterations,
@@ -175,9 +184,11 @@ def _stops_at_interrupt(solver: clarabel.DefaultSolver) -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray, list]:
+def _assembled(
+    program: ConeProgram, clay: np.ndarray
+) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray, list, sparse.csr_matrix]:
     """Cost, matrix, right-hand side and cones of min cost·y with matrix y + s = offset, y the rates and, for each
-    corner of φ = 0, its dissipation over c."""
+    corner of φ = 0, its dissipation over c; and the matrix from y to ``Solution.shear``."""
     corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
@@ -186,22 +197,31 @@ def _assembled(program: ConeProgram, clay: np.ndarray) -> tuple[np.ndarray, spar
     across = sparse.hstack(
         [volume @ program.strain, sparse.csr_matrix((corners, len(clay))), -volume @ opening]
     ).tocsr()
-    radius = program.weight * (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
-    apex = np.divide(radius, sin, out=np.zeros(corners), where=sin > 0.0)
-    cost = across.T @ apex
+    work = _shear_of(program, across, clay)
+    cost = work.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
     cost[: len(program.live)] -= program.dead
-    cost[len(program.live) : len(program.live) + len(clay)] += radius[clay]
     cost[len(program.live) + len(clay) :] += opening.T @ (volume.T @ _tension_of(program))
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
     turned = _cone_map(steeper)
     cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
-    load = sparse.hstack([sparse.csr_matrix(program.live), sparse.csr_matrix((1, cone.shape[1] - len(program.live)))])
+    load = np.pad(program.live, (0, cone.shape[1] - len(program.live)))
+    if program.softening is not None:
+        load = work.T @ program.softening
     before = sparse.csr_matrix((tears.shape[0], cone.shape[1] - tears.shape[1]))
     margin = np.zeros((corners, 3))
     margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
     offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel(), no_tears])
     cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners, *torn_cones]
-    return cost, sparse.vstack([load, across[clay], -cone, sparse.hstack([before, -tears])]).tocsr(), offset, cones
+    rows = [sparse.csr_matrix(load), across[clay], -cone, sparse.hstack([before, -tears])]
+    return cost, sparse.vstack(rows).tocsr(), offset, cones, work
+
+
+def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
+    """From the unknowns to the weighted shear rates (k,): volume over sin φ, or the unknown of a corner of φ = 0."""
+    corners, sin = len(program.cohesion), np.sin(program.friction)
+    of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
+    own = (clay, len(program.live) + np.arange(len(clay)))
+    return (of_volume + sparse.csr_matrix((program.weight[clay], own), shape=across.shape)).tocsr()
 
 
 def _tension_of(program: ConeProgram) -> np.ndarray:
@@ -258,10 +278,14 @@ def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
     return sparse.csr_matrix((values, (rows, columns)), shape=(3 * corners, 3 * corners))
 
 
-def _stress(program: ConeProgram, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray) -> np.ndarray:
+def _stress(
+    program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
+) -> np.ndarray:
     """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
+    if program.softening is not None:
+        radius = radius - multiplier * program.softening
     z = z / program.weight[:, None]
     mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
     mean[clay] = pressure / program.weight[clay]

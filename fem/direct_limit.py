@@ -7,8 +7,9 @@ what the loads do. It is the load that a path of associated flow tends to, with 
 some twenty factorisations; and no bound, since between the points nothing is asked for.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
 from scipy import sparse
@@ -17,6 +18,7 @@ from fem import cone_program
 from fem.errors import UnstableError
 from fem.fields import State
 from fem.kernels import mohr_coulomb
+from fem.strength import Strength
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 
@@ -54,6 +56,73 @@ class _Cells:
     material: np.ndarray
 
 
+@dataclass(frozen=True, eq=False)
+class Discretised:
+    """The equilibrium of all ranks' elements under nodal forces, dimensionless: for the first rank.
+
+    Attributes
+    ----------
+    cells : _Cells
+        The elements.
+    free : ndarray (all components,)
+        Which displacement components are not held.
+    forces : tuple of ndarray (all components,)
+        Nodal forces (N/m).
+    length, unit : float
+        Units of length (m) and stress (Pa): the height, and with it the sum of the first forces.
+    strain : csr matrix (3 points, free components)
+        Strain rates at the points times the root of the area of each, over the unit of length.
+    """
+
+    cells: _Cells
+    free: np.ndarray
+    forces: tuple[np.ndarray, ...]
+    length: float
+    unit: float
+    strain: sparse.csr_matrix
+
+    @property
+    def weight(self) -> np.ndarray:
+        """Root of the area of every point (nc, nq), over the unit of length."""
+        return np.sqrt(self.cells.weights) / self.length
+
+    def load(self, number: int) -> np.ndarray:
+        """One of the forces on the free components, over the unit of force."""
+        return self.forces[number][self.free] / (self.unit * self.length)
+
+    def program(
+        self, strength: Strength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
+    ) -> cone_program.ConeProgram:
+        """The stress of largest multiplier that balances loads on the free components; softening (points,) in Pa."""
+        material = self.cells.material.ravel()
+        return cone_program.ConeProgram(
+            self.strain,
+            strength.cohesion[material] / self.unit,
+            strength.friction[material],
+            self.weight.ravel(),
+            dead,
+            live,
+            tension=strength.tension[material] / self.unit,
+            softening=None if softening is None else softening / self.unit,
+        )
+
+    def stress(self, solution: cone_program.Solution) -> np.ndarray:
+        """Stress (points, [xx, yy, xy]) in Pa of a solution."""
+        return self.unit * solution.stress
+
+    def mechanism(self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float) -> State:
+        """The fields of a solution at ``kh``, shares of the strength that ``problem`` has now."""
+        points = self.cells.weights.shape
+        rates = (self.strain @ solution.rates).reshape(*points, 3) / self.weight[..., None]
+        xx, yy, xy = self.stress(solution).T
+        stress = np.column_stack([xx, yy, 0.5 * (xx + yy), xy])
+        mobilised = mohr_coulomb.mobilised_strength(stress, self.cells.material.ravel(), problem.table).reshape(points)
+        velocity = np.zeros(len(self.free))
+        velocity[self.free] = solution.rates
+        fields = _Fields(velocity, rates, stress.reshape(*points, 4), np.minimum(mobilised, 1.0))
+        return _state(mesh, self.cells, kh, fields)
+
+
 def direct_limit(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live: np.ndarray) -> DirectLimit:
     """The largest λ at which the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m, are borne.
 
@@ -61,65 +130,58 @@ def direct_limit(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live:
     answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver leaves no
     answer.
     """
+    ground = gathered(problem, mesh, dead, live)
+    return told_to_all(problem, lambda: _limit(problem, mesh, ground))
+
+
+A = TypeVar("A")
+
+
+def told_to_all(problem: "PlaneStrain", find: Callable[[], A]) -> A:
+    """What the first rank finds, or NoAnswerError as it is raised there, on all ranks."""
     comm = problem.grid.comm
-    parts = comm.gather((_own_cells(problem), problem.free, dead, live))
-    found: DirectLimit | NoAnswerError | None = None
+    found: A | NoAnswerError | None = None
     if comm.rank == 0:
-        own, *vectors = zip(*parts, strict=True)
-        cells = _Cells(*(np.concatenate(values) for values in zip(*(vars(part).values() for part in own), strict=True)))
-        found = _solved(problem, mesh, cells, *(np.concatenate(parts) for parts in vectors))
+        try:
+            found = find()
+        except NoAnswerError as error:
+            found = error
     found = comm.bcast(found)
     if isinstance(found, NoAnswerError):
         raise found
-    assert found is not None
-    return found
+    return cast(A, found)
 
 
-def _own_cells(problem: "PlaneStrain") -> _Cells:
+def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
+    """The elements of all ranks under nodal forces (dofs,); without elements on ranks other than the first."""
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)
-    return _Cells(
+    own = _Cells(
         grid.matrix[:, :, [0, 1, 3]], grid.weights, grid.global_dofs[grid.dofs], grid.cell, grid.corners, material
     )
-
-
-def _solved(
-    problem: "PlaneStrain", mesh: QuadMesh, cells: _Cells, free: np.ndarray, dead: np.ndarray, live: np.ndarray
-) -> DirectLimit | NoAnswerError:
-    """The limit load, or why there is none."""
+    parts = grid.comm.gather((own, problem.free, *forces)) or [(own, problem.free, *forces)]
+    owns, *vectors = zip(*parts, strict=True)
+    cells = _Cells(*(np.concatenate(values) for values in zip(*(vars(part).values() for part in owns), strict=True)))
+    free, *all_forces = (np.concatenate(vector) for vector in vectors)
     length = float(np.ptp(mesh.points[:, 1]))
-    sizes = [float(np.abs(force[free]).sum()) for force in (dead, live)]
-    unit, ratio = sizes[0] / length, sizes[0] / sizes[1]  # both loads as large as one
-    weight = np.sqrt(cells.weights) / length
-    strain = _strain_matrix(cells, weight * length, problem.grid.size)[:, np.flatnonzero(free)].tocsr()
-    material = cells.material.ravel()
-    solution = cone_program.solve(
-        cone_program.ConeProgram(
-            strain,
-            problem.strength.cohesion[material] / unit,
-            problem.strength.friction[material],
-            weight.ravel(),
-            dead[free] / (unit * length),
-            ratio * live[free] / (unit * length),
-            tension=problem.strength.tension[material] / unit,
-        ),
-        again=True,
-    )
+    unit = float(np.abs(all_forces[0][free]).sum()) / length
+    strain = _strain_matrix(cells, np.sqrt(cells.weights), grid.size)[:, np.flatnonzero(free)].tocsr()
+    return Discretised(cells, free, tuple(all_forces), length, unit, strain)
+
+
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> DirectLimit:
+    """The limit load; raises as ``direct_limit`` does."""
+    dead, live = ground.load(0), ground.load(1)
+    ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
+    solution = cone_program.solve(ground.program(problem.strength, dead, ratio * live), again=True)
     if solution.none == "no mechanism":
         return DirectLimit(np.inf, None)
     if solution.none:
-        return UnstableError("the section fails under its own weight: no stress balances it")
+        raise UnstableError("the section fails under its own weight: no stress balances it")
     if solution.ended:
-        return NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
-    points = cells.weights.shape
-    rates = (strain @ solution.rates).reshape(*points, 3) / (weight * length)[..., None]
-    xx, yy, xy = unit * solution.stress.T
-    stress = np.column_stack([xx, yy, 0.5 * (xx + yy), xy])
-    mobilised = mohr_coulomb.mobilised_strength(stress, material, problem.table).reshape(points)
-    velocity = np.zeros(problem.grid.size)
-    velocity[free] = solution.rates
-    fields = _Fields(velocity, rates, stress.reshape(*points, 4), np.minimum(mobilised, 1.0))
-    return DirectLimit(ratio * solution.multiplier, _state(mesh, cells, ratio * solution.multiplier, fields))
+        raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
+    kh = ratio * solution.multiplier
+    return DirectLimit(kh, ground.mechanism(problem, mesh, solution, kh))
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:

@@ -1,12 +1,10 @@
 """The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
 the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
-Where the flow is associated it is the divisor at which the limit load of the push is the one given, found at once for
-each trial (``fem/direct_limit.py``); elsewhere it is an unknown along a path of equilibria.
+Where the flow is associated it is found at once (``fem/direct_factor.py``); elsewhere it is an unknown along a path of
+equilibria.
 """
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +12,7 @@ import numpy as np
 
 from fem.continuation import StrengthReduction
 from fem.critical import ASSOCIATED_RULE
-from fem.direct_limit import DirectLimit, direct_limit
+from fem.direct_factor import LARGEST_FACTOR, direct_factor
 from fem.errors import UnstableError
 from fem.fields import State
 from fem.gravity import (
@@ -44,11 +42,6 @@ STARTS = (1.0, 0.5, 0.2, 0.05)
 FACTOR_UNIT = 0.1
 # The reference displacement, in elastic displacements under all of the load.
 DISPLACEMENT_UNIT = 0.1
-LARGEST_FACTOR = 20.0
-# Trials of the factor at most, what it changes by from one to the next at most, and the change at which it is found.
-TRIALS, LARGEST_STEP, CLOSE = 25, 1.6, 5e-4
-# A limit load this far below the Kh given says that the weight fails, and no secant goes through it.
-FAR = 1.0
 
 
 @dataclass(frozen=True)
@@ -97,7 +90,7 @@ def safety_at_once(
     """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
 
     The search begins at ``guess``, such as the factor of a coarser mesh. Faces, sides and errors are those of
-    ``safety_factor``. Where the push does not count, without shaking, the smaller of both directions is told.
+    ``safety_factor``.
     """
     settings = settings.model_copy(update={"element": "reduced"})
     faces = faces_at(section, settings, kh)
@@ -106,47 +99,12 @@ def safety_at_once(
         constant = constant + lift_of(problem, settings)
     else:
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
-    load = seismic_load(problem, mesh, section, push(section, settings))
-
-    def borne(factor: float, live: np.ndarray) -> DirectLimit:
-        problem.use_strength(factor)
-        try:
-            return direct_limit(problem, mesh, constant, live)
-        except UnstableError:
-            return DirectLimit(-np.inf, None)
-
-    factor, limit = _divisor(lambda f: borne(f, load), kh, guess)
-    if kh == 0.0 and borne(factor, -load).multiplier < 0.0:
-        factor, limit = _divisor(lambda f: borne(f, -load), 0.0, factor)
+    if kh != 0.0:
+        constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
+    factor, mechanism = direct_factor(problem, mesh, constant, kh, guess)
     skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
     reason = f"it is that of {len(mesh.cells)} cells"
-    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, limit.mechanism)
-
-
-def _divisor(borne: Callable[[float], DirectLimit], kh: float, guess: float) -> tuple[float, DirectLimit]:
-    """The factor at which just ``kh`` is borne, by secants in its logarithm, and the limit load there.
-
-    Raises UnstableError if there is none from 1 / LARGEST_FACTOR to LARGEST_FACTOR, NoAnswerError if trials run out.
-    """
-    low, high = -math.log(LARGEST_FACTOR), math.log(LARGEST_FACTOR)
-    at, slope, before = math.log(guess), None, None
-    for _ in range(TRIALS):
-        found = borne(math.exp(at))
-        over = found.multiplier - kh
-        over = over if over > -FAR else -math.inf
-        low, high = (max(low, at), high) if over >= 0.0 else (low, min(high, at))
-        if math.isfinite(over) and before is not None and before[1] != over:
-            slope = (over - before[1]) / (at - before[0])
-        step = math.copysign(math.log(LARGEST_STEP), over)
-        if math.isfinite(over):
-            before = at, over
-            # without a slope: a tenth of Kh more or less is about a tenth of the factor
-            step = -over / slope if slope is not None and slope < 0.0 else over
-        step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
-        if math.isfinite(over) and (abs(step) < CLOSE or high - low < CLOSE):
-            return math.exp(at + step), found
-        at = at + step if low < at + step < high else 0.5 * (low + high)
-    raise NoAnswerError("no factor of safety was found", "use another mesh")
+    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, mechanism)
 
 
 def safety_factor(

@@ -21,7 +21,7 @@ from workflow.verify.case import Case
 from workflow.verify.record import PARTS, Answer, Part
 
 # When bounds are close enough, and how many triangles they may take; cells of the elements.
-BOUNDS, MOST_CELLS = BoundsSettings(gap=0.03, max_cells=4000), 2500
+BOUNDS, MOST_CELLS = BoundsSettings(gap=0.02, max_cells=6000), 2500
 
 
 def answer(

@@ -1,0 +1,113 @@
+"""The factor of safety of discretised ground at once, without a path: the divisor of the strength at which nodal forces
+are just borne.
+
+At a trial factor F the question is how much of its strength the ground can still do without: the largest λ for which
+stresses at the quadrature points balance the forces within
+
+    |s| <= R(F, σm) - λ S,    R = c cos φ - sin φ σm,    S = -∂R/∂ln F at a σm known before,
+
+s and σm being deviator and mean of the stress in the plane, c and φ those at F. That is one cone program
+(``fem/cone_program.py``), which always has an answer: enough strength bears any load. F is too small where λ > 0, too
+large where λ < 0, and since S is nearly what ln F takes off the strength, λ is nearly what ln F lacks. By the envelope
+theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism;
+with that Newton's method has the factor in one to three programs, whatever fails: a slope to one side, an embankment
+that spreads to both, or the ground below a footing, where no Kh would tell by how much.
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem import cone_program
+from fem.direct_limit import Discretised, gathered, told_to_all
+from fem.errors import UnstableError
+from fem.fields import State
+from fem.strength import strength_of
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.plane_strain import PlaneStrain
+
+LARGEST_FACTOR = 20.0
+# Trials at most, what a factor changes by from one to the next at most, and a change of ln F after which Newton's
+# method, which squares it, leaves less than 0.02 %.
+TRIALS, LARGEST_STEP, CLOSE = 20, 1.6, 0.015
+# Step of ln F over which the strength is differentiated.
+DIFFERENCE = 1e-4
+# The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
+LEAST_SOFTENING = 1e-3
+
+
+def direct_factor(
+    problem: "PlaneStrain", mesh: QuadMesh, forces: np.ndarray, kh: float, guess: float = 1.0
+) -> tuple[float, State]:
+    """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
+
+    The search begins at ``guess``; ``kh`` is what to call the mechanism by. The flow is associated, the element
+    "reduced". The strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below
+    1/20, NoAnswerError if it is above 20 or the solver leaves no answer.
+    """
+    grid = problem.grid
+    mean = problem.elastic_stress(forces)[:, :2].mean(axis=1)
+    ground = gathered(problem, mesh, forces)
+    means = grid.comm.gather(mean) or [mean]
+
+    def find() -> tuple[float, State]:
+        return _Search(problem, mesh, ground, np.concatenate(means)).find(guess, kh)
+
+    factor, mechanism = told_to_all(problem, find)
+    problem.use_strength(factor)
+    return factor, mechanism
+
+
+class _Search:
+    """Newton's method for the logarithm of the factor, between factors known to be too small and too large."""
+
+    def __init__(self, problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, mean: np.ndarray) -> None:
+        self.problem, self.mesh, self.ground = problem, mesh, ground
+        self.elastic = mean  # mean of the elastic stress in the plane (points,) in Pa, tension positive
+        self.material = ground.cells.material.ravel()
+
+    def find(self, guess: float, kh: float) -> tuple[float, State]:
+        """The factor and its mechanism."""
+        low, high, at = -math.inf, math.inf, math.log(guess)
+        for _ in range(TRIALS):
+            if at < -math.log(LARGEST_FACTOR):
+                raise UnstableError(
+                    f"the section fails under its own weight even at {LARGEST_FACTOR:g} times its strength"
+                )
+            if at > math.log(LARGEST_FACTOR):
+                raise NoAnswerError(f"the section stands even with its strength over {LARGEST_FACTOR:g}", "")
+            step, solution = self.step(at)
+            low, high = (at, high) if step >= 0.0 else (low, at)
+            if abs(step) < CLOSE:
+                return math.exp(at + step), self.ground.mechanism(self.problem, self.mesh, solution, kh)
+            step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
+            at = at + step if low < at + step < high else 0.5 * (low + high)
+        raise NoAnswerError("no factor of safety was found", "use another mesh")
+
+    def step(self, at: float) -> tuple[float, cone_program.Solution]:
+        """What the logarithm of the factor lacks by Newton's method where it is ``at``, and the solution there."""
+        problem, dead = self.problem, self.ground.load(0)
+        problem.use_strength(math.exp(at))
+        softening = self.softening(at, self.elastic)
+        softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
+        program = self.ground.program(problem.strength, dead, np.zeros_like(dead), softening)
+        solution = cone_program.solve(program, again=True)
+        if solution.none or solution.ended:
+            why = solution.ended or solution.none
+            raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
+        borne = self.ground.stress(solution)[:, :2].mean(axis=1)
+        slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit
+        return solution.multiplier / slope if slope > 0.0 else solution.multiplier, solution
+
+    def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
+        """What the strength R (points,) under ``mean`` stresses in Pa loses where the logarithm of the factor grows."""
+        problem, ends = self.problem, []
+        for log in (at - DIFFERENCE, at + DIFFERENCE):
+            weak = strength_of(problem.strata, problem.flow, math.exp(log), problem.form)
+            sin, cos = np.sin(weak.friction), np.cos(weak.friction)
+            ends.append((weak.cohesion * cos)[self.material] - sin[self.material] * mean)
+        return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)

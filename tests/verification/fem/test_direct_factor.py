@@ -1,0 +1,76 @@
+"""Factors of safety found at once, by what strength the ground can do without: footing, spreading embankment, any start."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fem.adaptive import adapted_safety
+from fem.direct_factor import CLOSE
+from fem.strength_reduction import SafetyFactor, safety_at_once
+from meshes.errors import NoAnswerError
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from tests.support.published import cases
+from tests.support.sections import slope
+
+
+def factor_of(name: str, guess: float = 1.0) -> SafetyFactor:
+    case = cases()[name]
+    wish = case.fem.model_copy(update={"flow": "associated"})
+    mesh = generate(case.section, case.mesh)
+    return safety_at_once(case.section, mesh, wish, case.published.kh, MPI.COMM_SELF, guess)
+
+
+def test_a_footing_that_presses_with_prandtls_load_has_a_factor_of_one():
+    """Nc c = 30.14 c on weightless ground of φ = 30° (Prandtl 1920), where no Kh tells by how much it fails or stands.
+    Measured: 1.0001 on adapted meshes of up to 1,278 cells."""
+    case = cases()["strip_footing_30"]
+    wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
+    mesh = generate(case.section, case.mesh)
+    found = adapted_safety(case.section, case.mesh, mesh, wish, 0.0, MPI.COMM_SELF, lambda words: None)
+    assert found.result.factor == pytest.approx(1.0, abs=0.005)
+
+
+def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
+    """Nakamura et al. (2008) on 6 m of soft clay: 1.093 to 1.116 by bounds. Its mechanism is symmetric, so that a push
+    does no work, and secants in Kh once ended at 1.236. Measured: 1.111, the same to the left as to the right."""
+    found = factor_of("nakamura_06")
+    assert 1.093 < found.factor < 1.02 * 1.116
+    assert found.mechanism is not None
+    moved = found.mechanism.displacement[:, 0]
+    assert moved.min() == pytest.approx(-moved.max(), rel=0.05)
+
+
+@pytest.mark.parametrize("guess", [0.2, 5.0])
+def test_the_factor_is_the_same_wherever_the_search_begins(guess):
+    near = factor_of("taylor_60_10").factor
+    assert factor_of("taylor_60_10", guess).factor == pytest.approx(near, rel=CLOSE**2)
+
+
+def test_the_factor_divides_the_strength_exactly():
+    """A slope made stronger by the factor that it has is left with a factor of 1."""
+    case = cases()["taylor_60_10"]
+    factor = factor_of("taylor_60_10").factor
+    soil = case.section.strata[0]
+    weaker = soil.model_copy(
+        update={
+            "cohesion": soil.cohesion / factor,
+            "friction_angle": float(np.arctan(np.tan(soil.friction_angle) / factor)),
+        }
+    )
+    data = case.section.model_dump(mode="python", exclude_none=True, include=set(Section.model_fields))
+    data["strata"] = [weaker.model_dump(mode="python", exclude_none=True, by_alias=True)]
+    weak = Section.parse(data, "weaker")
+    wish = case.fem.model_copy(update={"flow": "associated"})
+    found = safety_at_once(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
+    assert found.factor == pytest.approx(1.0, rel=CLOSE**2)
+
+
+def test_ground_that_stands_with_a_twentieth_of_its_strength_has_no_factor():
+    data = slope()
+    for layer in data["strata"]:
+        layer["cohesion"] = "10 MPa"
+    strong, case = Section.parse(data), cases()["taylor_60_10"]
+    wish = case.fem.model_copy(update={"flow": "associated"})
+    with pytest.raises(NoAnswerError, match="stands"):
+        safety_at_once(strong, generate(strong, case.mesh), wish, 0.0, MPI.COMM_SELF)
