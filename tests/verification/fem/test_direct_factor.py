@@ -1,4 +1,4 @@
-"""Factors of safety found at once, by what strength the ground can do without: footing, spreading embankment, any start."""
+"""Factors of safety found at once, by the strength that the ground can do without: footing, embankment, any start."""
 
 import numpy as np
 import pytest
