@@ -50,7 +50,7 @@ def direct_factor(
     1/20, NoAnswerError if it is above 20 or the solver leaves no answer.
     """
     grid = problem.grid
-    mean = problem.elastic_stress(forces)[:, :2].mean(axis=1)
+    mean = _elastic_mean(problem, forces)
     ground = gathered(problem, mesh, forces)
     means = grid.comm.gather(mean) or [mean]
 
@@ -60,6 +60,16 @@ def direct_factor(
     factor, mechanism = told_to_all(problem, find)
     problem.use_strength(factor)
     return factor, mechanism
+
+
+def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
+    """The mean stress in the plane (points,) of elastic ground under nodal forces, in Pa, tension positive."""
+    grid, laws = problem.grid, problem.elastic_stiffness()
+    problem.use_elastic_tangent()
+    problem.factorise()
+    moved = problem.exchange.to_local(problem.solve(forces))[grid.dofs]
+    strain = np.einsum("cqin,cn->cqi", grid.matrix, moved).reshape(-1, 4)
+    return 0.5 * np.einsum("pij,pj->pi", laws[problem.material][:, :2], strain).sum(axis=1)
 
 
 class _Search:

@@ -200,13 +200,6 @@ class PlaneStrain:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
         return self._solver.solve(np.where(self.free, force, 0.0))
 
-    def elastic_stress(self, force: np.ndarray) -> np.ndarray:
-        """The stress (points, 4) of elastic ground, without any before, under nodal forces."""
-        self.use_elastic_tangent()
-        self.factorise()
-        assembly.strains(self.grid.matrix, self.grid.dofs, self.exchange.to_local(self.solve(force)), self._strain)
-        return np.einsum("pij,pj->pi", self._elastic[self.material], self._strain)
-
     def elastic_stiffness(self) -> np.ndarray:
         """Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""
         laws = np.zeros((len(self.strata), 4, 4))
