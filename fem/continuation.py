@@ -12,14 +12,16 @@ from typing import Protocol
 
 import numpy as np
 
+from fem.descent import Descent
 from fem.linear_solver import SingularMatrixError
 from fem.plane_strain import PlaneStrain
+from fem.pocket import Pocket
 
 # Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
 MOST_STALLED, PROGRESS = 8, 0.9
-# Where there is a potential: the share of its slope at the start of a correction that may be left at the end, the most
-# lengths that are tried, the longest, how near to an end of the interval one may lie, and the iterations granted.
-SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE, DESCENTS = 0.5, 9, 8.0, 0.1, 120
+# Where there is a potential: the iterations granted, and the part of a correction below which a pocket of ground is
+# what makes it short.
+DESCENTS, SHORT = 120, 0.7
 
 
 @dataclass(frozen=True)
@@ -202,7 +204,8 @@ def _lowest(
     """Find equilibrium under a given ``multiplier`` as the lowest place of the potential of associated flow.
 
     The unbalanced force is its slope with the sign turned (the potential of an increment, Ortiz & Stainier 1999): every
-    correction goes downhill, though the unbalanced force may grow on the way.
+    correction goes downhill, though the unbalanced force may grow on the way. Where a correction has to be short, the
+    pocket of ground that makes it so is brought to rest by itself (on one rank).
     """
     increment, iteration = first, 0
     residual, norm = residual_of(problem, loading, increment, multiplier, scale)
@@ -221,29 +224,7 @@ def _lowest(
         increment = increment + search.part * step
         if not np.isfinite(norm):
             break
+        if norm > settings.tolerance and search.part < SHORT and problem.grid.comm.size == 1:
+            increment = Pocket(problem, residual).at_rest(increment, residual)
+            residual, norm = residual_of(problem, loading, increment, multiplier, scale)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
-
-
-class Descent:
-    """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
-
-    ``slope`` is how steeply it falls at the start, ``part`` the length to try next.
-    """
-
-    def __init__(self, slope: float) -> None:
-        self.part, self._slope, self._tried = 1.0, slope, 0
-        self._low, self._high = (0.0, slope), (np.inf, 0.0)
-
-    def ends(self, slope: float) -> bool:
-        """Whether the length just tried will do, at which it falls by ``slope``; if not, ``part`` is the next."""
-        self._tried += 1
-        if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:
-            return True
-        if slope > 0.0:
-            self._low = self.part, slope
-        else:
-            self._high = self.part, slope
-        (low, at_low), (high, at_high) = self._low, self._high
-        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE)
-        self.part = 2.0 * self.part if high == np.inf else low + between * (high - low)
-        return False

@@ -4,6 +4,7 @@ Stress is positive in tension; components [xx, yy, zz, xy], y upwards; Pa, m, N 
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,39 @@ ELASTIC_SHARE = 1e-6
 # Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up, so
 # that steps of some elastic displacements feel less than 1 % of the strength.
 HOURGLASS_SHARE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Some cells of a section with their accepted state, numbered by themselves.
+
+    Attributes
+    ----------
+    components : ndarray (k,)
+        The displacement components of these cells among the owned ones.
+    dofs : ndarray (nc, nd)
+        A cell's components among those k.
+    matrix, weights, hourglass : ndarray
+        As in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
+    stress : ndarray (points, 4)
+        Accepted stress (Pa).
+    material : ndarray (points,)
+        Numbers of the soils in ``table``.
+    table : ndarray
+        The soils, see ``mohr_coulomb.table``.
+    least : ndarray (points, 4, 4)
+        What is added to a tangent so that it is regular (Pa).
+    """
+
+    components: np.ndarray
+    dofs: np.ndarray
+    matrix: np.ndarray
+    weights: np.ndarray
+    hourglass: np.ndarray
+    stress: np.ndarray
+    material: np.ndarray
+    table: np.ndarray
+    least: np.ndarray
 
 
 class PlaneStrain:
@@ -199,6 +233,24 @@ class PlaneStrain:
     def solve(self, force: np.ndarray) -> np.ndarray:
         """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
         return self._solver.solve(np.where(self.free, force, 0.0))
+
+    def part(self, cells: np.ndarray) -> Part:
+        """Some of the cells, by their numbers on the one rank that there is."""
+        grid, points = self.grid, self.grid.points_per_cell
+        mine = (cells[:, None] * points + np.arange(points)).ravel()
+        components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)
+        shape = len(cells), grid.dofs.shape[1]
+        return Part(
+            components=components,
+            dofs=dofs.reshape(shape).astype(np.int32),
+            matrix=grid.matrix[cells],
+            weights=grid.weights[cells],
+            hourglass=self._hourglass[cells] if len(self._hourglass) else np.zeros((*shape, shape[1])),
+            stress=self.stress[mine],
+            material=self.material[mine],
+            table=self.table,
+            least=ELASTIC_SHARE * self._elastic[self.material[mine]],
+        )
 
     def elastic_stiffness(self) -> np.ndarray:
         """Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpi4py import MPI
 
-from fem.continuation import LONGEST, SLOPE_LEFT, Descent
+from fem.descent import LONGEST, SLOPE_LEFT, Descent
 from fem.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate

@@ -1,0 +1,32 @@
+"""How far a correction of Newton's method goes down a convex potential."""
+
+import numpy as np
+
+# The share of the slope at the start of a correction that may be left at its end, the most lengths that are tried, the
+# longest, and how near to an end of the interval one may lie.
+SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
+
+
+class Descent:
+    """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
+
+    ``slope`` is how steeply it falls at the start, ``part`` the length to try next.
+    """
+
+    def __init__(self, slope: float) -> None:
+        self.part, self._slope, self._tried = 1.0, slope, 0
+        self._low, self._high = (0.0, slope), (np.inf, 0.0)
+
+    def ends(self, slope: float) -> bool:
+        """Whether the length just tried will do, at which it falls by ``slope``; if not, ``part`` is the next."""
+        self._tried += 1
+        if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:
+            return True
+        if slope > 0.0:
+            self._low = self.part, slope
+        else:
+            self._high = self.part, slope
+        (low, at_low), (high, at_high) = self._low, self._high
+        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE)
+        self.part = 2.0 * self.part if high == np.inf else low + between * (high - low)
+        return False
