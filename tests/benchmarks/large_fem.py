@@ -1,62 +1,130 @@
-"""Large FEM under MPI: `python -m tests.benchmarks.large_fem [--refine N ...] [--ranks N ...]`.
+"""Large FEM under MPI: `python -m tests.benchmarks.large_fem [--refine N ...] [--ranks N ...] [--steps N] [--json F]`.
 
-S-13 with bilinear elements, the path to one side and nothing beside it. Cells divided by 29 in each direction make
-10^6 unknowns. Each case is a process of its own; kc of all ranks stands beside that of one, with seconds and memory.
+S-13 with bilinear elements and Davis's substitute, pushed downhill along a path in long steps, to a plateau or so many
+steps. Cells divided by 29 in each direction make 10^6 unknowns. Each case is a process group of its own; seconds and
+memory stand beside it, and Kh step by step beside that of the first number of ranks.
 """
 
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
-import tempfile
 import time
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+from mpi4py import MPI
+
+from fem.at_once import pushed
+from fem.continuation import NewtonSettings
+from fem.critical import seismic_path
+from fem.loads import sign_of
+from fem.path import EquilibriumPath
+from fem.plateau import growth_per_doubling
+from fem.settings import FemSettings
+from meshes.gmsh_model import generate
 from tests.support import SECTIONS
+from workflow.settings import Input
 
-COLUMNS, ROWS = 47, 13  # of S-13 as it is
-SAME = 1e-6  # by which kc may differ between numbers of ranks
-OPTIONS = (
-    "--element", "bilinear", "--direction", "downhill", "--set", "fem.flow=section", "--set", "fem.rigid_box=false",
-    "--set", "fem.safety_factor_at=[]", "--set", "fem.accuracy=0",
-)  # fmt: skip
+SAME = 1e-6  # by which Kh may differ between numbers of ranks
+GROWTH = 0.01  # of Kh while the displacement doubles, below which it is a plateau
+# Steps that grow fast and may take many iterations: half as many factorisations as with those of a run.
+FIRST, FASTER, LARGEST, FEW, MANY = 0.4, 1.7, 10.0, 12, 30
+CORE = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}  # a rank has one core
 
 
-def measure(refine: int, ranks: int) -> dict[str, float | int]:
-    """Unknowns, seconds on the clock, memory of the largest rank (MB), and kc."""
-    with tempfile.TemporaryDirectory() as folder:
-        section = str(SECTIONS / "s13.toml")
-        command = [sys.executable, "-m", "workflow.cli", "fem", section, "--out", folder, "--refine", str(refine)]
-        start = time.perf_counter()
-        process = subprocess.Popen(
-            ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), *command, *OPTIONS],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"},
-        )  # fmt: skip
-        _, status, usage = os.wait4(process.pid, 0)
-        seconds = time.perf_counter() - start
-        if os.waitstatus_to_exitcode(status) not in (0, 3):
-            raise SystemExit(f"refine = {refine}, {ranks} ranks failed")
-        answer = json.loads((Path(folder) / "fem/critical.json").read_text())
-    return {
-        "unknowns": 2 * (COLUMNS * refine + 1) * (ROWS * refine + 1),
-        "ranks": ranks,
-        "seconds": round(seconds, 1),
-        "largest_rank_MB": usage.ru_maxrss // 1000,
-        "linear_solves": answer["linear_solves"],
-        "kc": answer["kc"],
-    }
+@dataclass(frozen=True)
+class Row:
+    """One case: seconds on the clock, and memory at the worst moment, of the largest rank and of all (MB)."""
+
+    unknowns: int
+    ranks: int
+    factorisations: int
+    seconds_set_up: float
+    seconds_gravity: float
+    seconds_path: float
+    largest_rank_mb: int
+    all_ranks_mb: int
+    plateau: bool
+    kh: list[float]
+
+
+def follow(path: EquilibriumPath, steps: int) -> bool:
+    """Follows a path to a plateau, or so many steps; whether it is one."""
+    while len(path.steps) < steps and path.advance():
+        if path.problem.grid.comm.rank == 0:
+            print(f"step {len(path.steps)}, {path.solves} systems, Kh = {path.factor:.6f}", file=sys.stderr, flush=True)
+        if len(path.steps) > 2 and growth_per_doubling(path) < GROWTH:
+            return True
+    return False
+
+
+def solve(refine: int, steps: int) -> Row:
+    """What every rank does."""
+    comm, begin = MPI.COMM_WORLD, time.perf_counter()
+    given = Input.load(SECTIONS / "s13.toml")
+    settings = FemSettings(element="bilinear", direction="downhill")
+    mesh = generate(given, given.mesh.model_copy(update={"refine": refine}))
+    made = time.perf_counter()
+    ground = pushed(given, mesh, settings, comm)
+    assert ground.gravity is not None
+    stood = time.perf_counter()
+    path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(given, "downhill"), settings)
+    newton = NewtonSettings(tolerance=settings.tolerance, iterations=MANY)
+    longer = replace(path.settings, newton=newton, first=FIRST, growth=FASTER, largest=LARGEST, few=FEW, many=MANY)
+    path = replace(path, settings=longer)
+    plateau = follow(path, steps)
+    end = time.perf_counter()
+    memory = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1000)
+    return Row(
+        ground.problem.grid.size, comm.size, path.solves + ground.gravity.solves, round(made - begin, 1),
+        round(stood - made, 1), round(end - stood, 1), max(memory), sum(memory), plateau,
+        [step.factor for step in path.steps],
+    )  # fmt: skip
+
+
+def measure(refine: int, ranks: int, steps: int) -> Row:
+    """One case in processes of its own."""
+    command = [sys.executable, "-m", "tests.benchmarks.large_fem", "--inside", "--refine", str(refine)]
+    done = subprocess.run(
+        ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), *command, "--steps", str(steps)],
+        stdout=subprocess.PIPE, text=True, env={**os.environ, **CORE}, check=True,
+    )  # fmt: skip
+    lines = [line for line in done.stdout.splitlines() if "{" in line]
+    return Row(**json.loads(lines[0][lines[0].index("{") : lines[0].rindex("}") + 1]))
+
+
+def difference(one: Row, other: Row) -> float:
+    """By how much Kh differs at most, over the steps that both took."""
+    return max(abs(a - b) for a, b in zip(one.kh, other.kh, strict=False))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--refine", type=int, nargs="+", default=[2, 4])
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--steps", type=int, default=100, help="after which the path is not followed further")
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if arguments.inside:
+        row = solve(arguments.refine[0], arguments.steps)
+        if MPI.COMM_WORLD.rank == 0:
+            print(json.dumps(asdict(row)), flush=True)
+        return
+    rows: list[Row] = []
     for refine in arguments.refine:
-        rows = [measure(refine, ranks) for ranks in arguments.ranks]
-        for row in rows:
-            print(row, f"kc differs by {abs(row['kc'] - rows[0]['kc']):.1e} (allowed {SAME:g})", flush=True)
+        for ranks in arguments.ranks:
+            row = measure(refine, ranks, arguments.steps)
+            rows.append(row)
+            first = next(other for other in rows if other.unknowns == row.unknowns)
+            print(row, f"Kh differs by {difference(row, first):.1e} (allowed {SAME:g})", flush=True)
+            if arguments.json:
+                arguments.json.write_text(json.dumps([asdict(r) for r in rows], indent=1) + "\n")
+            if not difference(row, first) <= SAME:
+                raise SystemExit(f"{row.ranks} ranks differ from {first.ranks} by more than {SAME:g}")
 
 
 if __name__ == "__main__":

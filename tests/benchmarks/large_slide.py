@@ -1,20 +1,24 @@
-"""A large slide: `python -m tests.benchmarks.large_slide [--discs N ...] [--seconds S] [--threads N ...] [--json F]`.
+"""A large slide: `python -m tests.benchmarks.large_slide [--discs N ...] [--seconds S] [--threads N ...] [--folder D]`.
 
-The paper's discs of S-13 in their box, case 3, from the lattice as it is; stopped half-way and taken up again from its
-checkpoint. Disc-steps a second and memory for each size, from which follows what more discs need.
+Soil discs of S-13 from nothing to rest, then case 3. The checkpoint half-way is set aside and the slide taken up again
+from there: it ends in the same bits. With a folder the discs at rest and the slide are kept in it, and a benchmark
+that was stopped goes on from there. Seconds, disc-steps a second and memory, from which follows what more discs need.
 """
 
 import argparse
 import json
 import resource
+import shutil
 import tempfile
 import time
-from contextlib import suppress
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from dem.ground import ground_of, springs_of
+import numpy as np
+
+from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
-from dem.search.equilibrium import settle
+from dem.search.deposit import deposit, ground_at_rest
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Row, Slider
 from tests.support import SECTIONS
@@ -23,57 +27,93 @@ from workflow.settings import Input
 LIQUEFIED = [3, 5]
 
 
-class HalfwayError(Exception):
-    """Ends a slide where its checkpoint has been written."""
+@dataclass(frozen=True)
+class Measured:
+    """One slide; a speed is that of the part after the last interruption."""
+
+    discs: int
+    threads: int
+    rest_s: float
+    slide_s: float
+    million_disc_steps_per_s: float
+    steps_per_simulated_s: int
+    memory_mb: int
+    checkpoint_mb: float
+    slide_max_m: float
+    same_when_resumed: bool
 
 
-def measure(given: Input, discs: int, seconds: float, threads: int) -> dict[str, float | int]:
-    """One size. The lattice stands under its weight but for a swing; what is measured is the stepping."""
-    dem = DemSettings(model="paper", packing="box", springs="table2", elements=discs, kh=(), patience=1.0)
-    ground = ground_of(given, dem)
-    start = settle(ground, springs_of(given, dem, ground.radius), dem)
+def at_rest(given: Input, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
+    """Discs at rest, and the seconds that took; 0 if they were in the folder."""
+    file, begin = folder / "settled.h5", time.perf_counter()
+    if file.exists():
+        return DiscModel.load(file), 0.0
+    soil = soil_layers(given)
+    deposit(given, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil]).settled.save(file)
+    return DiscModel.load(file), time.perf_counter() - begin
+
+
+def same(one: DiscModel, other: DiscModel) -> bool:
+    """Whether two models are the same to the last bit."""
+    values = [(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)]
+    arrays = [(a, b) for a, b in values if isinstance(a, np.ndarray)]
+    return one.time == other.time and all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
+
+
+def measure(given: Input, discs: int, seconds: float, threads: int, folder: Path) -> Measured:
+    """One size."""
+    dem = DemSettings(elements=discs)
+    folder.mkdir(parents=True, exist_ok=True)
+    start, rest = at_rest(given, dem, folder)
+    print(f"{len(start)} discs at rest after {rest:.0f} s", flush=True)
     settings = given.slide.model_copy(update={"duration": seconds})
+    whole, half = folder / f"whole_{threads}", folder / f"half_{threads}"
 
-    def half(model: DiscModel, row: Row, _: bool) -> None:
-        if row.time_s >= 0.5 * seconds:
-            raise HalfwayError
+    def slider(where: Path) -> Slider:
+        return Slider(start, ground_at_rest(given, dem, start), LIQUEFIED, given.slide.cases[2], settings, where)
 
-    with tempfile.TemporaryDirectory() as folder:
-        case = given.slide.cases[2]
-        first = Slider(start, ground, LIQUEFIED, case, settings, Path(folder))
-        begin, steps = time.perf_counter(), start.steps
-        with suppress(HalfwayError):
-            first.run(half, threads=threads)
-        clock = time.perf_counter() - begin
-        done = first.model.steps - steps
-        again = Slider(start, ground, LIQUEFIED, case, settings, Path(folder))
-        assert again.model.steps == first.model.steps
-        again.run(threads=threads)
-    return {
-        "discs": len(start),
-        "threads": threads,
-        "million_disc_steps_per_s": round(len(start) * done / clock / 1e6, 2),
-        "steps_per_simulated_s": round(done / (0.5 * seconds)),
-        "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1000,
-        "slide_max_m": round(again.slide.rows[-1].slide_max_m, 3),
-    }
+    def look(_: DiscModel, row: Row, __: bool) -> None:
+        print(f"{row.time_s:.1f} s: {row.slide_max_m:.3f} m, {time.perf_counter() - begin:.0f} s", flush=True)
+        if row.time_s < 0.5 * seconds:
+            shutil.copytree(whole, half, dirs_exist_ok=True)
+
+    first = slider(whole)
+    begin, steps, since = time.perf_counter(), first.model.steps, first.model.time
+    first.run(look, threads=threads)
+    clock, done = time.perf_counter() - begin, first.model.steps - steps
+    again = slider(half)
+    again.run(threads=threads)
+    return Measured(
+        discs=len(start), threads=threads, rest_s=round(rest, 1), slide_s=round(clock, 1),
+        million_disc_steps_per_s=round(len(start) * done / max(clock, 1e-9) / 1e6, 1),
+        steps_per_simulated_s=round(done / max(first.model.time - since, 1e-9)),
+        memory_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1000,
+        checkpoint_mb=round((whole / "checkpoint.h5").stat().st_size / 1e6, 1),
+        slide_max_m=round(first.slide.rows[-1].slide_max_m, 3),
+        same_when_resumed=same(first.model, again.model) and first.slide.rows == again.slide.rows,
+    )  # fmt: skip
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--discs", type=int, nargs="+", default=[3000, 12_000])
-    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--discs", type=int, nargs="+", default=[2500, 10_000])
+    parser.add_argument("--seconds", type=float, default=4.0)
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--folder", type=Path, help="where discs and slides are kept; nowhere if not given")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     arguments = parser.parse_args()
     given = Input.load(SECTIONS / "s13.toml")
     rows = []
-    for discs in arguments.discs:
-        for threads in arguments.threads:
-            rows.append(measure(given, discs, arguments.seconds, threads))
-            print(rows[-1], flush=True)
+    with tempfile.TemporaryDirectory() as nowhere:
+        for discs in arguments.discs:
+            for threads in arguments.threads:
+                kept = (arguments.folder or Path(nowhere)) / str(discs)
+                rows.append(measure(given, discs, arguments.seconds, threads, kept))
+                print(rows[-1], flush=True)
+                if not rows[-1].same_when_resumed:
+                    raise SystemExit("a slide that was taken up again has ended elsewhere")
     if arguments.json:
-        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+        arguments.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
 
 
 if __name__ == "__main__":
