@@ -321,9 +321,13 @@ class Input(Section):
 
     def files(self, *tables: str) -> dict[str, Path]:
         """The files that the settings, or some tables of them, name, by table and key."""
+        wanted = tables or self.tables()
+        return {f"{table}, {key}": path for (table, key), path in self.named_files().items() if table in wanted}
+
+    def named_files(self) -> dict[tuple[str, str], Path]:
+        """All files that the settings name, by table and key."""
         named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
-        return {f"{table}, {key}": Path(name) for (table, key), name in named.items()
-                if name not in ("", AVERAGE) and table in (tables or self.tables())}  # fmt: skip
+        return {place: Path(name) for place, name in named.items() if name not in ("", AVERAGE)}
 
 
 def _find_beside(data: Mapping[str, Any], folder: Path) -> None:

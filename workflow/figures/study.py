@@ -15,6 +15,7 @@ from workflow.results.study import Curve, Result
 
 HEIGHT = 3.4  # inches of a row of frames
 ACROSS = 4  # frames of a row, of single samples
+FAMILIES = 3  # frames of a row, of curves
 SHOWN = 12  # uncertain numbers at most in one picture, the strongest
 PALE = "#d7dde2"
 
@@ -33,7 +34,8 @@ def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
 
 def effects(results: Sequence[Result], title: str, path: Path) -> None:
     """Bars for every uncertain number: rank correlations, or total Sobol' indices with intervals where there are."""
-    shown = [result for result in results if any(one.correlation is not None for one in result.effects)][:ACROSS]
+    known = [result for result in results if any(one.correlation is not None for one in result.effects)]
+    shown = sorted(known, key=lambda result: _is_detail(result.name))[:ACROSS]
     figure = _figure(1, f"{title}: what matters most")
     for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
@@ -51,16 +53,25 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
     figure.savefig(path, format="png")
 
 
+def _is_detail(name: str) -> bool:
+    """Whether it tells of a part of a slide, and not of its largest."""
+    return name.startswith("case") and not name.endswith("slide_max_m")
+
+
 def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
     """Families of curves side by side: those whose names begin alike."""
     families: dict[str, list[Curve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
-    figure = _figure(1, f"{title}: fragility")
-    for axes, (name, family) in zip(np.ravel([figure.subplots(1, len(families))]), families.items(), strict=True):
+    rows = -(-len(families) // FAMILIES)
+    figure = _figure(rows, f"{title}: fragility")
+    frames = np.ravel([figure.subplots(rows, min(len(families), FAMILIES), squeeze=False)])
+    for axes in frames[len(families) :]:
+        axes.set_visible(False)
+    for axes, (name, family) in zip(frames, families.items(), strict=False):
         for curve, colour in zip(family, (CONTINUUM, DISCS, CRITICAL, INK, "#1f6fb2") * len(family), strict=False):
             _band(axes, curve, colour, curve.name.split(": ")[-1])
-        _label(axes, "d (m)" if name.startswith("discs") else "Kh, or PGA / g", "probability")
+        _label(axes, "d (m)" if name.endswith("over d") else "Kh, or PGA / g", "probability of a larger slide")
         axes.set_title(name, fontsize=9, loc="left", color=INK, parse_math=False)
         axes.set_ylim(0.0, 1.0)
         axes.legend(fontsize=7, frameon=False)

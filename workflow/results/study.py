@@ -30,7 +30,9 @@ class Curve(Part):
     name: str
     over: tuple[float, ...]
     chance: tuple[float, ...]
-    low: tuple[float, ...] = Field(description="95 % interval (Wilson 1927), of independent samples")
+    low: tuple[float, ...] = Field(
+        description="95 % interval by Wilson (1927), of independent samples; of a fit by bootstrap"
+    )
     high: tuple[float, ...]
 
 
@@ -76,5 +78,5 @@ class StudyAnswer(Answer):
     fails: Curve | None = Field(description="probability that the critical Kh is below a Kh")
     fragility: tuple[Curve, ...] = Field(
         description="probability that a slide exceeds a length: of the block over Kh or peak acceleration, of the "
-        "discs over the length, at the Kh of their slides"
+        "discs over the length, and over what shakes them where that is drawn"
     )

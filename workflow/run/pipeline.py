@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from pathlib import Path
 from typing import Protocol
 
 from workflow.run import mesh_options
@@ -18,7 +17,7 @@ from workflow.run.progress import Progress
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import FILES, Input
+from workflow.settings import Input
 
 
 class Listener(Protocol):
@@ -194,13 +193,10 @@ class Run:
 
 def leave_input(given: Input, store: Store) -> None:
     """Leave section.toml, the input as used, and beside it the files that it names."""
-    for table, key in FILES:
-        settings = getattr(given, table)
-        if name := getattr(settings, key):
-            file = Path(name)
-            with store.writing(file.name) as path:
-                path.write_bytes(file.read_bytes())
-            given = given.model_copy(update={table: settings.model_copy(update={key: file.name})})
+    for (table, key), file in given.named_files().items():
+        with store.writing(file.name) as path:
+            path.write_bytes(file.read_bytes())
+        given = given.model_copy(update={table: getattr(given, table).model_copy(update={key: file.name})})
     store.write_text("section.toml", given.to_toml())
 
 

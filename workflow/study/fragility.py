@@ -1,18 +1,22 @@
 """Fragility: the probability of failure, and that of a slide beyond a length, over what shakes the ground."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
+from dem.settings import AVERAGE
 from meshes.section.quantity import GRAVITY
-from workflow.earthquake.accelerogram import Accelerogram
+from workflow.earthquake.accelerogram import Accelerogram, read
 from workflow.estimates.comparison import constant_kh
 from workflow.estimates.sliding_block import newmark, rectangular_pulse
 from workflow.results.study import Curve
 from workflow.settings import Input
+from workflow.study.lognormal_fragility import curve
 from workflow.study.statistics import probability
 from workflow.study.table import Table
 
+KH, SCALE = "slide.kh", "slide.scale"  # by which a study draws what shakes the discs
 POINTS = 41  # of a curve
 BEYOND = 1.5  # times the largest critical Kh, where the curves of the block end
 LEAST = 1e-3  # kc of a block that would never stop otherwise
@@ -29,18 +33,42 @@ def failure(table: Table) -> Curve | None:
 
 def fragility(given: Input, table: Table) -> Iterator[Curve]:
     """P(slide > d): of the rigid block over Kh, over the peak acceleration of the record where there is one; and of the
-    discs at the Kh of their slides, over d.
+    discs over d, and over what shakes them where that is drawn.
     """
     kc = _known(table, "kc")
     if len(kc) >= 2:
         yield from _blocks(given, np.maximum(kc, LEAST))
     for name in table.names:
         if name.endswith("slide_max_m"):
-            slides = _known(table, name)
-            over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(given.study.exceeds)), POINTS)
-            if len(slides):
-                yield probability(f"discs, {name.split('_')[0]}: slide > d (m), Kh = {given.slide.kh:g}", over,
-                                  slides[:, None] > over)  # fmt: skip
+            yield from _discs(given, table, name)
+
+
+def _discs(given: Input, table: Table, name: str) -> Iterator[Curve]:
+    slides, case = _known(table, name), name.split("_")[0]
+    if not len(slides):
+        return
+    over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(given.study.exceeds)), POINTS)
+    levels = _levels(given, table)
+    driven = "shaken as drawn" if levels else given.slide.shaking
+    yield probability(f"discs, over d: {case}, {driven}", over, slides[:, None] > over)
+    for word, drawn in levels.items():
+        known = drawn[np.isfinite(table.column(name))]
+        fits = (curve(f"discs, {case}, over {word}: slide > {far:g} m", known, slides > far)
+                for far in given.study.exceeds)  # fmt: skip
+        yield from (fit for fit in fits if fit is not None)
+
+
+def _levels(given: Input, table: Table) -> dict[str, np.ndarray]:
+    """What shakes the discs in every sample, where it is drawn: Kh, or the peak of their record over g."""
+    record = given.slide.accelerogram
+    path = SCALE if record else KH
+    drawn = given.uncertain.numbers.get(path)
+    if drawn is None or drawn.does != "value" or record == AVERAGE:
+        return {}
+    values = np.array(table.drawn(path), dtype=float)
+    if not record:
+        return {"Kh": values}
+    return {"PGA / g": np.abs(values) * read(Path(record), given.slide.unit).peak / GRAVITY}
 
 
 def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:

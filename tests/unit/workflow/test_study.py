@@ -14,6 +14,7 @@ from tests.support.tasks import Numbers, infinite_slope, ishigami
 from workflow.ensemble.ensemble import Ensemble
 from workflow.ensemble.task import Task
 from workflow.study import sample
+from workflow.study.lognormal_fragility import curve, fit
 from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, Table
 from workflow.uncertain.distribution import Distribution
@@ -104,3 +105,19 @@ def test_intervals_of_a_probability_hold_it_19_times_in_20(n: int) -> None:
         curve = probability("p", truth, one[:, None] < truth)
         held += int(np.sum((np.array(curve.low) <= truth) & (truth <= np.array(curve.high))))
     assert held / (3 * 400) == pytest.approx(0.95, abs=0.02)
+
+
+def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> None:
+    """θ and β of 4,000 samples of a lognormal fragility, to three standard errors; the interval holds the truth."""
+    rng = np.random.default_rng(3)
+    theta, beta, levels = 0.15, 0.4, rng.uniform(0.02, 0.5, 4000)
+    happens = rng.uniform(size=4000) < stats.norm.cdf(np.log(levels / theta) / beta)
+    found = fit(levels, happens)
+    assert found == (pytest.approx(theta, rel=0.03), pytest.approx(beta, rel=0.08))
+    told = curve("discs", levels[:200], happens[:200])
+    assert told is not None
+    truth = stats.norm.cdf(np.log(np.array(told.over) / theta) / beta)
+    assert np.mean((np.array(told.low) <= truth) & (truth <= np.array(told.high))) > 0.9
+    assert np.all(np.diff(told.chance) >= 0.0)
+    assert curve("discs", levels, np.zeros(4000, bool)) is None
+    assert curve("discs", levels, np.ones(4000, bool)) is None
