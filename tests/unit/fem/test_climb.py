@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpi4py import MPI
 
-from fem.descent import LONGEST, SLOPE_LEFT, Descent
 from fem.critical import critical_coefficient
+from fem.descent import LONGEST, SLOPE_LEFT, Descent
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
