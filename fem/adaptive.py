@@ -38,9 +38,9 @@ FEWEST_CELLS = 500
 LEAST_GAIN = 0.25
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.05
-# A direction whose Kh on the first mesh is this many times the Kh of the other on its last one cannot matter: no mesh
-# is as much too strong.
-OTHER_MATTERS = 1.4
+# What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
+# mesh, and of later ones as a multiple of what two meshes tell.
+FIRST_REST, REST_TIMES = 0.3, 2.0
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def adapted_answer(
     ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
     """
 
-    def towards(direction: Direction, enough: float) -> AdaptiveResult[AtOnce]:
+    def towards(direction: Direction, other: float) -> AdaptiveResult[AtOnce]:
         wish = settings.model_copy(update={"direction": direction})
         faces: list[Skin] | None = None
 
@@ -177,12 +177,12 @@ def adapted_answer(
             return found
 
         most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-        return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most, enough))
+        return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most, other))
 
     if settings.direction != "both":
         return towards(settings.direction, math.inf)
     down = towards("downhill", math.inf)
-    up = towards("uphill", OTHER_MATTERS * down.result.kc)
+    up = towards("uphill", down.result.kc)
     if up.result.kc < down.result.kc and not up.leaves_through_sides:
         return replace(up, other=down)
     return replace(down, other=up)
@@ -280,13 +280,13 @@ class Wish:
         What may be left of the error, as a share of the critical Kh (-).
     max_cells : int
         Cells of the finest mesh.
-    enough : float
-        A critical Kh of the first mesh beyond which it does not matter how large it is (-).
+    other : float
+        The Kh (-) of the other direction: it does not matter by how much this one is larger.
     """
 
     accuracy: float
     max_cells: int
-    enough: float = math.inf
+    other: float = math.inf
 
 
 def solve_adaptively(
@@ -333,7 +333,8 @@ def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: W
         return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"
-    if last.value > wish.enough:
+    rest = FIRST_REST if len(rounds) == 1 else REST_TIMES * last.rest
+    if last.value * (1.0 - rest) > wish.other:
         return "the other direction governs"
     if wanted > wish.max_cells:
         return f"the next mesh would have {wanted} cells, {wish.max_cells} are allowed"

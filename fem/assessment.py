@@ -145,12 +145,13 @@ class _Search:
         cohesionless faces that are less deep."""
         depth = max(depth, settings.least_depth)
         fixed = settings.model_copy(update={"sides": "fixed", "kh": (), "least_depth": depth})
-        start = None
+        start, limit = None, None
         if adapted and depth > settings.least_depth:  # another ground just below the faces
-            mesh = self.at_once("Kh, fixed sides", fixed).mesh
+            limit = self.at_once("Kh, fixed sides", fixed)
         elif adapted and settings.sides != "tied":
             told = self._saying("Kh, fixed sides")
             limit = answer_beside(self.section, self.meshing, adapted, fixed, self.comm, told)
+        if limit is not None:
             mesh, ground = limit.mesh, limit.result.ground
             start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
         found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)

@@ -21,7 +21,7 @@ from fem.pocket import Pocket
 MOST_STALLED, PROGRESS = 8, 0.9
 # Where there is a potential: the iterations granted, and the part of a correction below which a pocket of ground is
 # what makes it short.
-DESCENTS, SHORT = 120, 0.7
+DESCENTS, SHORT = 120, 0.5
 
 
 @dataclass(frozen=True)

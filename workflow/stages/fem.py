@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from workflow.results.answer import SectionLabel, line
+from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
     Doubt,
     FactorOfSafety,
@@ -109,9 +109,11 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
     ``depth`` (m): of failures that the discs of the rigid box cannot show.
     """
     from fem.judges import is_doubtful
+    from fem.slip_surface import slip_surface
 
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
+    surface = line(slip_surface(mesh, result.mechanism))
     angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in given.strata}
     return FemAnswer(
         section=SectionLabel.of(given),
@@ -148,7 +150,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
-        states=tuple(_kept(mesh, state, result) for state in result.states),
+        states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor) for factor in found.safety),
         rigid_box=_rigid_box(found.rigid_box, depth),
     )
@@ -187,18 +189,19 @@ def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> 
     )
 
 
-def _kept(mesh: "QuadMesh", state: "State", result: "CriticalResult") -> KeptState:
-    from fem.slip_surface import slip_surface
+def _fails(state: "State", result: "CriticalResult") -> bool:
+    """Whether the ground slips in a state; below failure it bends."""
+    return state.past_equilibrium or state.kh >= result.lower
 
-    # the ground slips only where it fails, which the limit load shows most clearly; below that it bends
-    fails = state.past_equilibrium or state.kh >= result.lower
+
+def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
     return KeptState(
         label=state.label,
         kh=state.kh,
         past_equilibrium=state.past_equilibrium,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
         failed_share_by_stratum=failed_shares(mesh, state),
-        slip_surface=line(slip_surface(mesh, result.mechanism)) if fails else (),
+        slip_surface=surface,
     )
 
 

@@ -38,10 +38,10 @@ class Solver:
 
 
 def solved(
-    solver: Solver, accuracy: float = 0.01, max_cells: int = 5000, enough: float = float("inf")
+    solver: Solver, accuracy: float = 0.01, max_cells: int = 5000, other: float = float("inf")
 ) -> AdaptiveResult:
     section, wanted = Section.parse(slope()), MeshSettings(method="free")
-    return solve_adaptively(section, wanted, generate(section, wanted), solver, Wish(accuracy, max_cells, enough))
+    return solve_adaptively(section, wanted, generate(section, wanted), solver, Wish(accuracy, max_cells, other))
 
 
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
@@ -78,8 +78,14 @@ def test_without_a_mechanism_there_is_nothing_to_refine() -> None:
 
 
 def test_a_direction_that_cannot_govern_is_not_refined() -> None:
-    found = solved(Solver(error=100.0), enough=EXACT)
+    found = solved(Solver(error=100.0), other=0.6 * EXACT)
     assert (len(found.rounds), found.reason) == (1, "the other direction governs")
+
+
+def test_a_direction_is_refined_until_what_is_left_of_its_error_no_longer_matters() -> None:
+    found = solved(Solver(error=20.0), accuracy=1e-4, other=0.9 * EXACT)
+    assert (len(found.rounds), found.reason) == (2, "the other direction governs")
+    assert found.result.value * (1.0 - 2.0 * found.rounds[-1].rest) > 0.9 * EXACT
 
 
 def test_no_answer_on_the_first_mesh_is_raised() -> None:

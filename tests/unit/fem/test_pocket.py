@@ -1,0 +1,91 @@
+"""A pocket of ground is brought to rest by itself: nothing around it moves, and the answer is the same, only sooner."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fem import continuation
+from fem.adaptive import next_mesh
+from fem.at_once import critical_at_once
+from fem.continuation import ProportionalLoad, residual_of
+from fem.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
+from fem.plane_strain import PlaneStrain
+from fem.pocket import ALIKE, Pocket
+from fem.settings import FemSettings
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from tests.support import RIVER_BANK
+from tests.support.fem_problems import section, soil
+
+BANK = section(
+    [[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0,
+    soil("fill", c=2e3, phi=30.0, psi=0.0, bottom={"elevation": [[0.0, 2.0], [16.0, 2.0]]}),
+    soil("bare sand", c=0.0, phi=33.0, psi=0.0),
+)  # fmt: skip
+SETTINGS = FemSettings(flow="davis", direction="downhill")
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return generate(BANK, MeshSettings(method="free", size=0.8))
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A bank after one elastic displacement under its weight, (dofs,) in m, and its unbalanced force, in N/m."""
+
+    problem: PlaneStrain
+    load: ProportionalLoad
+    moved: np.ndarray
+    unbalanced: np.ndarray
+
+
+@pytest.fixture
+def begun(mesh) -> Begun:
+    problem, weight, _ = at_the_sides(BANK, mesh, SETTINGS, MPI.COMM_SELF)
+    problem.hold(UNDER_GRAVITY)
+    load = ProportionalLoad(np.zeros_like(weight), weight)
+    problem.use_elastic_tangent()
+    problem.factorise()
+    moved = problem.solve(weight)
+    return Begun(problem, load, moved, residual_of(problem, load, moved, 1.0, 1.0)[0])
+
+
+def test_a_pocket_comes_to_rest_and_nothing_around_it_moves(begun) -> None:
+    pocket = Pocket(begun.problem, begun.unbalanced)
+    after = pocket.at_rest(begun.moved, begun.unbalanced)
+    outside = np.setdiff1d(np.arange(len(after)), pocket.components)
+    assert len(pocket.components) > 0
+    assert len(outside) > 0
+    assert np.array_equal(after[outside], begun.moved[outside])
+    left = np.abs(residual_of(begun.problem, begun.load, after, 1.0, 1.0)[0])
+    before = np.abs(begun.unbalanced)
+    assert left[pocket.components].max() <= 1.01 * ALIKE * before[outside].max() < before[pocket.components].max()
+
+
+def test_what_is_held_stays_where_it_is(begun) -> None:
+    pocket = Pocket(begun.problem, begun.unbalanced)
+    assert np.all(begun.problem.free[pocket.components])
+
+
+def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections(monkeypatch) -> None:
+    """Fine cells at a toe under water, where sand bears next to nothing."""
+    bank = Section.read(RIVER_BANK)
+    first = generate(bank, MeshSettings(method="free", size=2.0))
+    found = critical_at_once(bank, first, SETTINGS, MPI.COMM_SELF)
+    assert found.mechanism is not None
+    fine = next_mesh(bank, MeshSettings(method="free"), first, found.mechanism.plastic_shear_strain, 1000)
+
+    def settled() -> tuple[int, np.ndarray]:
+        problem, weight, constant = at_the_sides(bank, fine, SETTINGS, MPI.COMM_SELF, found.ground.faces)
+        path = bring_to_rest(problem, weight, constant, SETTINGS)
+        return path.solves, problem.stress
+
+    corrections, stress = settled()
+    monkeypatch.setattr(continuation, "SHORT", 0.0)
+    more, same = settled()
+    assert corrections < 0.8 * more
+    assert np.abs(stress - same).max() < 0.01 * np.abs(same).max()
