@@ -1,61 +1,19 @@
-"""`noshiro run` as a person types it, from a section to the report; what stops it, and that nothing is lost."""
+"""`noshiro run` as a person types it, from a section to the report."""
 
 import json
-import os
-import random
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
-import tomli_w
 from matplotlib.image import imread
 
 from tests.support import dem_fixture
 from tests.support.browser import executable, page
-from tests.support.command_line import TOP, line, process, run
-from tests.support.sections import slope
-
-RECORD = "time (s), acceleration (g)\n" + "\n".join(
-    f"{0.1 * i:.1f}, {value}" for i, value in enumerate([0, 0.6, 0.6, -0.7, -0.7, -0.7, 0.2, 0])
-)
-
-
-# Without the discs, which have tests of their own.
-CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
-# Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
-FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
-SHORT_SLIDE = {"seeds": [], "duration": 0.5, "frames": 2, "cases": [{"stiffness": k} for k in (0.1, 0.02, 0.01)]}
-
-
-def written(folder: Path, **more: Any) -> Path:
-    """A small section with a record, coarse enough for a second."""
-    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}, "bounds": {"max_cells": 300}}
-    data |= {
-        "fem": {"element": "bilinear", "kh": [0.2, 0.9], "accuracy": 0.0},
-        "sliding_block": {"accelerogram": "quake.csv"},
-        "variants": {"which": ["step"]},
-        "dem": FEW_DISCS,
-        "slide": SHORT_SLIDE,
-        **more,
-    }
-    data["strata"][0]["liquefies_in"] = [1, 2, 3]
-    (folder / "quake.csv").write_text(RECORD)
-    path = folder / "slope.toml"
-    path.write_text(tomli_w.dumps(data))
-    return path
-
-
-def numbers(folder: Path) -> dict[str, Any]:
-    """The summary without what differs from run to run."""
-    data: dict[str, Any] = json.loads((folder / "summary.json").read_text())
-    return {key: value for key, value in data.items() if key not in ("seconds", "made_with")}
+from tests.support.command_line import run
+from tests.support.small_run import numbers, written
 
 
 @pytest.fixture(scope="module")
@@ -289,143 +247,3 @@ def test_init_writes_a_section_that_runs_as_it_is(tmp_path: Path, capsys: pytest
     assert run("init", path) == 2
     assert "is there already" in capsys.readouterr().err
     assert path.read_text() == before
-
-
-# --- Killed, stopped, locked out ----------------------------------------------------------------------------------
-
-
-def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
-    """Start a run and stop it after so many seconds; returns its exit code, negative for a signal."""
-    started = subprocess.Popen(
-        line("run", path, "--out", out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=TOP,
-        stdin=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        started.communicate(timeout=seconds)
-    except subprocess.TimeoutExpired:
-        started.send_signal(how)
-        started.communicate(timeout=60)
-    return started.returncode
-
-
-def finished_after_kills(tmp_path: Path, kills: int, seed: int) -> tuple[Path, Path]:
-    """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
-    path = written(tmp_path)
-    start = time.monotonic()
-    assert process("run", path, "--out", tmp_path / "alone").returncode == 0
-    span = time.monotonic() - start
-    draw = random.Random(seed)
-    for _ in range(kills):
-        killed_at(path, tmp_path / "killed", draw.uniform(0.2, 1.0) * span, signal.SIGKILL)
-        for file in (tmp_path / "killed").rglob("*.json"):
-            json.loads(file.read_text())  # whatever is there is whole
-    assert process("run", path, "--out", tmp_path / "killed").returncode == 0
-    return tmp_path / "alone", tmp_path / "killed"
-
-
-def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 1, 20260101)
-    assert numbers(alone) == numbers(killed)
-    names = [{str(path.relative_to(out)) for path in out.rglob("*")} for out in (alone, killed)]
-    assert names[0] == names[1]  # nothing half-written is left
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
-def test_killed_again_and_again(seed: int, tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 6, seed)
-    assert numbers(alone) == numbers(killed)
-
-
-def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
-    path = written(tmp_path, fem={"element": "quadratic"}, mesh={"size": 0.8})
-    command = line("run", path, "--out", tmp_path / "out", *CONTINUUM)
-    started = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=TOP)
-    assert started.stdout is not None
-    while not started.stdout.readline().startswith("fem:"):
-        pass
-    time.sleep(1.0)
-    started.send_signal(signal.SIGINT)
-    _, told = started.communicate(timeout=60)
-    assert (started.returncode, told) == (130, "Stopped.\n")
-    assert not (tmp_path / "out/fem/critical.json").exists()
-    assert "stopped after" in (tmp_path / "out/log.txt").read_text()
-    done = process("run", path, "--out", tmp_path / "out", "--dry-run")
-    assert "it was stopped, and goes on" in done.stdout
-
-
-# --- Folders that cannot be written to ----------------------------------------------------------------------------
-
-
-@pytest.fixture
-def mounted(tmp_path: Path) -> Iterator[Path]:
-    """A file system of its own of 400 kB."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=400k", "none", place], capture_output=True, check=False)
-    if done.returncode:
-        pytest.skip(f"mounting is not permitted here: {done.stderr.decode().strip()}")
-    yield place
-    subprocess.run(["umount", place], check=True)
-
-
-def remount(place: Path, options: str) -> None:
-    subprocess.run(["mount", "-o", f"remount,{options}", place], check=True)
-
-
-def test_a_full_disk_and_then_a_larger_one(mounted: Path, tmp_path: Path) -> None:
-    path = written(tmp_path)
-    full = process("run", path, "--out", mounted / "out", *CONTINUUM)
-    assert full.returncode == 2
-    assert "cannot be written: No space left on device" in full.stderr
-    assert "Traceback" not in full.stderr
-    assert not list(mounted.rglob(".[0-9]*"))  # nothing half-written
-    remount(mounted, "size=40m")
-    done = process("run", path, "--out", mounted / "out", *CONTINUUM)
-    assert done.returncode == 0, done.stderr
-    assert "mesh: nothing has changed: reused" in done.stdout
-    assert (mounted / "out/report.html").read_text().rstrip().endswith("</html>")
-
-
-def test_a_read_only_folder(mounted: Path, tmp_path: Path) -> None:
-    """The section lies where nothing can be written: so by default nothing can, and elsewhere all goes well."""
-    path = written(mounted)
-    remount(mounted, "ro")
-    done = process("check", path, folder=mounted)
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stderr
-    done = process("run", path, "--only", "mesh", folder=mounted)
-    assert done.returncode == 2
-    assert "cannot be written: Read-only file system" in done.stderr
-    assert process("run", path, "--only", "mesh", "--out", tmp_path / "out", folder=mounted).returncode == 0
-
-
-def nobody() -> None:
-    """Give up all rights for good; root could write anywhere."""
-    if os.geteuid() == 0:
-        os.setgroups([])
-        os.setgid(65534)
-        os.setuid(65534)
-
-
-def test_a_missing_permission() -> None:
-    """As somebody who may read the section and not write the folder of its results."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        folder.chmod(0o755)
-        path = written(folder)
-        (folder / "out").mkdir(mode=0o555)
-        trial = subprocess.run(
-            [sys.executable, "-c", "import workflow.cli"], cwd=TOP, preexec_fn=nobody, capture_output=True, check=False
-        )
-        if trial.returncode:
-            pytest.skip("nobody but the owner may read this copy of the program")
-        done = process("run", path, "--out", folder / "out", before=nobody)
-        assert done.returncode == 2
-        assert "cannot be written: Permission denied" in done.stderr
-        assert "Traceback" not in done.stderr
-        assert list((folder / "out").iterdir()) == []
-        path.chmod(0o200)
-        done = process("run", path, "--out", folder / "out", before=nobody)
-        assert done.returncode == 2
-        assert "cannot be read: Permission denied" in done.stderr

@@ -14,20 +14,9 @@ from hypothesis import strategies as st
 from fem.kernels import mohr_coulomb as mc
 from fem.kernels import return_mapping as rm
 from tests.support import TOP
+from tests.support.stress_updates import FLOWS, YOUNG, in_plane, many_trials, updated
 
-YOUNG = 1e3
 every = settings(deadline=None, max_examples=200, derandomize=True)
-
-
-def updated(table, stress, strain=None, material=None):
-    """stress, tangent, plastic strain and region for arrays (n, 4) of old stresses and strain increments."""
-    stress = np.ascontiguousarray(np.atleast_2d(stress), dtype=float)
-    n = len(stress)
-    strain = np.zeros((n, 4)) if strain is None else np.ascontiguousarray(np.broadcast_to(strain, (n, 4)))
-    material = np.zeros(n, int) if material is None else material
-    out = np.empty((n, 4)), np.empty((n, 4, 4)), np.empty((n, 4)), np.empty(n, np.int8)
-    mc.update(strain, stress, material, table, *out)
-    return out
 
 
 def friction_and_dilation():
@@ -50,13 +39,6 @@ def parameters(draw):
 
 component = st.one_of(st.sampled_from([0.0, 1.0, -1.0, -2.0]), st.floats(-100, 100).map(lambda v: round(v, 6)))
 stresses = st.tuples(component, component, component, component).map(lambda s: np.array([s]))
-
-
-def in_plane(stress):
-    """Principal stresses a >= b in the plane, for (n, 4)."""
-    mean, half = (stress[:, 0] + stress[:, 1]) / 2, (stress[:, 0] - stress[:, 1]) / 2
-    radius = np.hypot(half, stress[:, 3])
-    return mean + radius, mean - radius
 
 
 @every
@@ -150,99 +132,6 @@ def test_nan_stays_where_it_is():
     assert stress[1, 1:].tolist() == [-9, -3, 2]
     assert np.isfinite(stress[[0, 2]]).all()
     assert np.array_equal(stress[0], stress[2])
-
-
-# --- tangent ---
-
-FLOWS = {"associated": (0.6, 0.6), "dilation": (0.6, 0.2), "no dilation": (0.6, 0.0), "Tresca": (0.0, 0.0)}
-SHEAR_REGIONS = {rm.ELASTIC, rm.SHEAR_PLANE, rm.LEFT_EDGE, rm.RIGHT_EDGE}
-TENSION_REGIONS = {rm.TENSION_PLANE, rm.TENSION_EDGE, rm.TENSION_APEX, rm.SHEAR_TENSION, rm.LEFT_CORNER}
-STEPS = 4e-3 * 4.0 ** -np.arange(4)
-
-
-def many_trials(seed, n):
-    """Trial stresses that return to every region, and strain increments of random direction."""
-    random = np.random.default_rng(seed)
-    mean, half, zz = random.uniform(-40, 20, n), random.exponential(6, n), random.normal(0, 15, n)
-    angle = random.uniform(0, 2 * math.pi, n)
-    trial = np.column_stack([mean + half * np.cos(angle), mean - half * np.cos(angle), mean + zz, half * np.sin(angle)])
-    direction = random.normal(size=(n, 4))
-    return trial, 10 / YOUNG * direction / np.linalg.norm(direction, axis=1)[:, None]
-
-
-@pytest.mark.parametrize("tension", [math.nan, 1.0])
-@pytest.mark.parametrize("flow", FLOWS)
-def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
-    friction, dilation = FLOWS[flow]
-    table = mc.table(YOUNG, 0.3, 6.0, friction, dilation, tension)
-    trial, direction = many_trials(seed=3, n=100_000)
-    stress, tangent, _, region = updated(table, trial)
-    steady = np.ones(len(trial), bool)
-    remainder = np.empty((len(STEPS), len(trial)))
-    predicted = np.einsum("nij,nj->ni", tangent, direction)
-    for k, h in enumerate(STEPS):
-        ahead, _, _, region_ahead = updated(table, trial, h * direction)
-        steady &= region_ahead == region
-        remainder[k] = np.linalg.norm(ahead - stress - h * predicted, axis=1)
-    a, b = in_plane(trial)
-    steady &= a - b > 1  # the closer they are, the smaller the steps must be
-    place = np.where(trial[:, 2] >= a, 1, np.where(trial[:, 2] > b, 2, 3))
-
-    last = {rm.APEX} if math.isnan(tension) and friction > 0 else set()
-    expected = SHEAR_REGIONS | last | (set() if math.isnan(tension) else TENSION_REGIONS | {rm.RIGHT_CORNER})
-    for r in expected:
-        for z in (1, 2, 3):
-            here = np.flatnonzero(steady & (region == r) & (place == z))[:200]
-            assert here.size >= 10, f"{mc.REGIONS[r]}, zz number {z}: {here.size} states"
-            orders = np.polyfit(np.log(STEPS), np.log(remainder[:, here] + 1e-300), 1)[0]
-            exact = remainder[0, here] < 1e-9  # of a change of 0.04; less is lost to rounding at the last step
-            assert np.all(exact | (orders > 1.9)), f"{mc.REGIONS[r]}, zz number {z}: {orders[~exact].min()}"
-            if r in (rm.SHEAR_PLANE, rm.SHEAR_TENSION):
-                assert not exact.all(), "the axes turn: something must be left over"
-
-
-@pytest.mark.parametrize(
-    ("trial", "region"),
-    [
-        ((-3, -3, -3.5, 0), rm.ELASTIC),
-        ((-3, -3, -30, 0), rm.LEFT_EDGE),
-        ((-30, -30, -3, 0), rm.RIGHT_EDGE),
-        ((-1, -1, 1, 0), rm.TENSION_PLANE),
-        ((3, 3, -1, 0), rm.TENSION_EDGE),
-        ((9, 9, 9, 0), rm.TENSION_APEX),
-        ((6, 6, -4, 0), rm.LEFT_CORNER),
-        ((-4, -4, 8, 0), rm.RIGHT_CORNER),
-    ],
-)
-@pytest.mark.parametrize("split", [0.0, 1e-12])
-def test_tangent_where_the_in_plane_trial_stresses_coincide(trial, region, split):
-    table = mc.table(YOUNG, 0.3, 2.0, 0.5, 0.2, 0.5)
-    trial = np.add(trial, [split, 0, 0, split], dtype=float)
-    _, tangent, _, found = updated(table, trial)
-    assert found == region
-    h = 1e-5 * np.eye(4)
-    ahead, behind = updated(table, np.tile(trial, (4, 1)), h), updated(table, np.tile(trial, (4, 1)), -h)
-    assert set(ahead[3]) | set(behind[3]) == {region}
-    np.testing.assert_allclose(tangent[0], (ahead[0] - behind[0]).T / 2e-5, atol=1e-6 * YOUNG)
-
-
-def test_associated_tangent_is_symmetric():
-    table = mc.table(YOUNG, 0.2, 1.0, 0.6, 0.6, 0.5)
-    _, tangent, _, region = updated(table, many_trials(seed=4, n=20_000)[0])
-    assert np.abs(tangent - tangent.transpose(0, 2, 1)).max() < 1e-11 * YOUNG
-    assert len(np.unique(region)) == len(mc.REGIONS) - 1  # all but the apex, which the cut-off removes
-
-
-def test_pure_shear_without_strength_is_not_a_toss_up():
-    """With c = 0 and psi = 0 the plane's return ends at the apex; rounding must not choose between them."""
-    angle = np.linspace(0, 2 * np.pi, 1001)
-    trial = np.exp(np.linspace(-5, 15, 1001))[:, None] * np.column_stack(
-        [np.cos(angle), -np.cos(angle), 0 * angle, np.sin(angle)]
-    )
-    for friction in (0.0, 0.3, 0.6):
-        stress, _, _, region = updated(mc.table(YOUNG, 0.3, 0, friction, 0), trial)
-        assert set(region) == {rm.SHEAR_PLANE}
-        assert np.all(np.abs(stress) <= 1e-15 * np.abs(trial).max(axis=1)[:, None])
 
 
 # --- mobilised share of strength ---

@@ -1,12 +1,6 @@
 """Which stages run, which are reused, and what becomes of those that fail: on stages that take no time."""
 
-import json
 import os
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,88 +8,13 @@ from typing import Any
 import pytest
 
 from meshes.errors import InputError
-from tests.support.command_line import TOP
-from tests.support.sections import slope
+from tests.support.toy_stages import ALL_OF_THEM, Heard, Toys
 from workflow.run import pipeline, source
 from workflow.run.errors import NoAnswerError
-from workflow.run.lock import locked
-from workflow.run.plan import Choice, Decision, plan
-from workflow.run.progress import Progress, duration, silent
-from workflow.run.record import Entry, Record
-from workflow.run.stage import Job, Stage
+from workflow.run.plan import Choice, plan
+from workflow.run.record import Record
+from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
-
-Work = Callable[[Job], None]
-
-
-class Heard:
-    """A listener that remembers."""
-
-    def __init__(self) -> None:
-        self.ran: list[str] = []
-        self.ended: dict[str, str] = {}
-        self.skipped: dict[str, str] = {}
-
-    def begin(self, decision: Decision) -> Progress:
-        self.ran.append(decision.stage.name)
-        return silent
-
-    def end(self, decision: Decision, entry: Entry) -> None:
-        self.ended[decision.stage.name] = entry.outcome
-
-    def skip(self, decision: Decision, why: str) -> None:
-        self.skipped[decision.stage.name] = why
-
-
-def leaves(name: str, text: str = "result") -> Work:
-    """Work that leaves one file of a text."""
-    return lambda job: job.store.write_text(name, text) and None
-
-
-def stage(name: str, **more: Any) -> Stage:
-    """A stage that leaves one file, and has no code of its own."""
-    return Stage(
-        name=name, what=f"the {name}", module="workflow.run.errors", work=leaves(f"{name}.txt"),
-        results=(f"{name}.txt",), pictures=(f"{name}*.png",), **more,
-    )  # fmt: skip
-
-
-class Toys(dict[str, Stage]):
-    """Stages by their names, in their order."""
-
-    def change(self, name: str, **values: Any) -> None:
-        """Another stage in the place of one."""
-        self[name] = replace(self[name], **values)
-
-    def job(self, folder: Path, **settings: Any) -> Job:
-        """The small slope with some settings."""
-        return Job(Input.parse({**slope(), **settings}), Store(folder), tuple(self.values()))
-
-    def choose(self, **options: Any) -> Choice:
-        """A choice among them."""
-        return Choice.of(tuple(self.values()), **options)
-
-    def go(self, folder: Path, choice: Choice | None = None, **settings: Any) -> Heard:
-        """Run the pipeline on the small slope."""
-        heard = Heard()
-        pipeline.execute(self.job(folder, **settings), choice or self.choose(), heard, "test")
-        return heard
-
-
-@pytest.fixture
-def toys() -> Toys:
-    """Three stages in a row, and one that tells of all."""
-    made = (
-        stage("mesh", tables=("mesh",)),
-        stage("fem", needs=("mesh",), tables=("fem",)),
-        stage("slide", needs=("fem",), leftovers=("dem/*",), partial=lambda job: job.cases is not None),
-        stage("report", needs=("mesh", "fem", "slide"), tables=("figures",), of_all=True),
-    )
-    return Toys({each.name: each for each in made})
-
-
-ALL_OF_THEM = ["mesh", "fem", "slide", "report"]
 
 
 def test_what_has_not_changed_is_reused(toys: Toys, tmp_path: Path) -> None:
@@ -342,82 +261,3 @@ def test_half_written_files_of_the_dead_are_swept(toys: Toys, tmp_path: Path) ->
     toys.go(tmp_path)
     assert not (tmp_path / ".123-fem.txt").exists()
     assert (tmp_path / ".hidden").exists()
-
-
-# --- The lock -----------------------------------------------------------------------------------------------------
-
-HOLDER = """
-import sys, time
-from pathlib import Path
-from workflow.run.lock import locked
-with locked(Path(sys.argv[1])):
-    print("held", flush=True)
-    time.sleep(60)
-"""
-
-
-def test_two_runs_do_not_share_a_folder_and_a_dead_one_holds_nothing(toys: Toys, tmp_path: Path) -> None:
-    holder = subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=TOP)
-    try:
-        assert holder.stdout is not None
-        assert holder.stdout.readline() == "held\n"
-        with pytest.raises(InputError, match=rf"is in use by another run \(process {holder.pid} on "):
-            toys.go(tmp_path)
-        assert not (tmp_path / "mesh.txt").exists()
-        holder.send_signal(signal.SIGKILL)
-        holder.wait(timeout=10)
-        assert toys.go(tmp_path).ran == ALL_OF_THEM
-    finally:
-        holder.kill()
-        holder.wait()
-
-
-def test_children_do_not_keep_the_lock(tmp_path: Path) -> None:
-    """The workers of a run that was killed live on for a while."""
-    fork = HOLDER.replace('print("held"', 'import os\n    if os.fork() == 0: time.sleep(60)\n    print("held"')
-    holder = subprocess.Popen([sys.executable, "-c", fork, str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=TOP,
-                              start_new_session=True)  # fmt: skip
-    try:
-        assert holder.stdout is not None
-        holder.stdout.readline()
-        os.kill(holder.pid, signal.SIGKILL)
-        holder.wait(timeout=10)
-        with locked(tmp_path):
-            pass
-    finally:
-        os.killpg(holder.pid, signal.SIGKILL)
-
-
-# --- The log and the clock ----------------------------------------------------------------------------------------
-
-
-def test_the_log_says_what_ran_with_what_and_for_how_long(toys: Toys, tmp_path: Path) -> None:
-    toys.go(tmp_path)
-    toys.go(tmp_path)
-    text = (tmp_path / "log.txt").read_text()
-    for words in (
-        "--- test",
-        "host: ",
-        "versions: python 3.",
-        "noshiro 0.1.0",
-        "numpy ",
-        "mesh: begins (it has not run yet)",
-    ):
-        assert words in text
-    assert text.count("fem: done after") == 1
-    assert text.count("fem: reused, made in") == 1
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"), [(0.44, "0.4 s"), (9.96, "10 s"), (59.4, "59 s"), (60, "1 min 0 s"), (7500, "2 h 5 min")]
-)
-def test_durations(seconds: float, words: str) -> None:
-    assert duration(seconds) == words
-
-
-def test_the_record_is_small_and_whole(toys: Toys, tmp_path: Path) -> None:
-    toys.go(tmp_path)
-    data = json.loads((tmp_path / ".noshiro/stages.json").read_text())
-    assert set(data["stages"]) == set(ALL_OF_THEM)
-    assert data["stages"]["fem"]["files"] == {"fem.txt": 6}
-    assert time.strptime(data["stages"]["fem"]["ended"], "%Y-%m-%d %H:%M:%S")

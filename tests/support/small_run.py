@@ -1,0 +1,44 @@
+"""A small section with a record, which runs in seconds."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from tests.support.sections import slope
+
+RECORD = "time (s), acceleration (g)\n" + "\n".join(
+    f"{0.1 * i:.1f}, {value}" for i, value in enumerate([0, 0.6, 0.6, -0.7, -0.7, -0.7, 0.2, 0])
+)
+
+
+# Without the discs, which have tests of their own.
+CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
+# Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
+FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
+SHORT_SLIDE = {"seeds": [], "duration": 0.5, "frames": 2, "cases": [{"stiffness": k} for k in (0.1, 0.02, 0.01)]}
+
+
+def written(folder: Path, **more: Any) -> Path:
+    """A small section with a record, coarse enough for a second."""
+    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}, "bounds": {"max_cells": 300}}
+    data |= {
+        "fem": {"element": "bilinear", "kh": [0.2, 0.9], "accuracy": 0.0},
+        "sliding_block": {"accelerogram": "quake.csv"},
+        "variants": {"which": ["step"]},
+        "dem": FEW_DISCS,
+        "slide": SHORT_SLIDE,
+        **more,
+    }
+    data["strata"][0]["liquefies_in"] = [1, 2, 3]
+    (folder / "quake.csv").write_text(RECORD)
+    path = folder / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    return path
+
+
+def numbers(folder: Path) -> dict[str, Any]:
+    """The summary without what differs from run to run."""
+    data: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return {key: value for key, value in data.items() if key not in ("seconds", "made_with")}

@@ -1,0 +1,136 @@
+"""Every way in which the engine stops, in words: what is lost, impossible, too deep, or out of nowhere."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dem.engine.engine import Engine, largest_step
+from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
+from dem.kernels.contact import KN
+from dem.model import DiscModel
+from tests.support.dem_cases import BARE, FLOOR, RADIUS, SOIL, box
+
+
+def test_fast_disc_stays_inside_or_the_run_stops_in_words() -> None:
+    stopped = 0
+    for speed in (10.0, 100.0, 1000.0, 10000.0):
+        model = box(6, 5, replace(SOIL, allowed_overlap=2.0))
+        model.lines = np.array([
+            [0.0, -2.0 * RADIUS, 0.0, 1.0, -1e3, 1e3], [-2.0 * RADIUS, 0.0, 1.0, 0.0, -1e3, 1e3],
+            [17.0 * RADIUS, 0.0, -1.0, 0.0, -1e3, 1e3],
+        ])  # fmt: skip
+        model.make_list()
+        model.set_velocity(0.0, -speed, where=model.z == model.z.max())
+        try:
+            Engine(balance=np.inf).run(model, 0.3)
+        except (SpeedError, EscapeError, OverlapError) as error:
+            stopped += f"t = {model.time:.6g} s" in str(error)
+        else:
+            assert np.all(model.z[~model.fixed] > -2.0 * RADIUS)
+            assert np.all(np.abs(model.x[~model.fixed] - 7.5 * RADIUS) < 10.0 * RADIUS)
+    assert 0 < stopped < 4
+
+
+def test_too_large_a_step_is_refused_with_the_number() -> None:
+    model = box(6, 5)
+    stable = largest_step(model)
+    with pytest.raises(StepTooLargeError, match=f"stable step of {stable.seconds:.4g} s that disc {stable.disc}"):
+        Engine(dt=1.01 * stable.seconds).run(model, 0.1)
+    assert Engine(dt="auto").step_of(model) <= 0.2 * stable.seconds
+    Engine(dt=0.99 * stable.seconds, balance=1.0).run(model, steps=10)
+
+
+def test_pairs_that_parted_for_good_do_not_shrink_the_step() -> None:
+    """A cracked pair stays listed for its memory, however far its discs are; it must not count as a lever so long."""
+    model = box(6, 5)
+    model.set_pore_springs()
+    model.pore_length[model.pore_length != 0.0] *= -1.0
+    before = largest_step(model).seconds
+    top = int(np.argmax(np.where(model.fixed, -np.inf, model.z)))
+    model.z[top] += 100.0 * RADIUS
+    model.make_list()
+    assert len(model.pair_i[(model.pair_i == top) | (model.pair_j == top)]) > 0
+    assert largest_step(model).seconds >= before
+
+
+def test_smallest_of_all_limits_sets_the_step() -> None:
+    """One light, stiff disc among heavy ones: its limit counts, not the heaviest disc's."""
+    light = replace(BARE, name="light", density=20.0, effective_density=20.0)
+    x = np.array([0.0, 1.5, 3.0, 4.5])
+    heavy = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], 0)
+    mixed = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], [0, 0, 1, 0])
+    assert largest_step(mixed).seconds == pytest.approx(0.1 * largest_step(heavy).seconds, rel=1e-9)
+    assert largest_step(mixed).disc == 2
+
+
+def test_nan_stops_the_run_and_leaves_the_checkpoint(tmp_path: Path) -> None:
+    model = box(6, 5)
+    kept = tmp_path / "kept.h5"
+    engine = Engine(checkpoint=kept, checkpoint_every=0.05)
+    engine.run(model, 0.1)
+    model.vx_half[17] = model.vx[17] = np.nan
+    with pytest.raises(NotFiniteError, match=rf"disc \d+ at x = .* t = 0\.1.*last checkpoint is {kept}"):
+        engine.run(model, 0.1)
+    assert np.isfinite(DiscModel.load(kept).x).all()
+
+
+def test_too_deep_an_overlap_stops_the_run() -> None:
+    model = box(6, 5, replace(SOIL, kn=1e4, ks=1e4))
+    with pytest.raises(
+        OverlapError, match=r"disc \d+ at x = .* overlap by 0\.5\d* of their mean radius, allowed are 0\.5"
+    ):
+        Engine(balance=1.0).run(model, 5.0)
+    model = box(6, 5, replace(SOIL, kn=3e5, ks=1e4, allowed_overlap=1.5))
+    Engine(balance=1.0).run(model, 1.0)
+
+
+def test_energy_from_nowhere_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = box(6, 5)
+    engine = Engine()
+    engine.run(model, 0.1)
+    sums = model.energy_sums
+    sums[0, 3] += 0.01 * model.turnover  # a dashpot that took what nobody gave
+    model.energy_known += 0.01 * model.turnover
+    with pytest.raises(EnergyBalanceError, match=r"came from nowhere .* disc \d+ at x = "):
+        engine.run(model, 0.1)
+
+
+def test_undamped_heap_that_gains_energy_is_caught() -> None:
+    """A spring whose stiffness is changed under the engine's feet: the ledger sees it."""
+    model = box(8, 6, replace(SOIL, cn=0.0, ct=0.0, friction=0.0, kpn=0.0, kps=0.0))
+    engine = Engine(dt=2e-5)
+    engine.run(model, 0.05)
+
+    def pump(m: DiscModel) -> None:
+        m.springs.pairs[KN] *= 1.2
+
+    with pytest.raises(EnergyBalanceError):
+        engine.run(model, 0.2, every=0.01, on_output=pump)
+
+
+def test_disc_behind_a_line_is_found() -> None:
+    model = DiscModel.create([0.0], [RADIUS], RADIUS, [BARE], lines=FLOOR)
+    model.z[:] = -1.5 * RADIUS
+    with pytest.raises(EscapeError, match="behind rigid line 0"):
+        Engine(dt=1e-4, balance=1.0).run(model, steps=1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [({"dt": -1.0}, "dt must be positive"), ({"threads": 0}, "threads"), ({"crack_by": "x"}, "crack_by")],
+)
+def test_impossible_settings_are_refused(settings: dict, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Engine(**settings)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [({"radius": 0.0}, "radius"), ({"layer": 3}, "layer 3 of 1"), ({"skin": 0.0}, "skin"), ({"x": [np.nan]}, "finite")],
+)
+def test_impossible_discs_are_refused(change: dict, words: str) -> None:
+    given = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layers": [BARE]} | change
+    with pytest.raises(ValueError, match=words):
+        DiscModel.create(**given)
