@@ -12,7 +12,7 @@ from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength import is_associated
+from fem.strength import is_associated, is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
@@ -34,7 +34,7 @@ def answer(
     for part in parts:
         started = time.process_time()
         try:
-            numbers = _bounds(case, found, bounds) if part == "bounds" else _elements(case, part)
+            numbers = _bounds(case, found, bounds) if part == "bounds" else _elements(case, part, found)
         except (UnstableError, InputError, BadMeshError) as error:
             numbers = dict.fromkeys(_fields(part))
             found = replace(found, failures=(*found.failures, f"{part}: {error}"))
@@ -60,9 +60,11 @@ def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, An
     return {"lower": factor.lower or None, "upper": upper, "skin": factor.skin}
 
 
-def _elements(case: Case, part: Part) -> dict[str, Any]:
+def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
     from mpi4py import MPI
 
+    if part == "davis" and known.associated is not None and is_dilating_fully(case.section.strata):
+        return {"davis": known.associated, "davis_upper": known.associated_upper}
     flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"
     most = min(case.fem.max_cells, MOST_CELLS)
     wish = case.fem.model_copy(update={"flow": flow, "kh": (), "max_cells": most})

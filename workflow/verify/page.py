@@ -1,8 +1,9 @@
 """The page of the collection: a table of all cases, what was left out, and why."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from statistics import median
 
 from workflow.run.store import Store
 from workflow.verify.case import Case, Value
@@ -22,6 +23,12 @@ A published number is no truth: where the bounds exclude it, the remarks say so.
 agree with its bounds (at most {below:g} % below, {above:g} % above) and in which the median of each kind of published
 value is no further from them than {tolerances}. **Explained** is one that does not, for a reason that stands in its
 file.
+
+Davis's substitute is in form B, whose factor of safety for one soil without dilation is √(F² - tan² φ) where cohesion
+is small, F that of ψ = φ (Tschuchnigg, Schweiger & Sloan 2015). Where it is below 1 the ground would have to be
+stronger, hence steeper in φ, and the steeper φ the more Davis takes off: on steep friction it comes out far below F,
+as 0.57 beside 1.00 for spencer_1969 with φ = 40°. Read it as a slope that fails by Davis's strength, and as how many
+times stronger it would have to be; form A, about F cos φ, is 1 where form B is, and 0.77 there.
 """
 
 
@@ -80,7 +87,25 @@ def _summary(verdicts: Mapping[str, Verdict], answers: Mapping[str, Answer]) -> 
     bounded = sum(found.lower is not None and found.upper is not None for found in answers.values())
     meshed = sum(found.associated is not None for found in answers.values())
     words = ", ".join(f"{count} {word}" for word, count in counted.most_common())
-    return f"{words}. Bounds were found for {bounded}, elements were run on {meshed}."
+    counts = f"{words}. Bounds were found for {bounded}, elements were run on {meshed}."
+    return f"{counts} {_speed(answers.values())}"
+
+
+def _speed(answers: Collection[Answer]) -> str:
+    """How close the bounds are and what all of it took, at the median; empty where not all has been run."""
+    pairs = [(found.lower, found.upper) for found in answers]
+    gaps = [2.0 * (high - low) / (high + low) for low, high in pairs if low is not None and high is not None]
+    spent = [
+        [value for value in values if value]
+        for values in zip(*((a.bounds_seconds, a.associated_seconds, a.davis_seconds) for a in answers), strict=True)
+    ]
+    if not gaps or not all(spent):
+        return ""
+    bounds, associated, davis = (median(values) for values in spent)
+    return (
+        f"At the median the bounds are {100 * median(gaps):.1f} % apart after {bounds:.1f} s; the elements take "
+        f"{associated:.1f} s with ψ = φ and {davis:.1f} s with Davis's substitute, all of one core."
+    )
 
 
 def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
