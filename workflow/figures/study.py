@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH
 from workflow.results.study import Curve, Result
@@ -25,6 +26,7 @@ def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
     figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
     left, right = figure.subplots(1, 2)
     left.hist(values, bins=max(8, round(np.sqrt(len(values)))), color=CONTINUUM, edgecolor="white", linewidth=0.5)
+    left.yaxis.set_major_locator(MaxNLocator(integer=True))
     _label(left, "critical Kh", "samples")
     _band(right, curve, CONTINUUM, "")
     _label(right, "Kh", "probability that the ground fails")
@@ -35,7 +37,7 @@ def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
 def effects(results: Sequence[Result], title: str, path: Path) -> None:
     """Bars for every uncertain number: rank correlations, or total Sobol' indices with intervals where there are."""
     known = [result for result in results if any(one.correlation is not None for one in result.effects)]
-    shown = sorted(known, key=lambda result: _is_detail(result.name))[:ACROSS]
+    shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
     figure = _figure(1, f"{title}: what matters most")
     for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
@@ -46,16 +48,14 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
         if indices:
             ends = np.array([one.total_ci95 for one in bars], dtype=float).T
             axes.hlines(places, *ends, color=INK, linewidth=1.0)
-        axes.set_yticks(places, ["\n".join(textwrap.wrap(one.path, 26)) for one in bars])
+        else:
+            axes.axvspan(-result.by_chance, result.by_chance, color=PALE, alpha=0.6, linewidth=0, zorder=0)
+            axes.set_xlim(-1.0, 1.0)
+        axes.set_yticks(places, [_broken(one.path) for one in bars])
         axes.axvline(0.0, color=INK, linewidth=0.7)
-        _label(axes, "total Sobol' index" if indices else "rank correlation", "")
-        axes.set_title(result.name, fontsize=9, loc="left", color=INK, parse_math=False)
+        _label(axes, "total Sobol' index" if indices else "rank correlation (grey: chance alone)", "")
+        axes.set_title(result.title, fontsize=9, loc="left", color=INK, parse_math=False)
     figure.savefig(path, format="png")
-
-
-def _is_detail(name: str) -> bool:
-    """Whether it tells of a part of a slide, and not of its largest."""
-    return name.startswith("case") and not name.endswith("slide_max_m")
 
 
 def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
@@ -88,10 +88,15 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
         axes.set_visible(False)
     for axes, path_of in zip(frames, shown, strict=False):
         axes.plot(drawn[path_of], values, "o", color=CONTINUUM, markersize=2.0, alpha=0.6)
-        _label(axes, "\n".join(textwrap.wrap(path_of, 34)), "")
+        _label(axes, _broken(path_of), "")
     for first in frames[::ACROSS]:
         first.set_ylabel(name, fontsize=8, color=INK, parse_math=False)
     figure.savefig(path, format="png")
+
+
+def _broken(path: str) -> str:
+    """A path over several lines, broken where it has dots."""
+    return "\n".join(textwrap.wrap(path.replace(".", ". "), 26, break_long_words=False)).replace(". ", ".")
 
 
 def _figure(rows: int, title: str) -> Figure:

@@ -75,6 +75,7 @@ CAPTIONS = (
     Caption(r"study_effects", "study", "What each uncertain number does to the results: rank correlations.", True),
     Caption(r"study_fragility", "study", "Probability that a slide exceeds a length.", True),
     Caption(r"study_samples", "study", "Every sample: the first result over each uncertain number."),
+    Caption(r"study_samples_case(\d+)", "study", "Case {0} of every sample: largest slide over each uncertain number."),
     Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways.", True),
 )
 

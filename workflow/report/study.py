@@ -53,12 +53,13 @@ def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
     yield f"{drawn}, seed {answer.seed}{without}."
     for result in answer.results:
         spread = result.spread
-        if spread.median is None:
+        if spread.median is None or result.is_detail:
             continue
-        yield f"{result.name}: {_where(spread)}{_strongest(result)}."
+        title = result.title[:1].upper() + result.title[1:]
+        yield f"{title}: {_where(spread)}{_strongest(result)}."
         for group in result.groups:
             if group.samples:
-                yield f"{result.name} where {group.path} is {group.value} ({group.samples}): {_where(group.spread)}."
+                yield f"{title} where {group.path} is {group.value} ({group.samples}): {_where(group.spread)}."
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 
@@ -72,10 +73,12 @@ def _where(spread: Spread) -> str:
 
 def _strongest(result: Result) -> str:
     first = next((one for one in result.effects if one.correlation is not None), None)
-    if first is None:
+    if first is None or first.correlation is None:
         return ""
     if first.total is not None:
         return f"; most of it hangs on {first.path} (total Sobol' index {first.total:.2f})"
+    if abs(first.correlation) < result.by_chance:
+        return "; what that hangs on so few samples do not tell"
     return f"; most of it hangs on {first.path} (correlation {first.correlation:+.2f})"
 
 
@@ -90,4 +93,4 @@ def _row(result: Result) -> list[str]:
     s = result.spread
     interval = "–" if s.mean_ci95 is None else f"{s.mean_ci95[0]:.4f} to {s.mean_ci95[1]:.4f}"
     rest = (s.median, s.low, s.high, s.spread)
-    return [result.name, str(result.samples), number(s.mean, 4), interval, *(number(value, 4) for value in rest)]
+    return [result.title, str(result.samples), number(s.mean, 4), interval, *(number(value, 4) for value in rest)]

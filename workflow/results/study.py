@@ -1,12 +1,22 @@
 """study.json: what the samples of a study say together."""
 
+import math
+import re
 from typing import ClassVar
 
 from pydantic import Field
 
 from workflow.results.answer import Answer, Part, SectionLabel
-from workflow.results.cases import Spread
+from workflow.results.cases import QUANTITIES, Spread
 from workflow.uncertain.settings import Method
+
+WORDS = {
+    "kc": "critical Kh",
+    "kc_lower_bound": "lower bound of the critical Kh",
+    "kc_upper_bound": "upper bound of the critical Kh",
+    "block_slide_m": "slide of the block (m)",
+}
+Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
 
 
 class Effect(Part):
@@ -53,6 +63,24 @@ class Result(Part):
     spread: Spread = Field(description="without the single values, which stand in samples.csv")
     effects: tuple[Effect, ...] = Field(description="the strongest first")
     groups: tuple[Group, ...] = Field(description="the same for each value of every word, such as the sides")
+
+    @property
+    def title(self) -> str:
+        """Its name in words."""
+        case = re.fullmatch(r"case(\d+)_(\w+)", self.name)
+        if case is None or case[2] not in QUANTITIES:
+            return WORDS.get(self.name, self.name)
+        return f"case {case[1]}, {QUANTITIES[case[2]]} (m)"
+
+    @property
+    def is_detail(self) -> bool:
+        """Whether it tells of a part of a slide, and not of its largest."""
+        return self.name.startswith("case") and not self.name.endswith("slide_max_m")
+
+    @property
+    def by_chance(self) -> float:
+        """What 95 % of the rank correlations of so many samples stay below if nothing hangs on anything."""
+        return min(1.0, Z95 / math.sqrt(self.samples - 1)) if self.samples > 1 else 1.0
 
 
 class Failure(Part):

@@ -44,7 +44,7 @@ def fragility(given: Input, table: Table) -> Iterator[Curve]:
 
 
 def _discs(given: Input, table: Table, name: str) -> Iterator[Curve]:
-    slides, case = _known(table, name), name.split("_")[0]
+    slides, case = _known(table, name), name.split("_")[0].replace("case", "case ")
     if not len(slides):
         return
     over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(given.study.exceeds)), POINTS)

@@ -24,8 +24,10 @@ def draw_all(given: Input, table: Table, answer: StudyAnswer, store: Store) -> N
     if answer.fragility:
         with store.writing("figures/study_fragility.png") as path:
             figures.fragility(answer.fragility, title, path)
-    if answer.results:
-        first = answer.results[0]
-        drawn = {one.path: table.drawn(one.path) for one in first.effects}
-        with store.writing("figures/study_samples.png") as path:
-            figures.single(first.name, table.column(first.name), drawn, title, path)
+    first = answer.results[:1]
+    slides = [result for result in answer.results[1:] if result.name.startswith("case") and not result.is_detail]
+    for result in (*first, *slides):
+        drawn = {one.path: table.drawn(one.path) for one in result.effects}
+        name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
+        with store.writing(f"figures/study_{name}.png") as path:
+            figures.single(result.title, table.column(result.name), drawn, title, path)

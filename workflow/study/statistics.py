@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from workflow.results.study import Curve, Effect
+from workflow.results.study import Z95, Curve, Effect
 from workflow.study.table import Table
 
-Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
 BOOTSTRAP_SEED, RESAMPLES = 0, 400
 
 
