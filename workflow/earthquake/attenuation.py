@@ -67,7 +67,7 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
     """
     kilometres, deep = distance / 1000.0, depth / 1000.0
     relation = "Si & Midorikawa (1999)"
-    _within(
+    within(
         relation,
         (Range("magnitude", 5.8, 8.3), magnitude),
         (Range("distance", 0.0, 300.0, "km"), kilometres),
@@ -89,7 +89,7 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> Motion:
     """
     kilometres = distance / 1000.0
     relation = "Fukushima & Tanaka (1990)"
-    _within(relation, (Range("magnitude", 4.6, 8.2), magnitude), (Range("distance", 0.0, 300.0, "km"), kilometres))
+    within(relation, (Range("magnitude", 4.6, 8.2), magnitude), (Range("distance", 0.0, 300.0, "km"), kilometres))
     near = kilometres + 0.032 * 10.0 ** (0.41 * magnitude)
     logarithm = 0.41 * magnitude - math.log10(near) - 0.0034 * kilometres + 1.30
     median = GAL * 10.0**logarithm * {"rock": 0.6, "average": 1.0, "soft": 1.4}[site]
@@ -97,7 +97,8 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> Motion:
     return Motion(median, 0.21, f"{relation}, {site} ground", FUKUSHIMA_TANAKA, validity)
 
 
-def _within(relation: str, *values: tuple[Range, float]) -> None:
+def within(relation: str, *values: tuple[Range, float]) -> None:
+    """Raise InputError with all values outside the range of a relation."""
     problems = [problem for limits, value in values if (problem := limits.problem(value, relation))]
     if problems:
         raise InputError("earthquake", problems)

@@ -5,14 +5,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from meshes.errors import InputError
 from meshes.section.quantity import Coordinate, Density, Length
 from meshes.section.record_of_motion import RecordScale, RecordUnit
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
+from workflow.earthquake.boore import Slip, boore
 
-Relation = Literal["si_midorikawa", "fukushima_tanaka"]
+Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
 
 class EarthquakeSettings(Model):
@@ -29,7 +31,14 @@ class EarthquakeSettings(Model):
     site: Site = Field(default="average", description='the ground: "rock", "average" or "soft"')
     relation: Relation = Field(
         default="fukushima_tanaka",
-        description='how acceleration falls with distance: "fukushima_tanaka" (1990) or "si_midorikawa" (1999)',
+        description='how acceleration falls with distance: "fukushima_tanaka" (1990) or "si_midorikawa" (1999), of '
+        'Japan, or "boore" (Boore et al. 2014), of shallow crustal earthquakes anywhere',
+    )
+    vs30: float | None = Field(
+        default=None, gt=0.0, description='mean V_s of the uppermost 30 m (m/s), such as 270, for relation = "boore"'
+    )
+    slip: Slip = Field(
+        default="unknown", description='of the fault: "strike-slip", "normal", "reverse" or "unknown"; for "boore"'
     )
     peak_acceleration: Acceleration | None = Field(
         default=None,
@@ -85,6 +94,12 @@ class SiteResponseSettings(Model):
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
     """What the relation that is asked for expects of a magnitude at a distance (m)."""
+    if settings.relation == "boore":
+        if settings.vs30 is None:
+            raise InputError(
+                "earthquake", ['relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)']
+            )
+        return boore(magnitude, distance, settings.vs30, settings.slip)
     if settings.relation == "si_midorikawa":
         return si_midorikawa(magnitude, distance, settings.depth, settings.mechanism)
     return fukushima_tanaka(magnitude, distance, settings.site)

@@ -1,10 +1,14 @@
-"""Attenuation against the tables by which the hazard engine OpenQuake tests its own implementations."""
+"""Attenuation against the tables by which the hazard engine OpenQuake tests its own implementations, and pygmm."""
+
+import math
 
 import pytest
 
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.attenuation import GAL, fukushima_tanaka, si_midorikawa
+from workflow.earthquake.boore import Slip, boore
+from workflow.earthquake.settings import EarthquakeSettings
 
 
 @pytest.mark.parametrize(
@@ -52,3 +56,31 @@ def test_outside_its_range_a_relation_says_nothing() -> None:
     with pytest.raises(InputError, match=r"(?s)magnitude = 5.*distance = 400 km") as caught:
         si_midorikawa(5.0, 400_000.0, 10_000.0, "crustal")
     assert len(caught.value.problems) == 2
+
+
+@pytest.mark.parametrize(
+    ("magnitude", "kilometres", "velocity", "slip", "expected", "sigma"),
+    [(6.9, 27.2, 270.0, "strike-slip", 0.1686221008532482, 0.5842994536693566),
+     (7.7, 39.0, 300.0, "reverse", 0.17454391080088572, 0.6050859443087403),
+     (5.0, 80.0, 760.0, "normal", 0.00352532350395825, 0.7022492435026185),
+     (6.0, 5.0, 200.0, "unknown", 0.3363362278007354, 0.5492986437267071),
+     (8.0, 250.0, 400.0, "reverse", 0.01563630081936677, 0.681911410853325)],
+)  # fmt: skip
+def test_boore_is_pygmms(
+    magnitude: float, kilometres: float, velocity: float, slip: Slip, expected: float, sigma: float
+) -> None:
+    """pygmm 0.8.0, BooreStewartSeyhanAtkinson2014, region global: median in g, standard deviation of its logarithm."""
+    found = boore(magnitude, 1000.0 * kilometres, velocity, slip)
+    assert found.median / GRAVITY == pytest.approx(expected, rel=1e-9)
+    assert found.sigma * math.log(10.0) == pytest.approx(sigma, rel=1e-9)
+
+
+def test_boore_has_a_range_and_needs_the_ground() -> None:
+    with pytest.raises(InputError, match=r"(?s)magnitude = 7.5.*distance = 500 km.*vs30 = 100 m/s") as caught:
+        boore(7.5, 500_000.0, 100.0, "normal")
+    assert len(caught.value.problems) == 3
+    asked = EarthquakeSettings(magnitude=7.0, distance="30 km", relation="boore")
+    with pytest.raises(InputError, match='relation = "boore": expected vs30'):
+        asked.motion()
+    told = asked.model_copy(update={"vs30": 270.0, "slip": "strike-slip"}).motion()
+    assert told == boore(7.0, 30_000.0, 270.0, "strike-slip")
