@@ -231,7 +231,9 @@ class SlideSettings(Model):
         """What drives the slides, in words."""
         if self.accelerogram == AVERAGE:
             return "the average acceleration above the slip surface"
-        return f"the record {Path(self.accelerogram).name}" if self.accelerogram else f"Kh = {self.kh:g}"
+        if self.accelerogram:
+            return f"the record {Path(self.accelerogram).name}"
+        return f"Kh = {self.kh:g}" if self.kh > 0.0 else "its weight alone"
 
     def onset_of(self, model: Literal["soil", "paper"]) -> float:
         """`onset` (s), or what it is for the model of the discs."""

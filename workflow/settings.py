@@ -16,7 +16,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
-from meshes.section.quantity import Length
+from meshes.section.quantity import Coordinate, Length
 from meshes.section.record_of_motion import RecordScale, RecordUnit
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
@@ -58,6 +58,7 @@ class Observed(Model):
 
     name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
     displacement: Length = Field(description='how far the ground went, such as "0.26 m"')
+    x: Coordinate | None = Field(default=None, description="where, along the section, beside the discs there")
     source: str = Field(default="", description="where that is told")
 
 

@@ -7,7 +7,7 @@ as well, in the paper at once; soil discs stand under it before anything liquefi
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +105,8 @@ class Slide:
         Where the surface slid furthest (m).
     slide : list of float
         How far each disc of the surface slid, smoothed, from uphill to downhill (m).
+    slide_along : list of [x, slide]
+        The same from left to right, over where the disc was before (m).
     surface_before, surface_after : list of [x, z]
         Tops of the discs that are the surface then (m).
     seconds_simulated : float
@@ -125,6 +127,7 @@ class Slide:
     escaped: int = 0
     slide_max_at_x_m: float = 0.0
     slide: list[float] = field(default_factory=list)
+    slide_along: list[list[float]] = field(default_factory=list)
     surface_before: list[list[float]] = field(default_factory=list)
     surface_after: list[list[float]] = field(default_factory=list)
     seconds_simulated: float = 0.0
@@ -139,19 +142,9 @@ class Slide:
         kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
         out = {
             **kept,
-            "slide_max_at_x_m": self.slide_max_at_x_m,
-            "settled": self.settled,
-            "reason": self.reason,
-            "escaped": self.escaped,
+            **{one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("rows", "slide")},
             "cracked_pore_springs": self.rows[-1].cracked,
-            "seconds_simulated": self.seconds_simulated,
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
-            "step_share": self.step_share,
-            "overlap": self.overlap,
-            "area_lost_share": self.area_lost_share,
-            "notes": self.notes,
-            "surface_before": self.surface_before,
-            "surface_after": self.surface_after,
         }
         if alone is not None:
             moving = np.array(self.slide) > MOVES * np.maximum(np.array(alone.slide), 0.0)
@@ -320,6 +313,7 @@ class Slider:
         slide, model = self.slide, self.model
         moved = self.surface.smoothed(self.surface.movement(model, self.ground)[0])
         slide.slide = moved.tolist()
+        slide.slide_along = np.column_stack([self.surface.x, moved])[:: self.ground.downhill].tolist()
         slide.slide_max_at_x_m = float(self.surface.x[int(np.argmax(moved))])
         slide.surface_after = Surface.of(model, self.ground).points(model, self.ground).tolist()
         slide.seconds_simulated = model.time - self.start.time

@@ -1,5 +1,6 @@
 """Borings from a CSV file: a line for each layer of each boring, with units in the values or in the heading."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -44,8 +45,9 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
         except ValueError as error:
             table.problems.append(f"line {number}, unit_weight = {weight!r}: {error}")
         layers.append(LogLayer(cells.get("layer", ""), top, bottom, weight))
-        if cells.get("N"):
-            sample = _sample(number, cells, 0.5 * (top + bottom), table)
+        middle = 0.5 * (top + bottom)
+        if cells.get("N") and math.isfinite(middle):  # else it has been told
+            sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]
     place = table.place(number, first)

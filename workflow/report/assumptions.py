@@ -42,12 +42,10 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
         yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
     yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
     if any(stratum.liquefies_in for stratum in given.strata):
-        held = f"a constant {given.slide.shaking} that acts as long as they last, where an earthquake pushes both ways"
-        recorded = f"{given.slide.shaking}, which moves the base and all that is fixed to it as one; then it is calm"
         yield (
             "Liquefaction",
             f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(given)} under "
-            + (f"{recorded}." if given.slide.accelerogram else f"{held} and ends."),
+            f"{_driven(given)}.",
         )
         yield (
             "Discs",
@@ -83,3 +81,13 @@ def _water(given: Input) -> str:
     if given.water is not None and given.water.after_drawdown is not None:
         told += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
     return told
+
+
+def _driven(given: Input) -> str:
+    """What drives the slides, and how that differs from an earthquake."""
+    words = given.slide.shaking
+    if given.slide.accelerogram:
+        return f"{words}, which moves the base and all that is fixed to it as one; then it is calm"
+    if given.slide.kh == 0.0:
+        return f"{words}, as if all shaking were over"
+    return f"a constant {words} that acts as long as they last, where an earthquake pushes both ways and ends"

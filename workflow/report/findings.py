@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
@@ -38,7 +40,7 @@ def findings(results: Results) -> list[str]:
     """Paragraphs: what was asked, where the section fails, how far it slides, and what of this is doubtful."""
     paragraphs = (
         _asked(results), _failure(results), in_short(results.liquefied), _slides(results), _disagreement(results),
-        _doubtful(results),
+        _measured(results), _doubtful(results),
     )  # fmt: skip
     return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]
 
@@ -277,6 +279,20 @@ def _disagreement(results: Results) -> Iterator[str]:
             "Discs that slide much farther say that little in the model holds the ground back: look first at how soft "
             "the liquefied layers are taken to be, and whether the discs came to rest."
         )
+
+
+def _measured(results: Results) -> Iterator[str]:
+    """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
+    _, cases = results.case_set()
+    for one in results.given.report.observed:
+        told = f"Measured were {one.displacement:.3g} m ({one.name})"
+        if one.x is None or not all(case.slide_along for case in cases.values()):
+            slides, where = [case.slide_max_m for case in cases.values()], "at most"
+        else:
+            slides = [float(np.interp(one.x, *np.array(case.slide_along).T)) for case in cases.values()]
+            where = f"there, at x = {one.x:g} m,"
+        numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
+        yield f"{told}; the discs slide {where} {numbers} in {_of(list(cases))}." if cases else f"{told}."
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:

@@ -50,10 +50,14 @@ class CaseSummary(CaseNumbers):
 
 
 class CaseAnswer(CaseNumbers):
-    """One case of liquefaction: the numbers, and where the ground lay and came to lie, points [x, elevation] in m."""
+    """One case of liquefaction: the numbers, and where the ground lay and came to lie, points [x, elevation] in m.
+
+    ``slide_along`` are points [x, slide] of the surface as it was before (m).
+    """
 
     surface_before: Line
     surface_after: Line
+    slide_along: Line = ()
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:

@@ -65,8 +65,9 @@ def computed(
     drawn = samples(given.uncertain, given.study)
     inputs = [_input(given, one) for one in drawn]
     sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Input)]
-    wanted = [(place, part) for part in parts for place, _ in sound]
-    tasks = [task_of(one, part, store) for part in parts for _, one in sound]
+    # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
+    wanted = [(place, part) for place, _ in sound for part in parts]
+    tasks = [task_of(one, part, store) for _, one in sound for part in parts]
     found: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
     for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
         found[place].append((part, row))

@@ -152,6 +152,22 @@ def test_methods_that_disagree_are_told_to(run: Input) -> None:
     assert "disagree" not in told
 
 
+def test_what_was_measured_stands_beside_the_discs() -> None:
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1, 2]
+    data["slide"] = {"kh": 0}
+    places = ({"name": "SI-5", "displacement": "0.2 m", "x": 35.0}, {"name": "SI-2", "displacement": "0.45 m"})
+    measured = Input.parse({**data, "report": {"observed": list(places)}})
+    told = text(results(measured))
+    assert "under its weight alone once upper has liquefied" in told
+    assert "Measured were 0.2 m (SI-5)." in told
+    along = ((30.0, 0.1), (40.0, 0.5))
+    slides = {number: moving(far).model_copy(update={"slide_along": along}) for number, far in ((1, 0.6), (2, 0.9))}
+    told = text(results(measured, cases=CasesAnswer(sets={"calibrated": slides}, random=None)))
+    assert "0.2 m (SI-5); the discs slide there, at x = 35 m, 0.3 m and 0.3 m in cases 1 and 2." in told
+    assert "0.45 m (SI-2); the discs slide at most 0.6 m and 0.9 m in cases 1 and 2." in told
+
+
 def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_prediction(run: Input) -> None:
     noted = {number: dem_fixture.case(0.1, 3.0).model_copy(update={"notes": ("discs overlap",)}) for number in (1, 3)}
     cases = CasesAnswer(sets={"calibrated": {**noted, 2: dem_fixture.case(0.1, 3.0)}}, random=None)
