@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from pathlib import Path
 from typing import Protocol
 
 from workflow.run import mesh_options
@@ -193,10 +194,13 @@ class Run:
 
 def leave_input(given: Input, store: Store) -> None:
     """Leave section.toml, the input as used, and beside it the files that it names."""
+    left: dict[str, Path] = {}
     for (table, key), file in given.named_files().items():
-        with store.writing(file.name) as path:
+        name = file.name if left.get(file.name, file) == file else f"{table}_{file.name}"  # another of the same name
+        left[name] = file
+        with store.writing(name) as path:
             path.write_bytes(file.read_bytes())
-        given = given.model_copy(update={table: getattr(given, table).model_copy(update={key: file.name})})
+        given = given.model_copy(update={table: getattr(given, table).model_copy(update={key: name})})
     store.write_text("section.toml", given.to_toml())
 
 

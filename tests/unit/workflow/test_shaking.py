@@ -8,6 +8,8 @@ import pytest
 
 from meshes.errors import InputError
 from tests.support.sections import problems, slope
+from workflow.run.pipeline import leave_input
+from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.shaking import shaking_of
 
@@ -83,3 +85,16 @@ def test_the_average_above_the_slip_surface_in_time(tmp_path: Path) -> None:
     del response["slip_depth"]
     told = problems({**data, "slide": {"accelerogram": "average"}}, Input)
     assert 'slide, accelerogram = "average": expected record and slip_depth in [site_response]' in "\n".join(told)
+
+
+def test_two_records_of_one_name_are_both_left_with_the_input(tmp_path: Path) -> None:
+    for folder, size in (("rock", 0.1), ("ground", 0.2)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "record.csv").write_text(f"time (s), a (g)\n0.0, 0.0\n1.0, {size}\n2.0, 0.0\n")
+    data = {**slope(), "site_response": {"record": str(tmp_path / "rock/record.csv")}}
+    data["slide"] = {"accelerogram": str(tmp_path / "ground/record.csv")}
+    leave_input(Input.parse(data), Store(tmp_path / "out"))
+    again = Input.load(tmp_path / "out/section.toml")
+    found = {name: path.read_text() for name, path in again.files().items()}
+    assert "0.1" in found["site_response, record"]
+    assert "0.2" in found["slide, accelerogram"]
