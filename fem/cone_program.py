@@ -35,9 +35,9 @@ FEASIBILITY_TORN = 1e-11
 MET = ("Solved", "AlmostSolved")
 # Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
 # goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the answer.
-REGULARISATION, MORE_REGULARISATIONS = 1e-8, (1e-7, 1e-6, 1e-8)
-# What is worth another attempt, and worse the further on: a multiplier that was met only almost was 3 % off.
-POORER = ("", "AlmostSolved", "NumericalError")
+REGULARISATIONS = (1e-8, 1e-7, 1e-6)
+# What is worth another attempt, and worse the further on; met almost will do where the equations are met to this.
+POORER, NEARLY = ("", "AlmostSolved", "NumericalError"), 1e-6
 MOST_ITERATIONS = 120
 MOST_CORRECTIONS = 30
 
@@ -133,14 +133,14 @@ class Solution:
 def solve(program: ConeProgram, again: bool = False) -> Solution:
     """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations.
 
-    ``again``: with more regularisation, and with other ones where it breaks down or meets its tolerances only almost;
-    bounds are checked, and take what it left.
+    A solver that breaks down, or meets its tolerances only almost, is asked ``again`` with more regularisation; bounds
+    are checked, and take what it left.
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     cost, matrix, offset, cones, work = _assembled(program, clay)
     found = None
-    for regularisation in MORE_REGULARISATIONS if again else (REGULARISATION,):
+    for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
         solver = clarabel.DefaultSolver(
             sparse.csc_matrix((len(cost), len(cost))),
             cost,
@@ -174,8 +174,10 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
 
 
 def _grade(found: clarabel.DefaultSolution) -> str:
-    """Its status where that is among the poorer ones, else nothing."""
-    return str(found.status) if str(found.status) in POORER else ""
+    """Its status where that is among the poorer ones and its equations are not met well all the same; else nothing."""
+    status = str(found.status)
+    met = status in MET and max(found.r_prim, found.r_dual) <= NEARLY
+    return status if status in POORER and not met else ""
 
 
 @contextmanager
