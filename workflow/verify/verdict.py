@@ -21,7 +21,7 @@ TOLERANCE: dict[Kind, float] = {
 }
 # How far the finite elements with ψ = φ may be outside the bracket, below and above: they come from above as the mesh
 # gets finer.
-BELOW, ABOVE = 0.01, 0.04
+BELOW, ABOVE = 0.01, 0.01
 # Without dilation a slope is no stronger; by how much the elements may say otherwise.
 NO_STRONGER = 0.02
 
