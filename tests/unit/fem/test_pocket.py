@@ -77,7 +77,7 @@ def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections
     first = generate(bank, MeshSettings(method="free", size=2.0))
     found = critical_at_once(bank, first, SETTINGS, MPI.COMM_SELF)
     assert found.mechanism is not None
-    fine = next_mesh(bank, MeshSettings(method="free"), first, found.mechanism.plastic_shear_strain, 1000)
+    fine = next_mesh(bank, MeshSettings(method="free"), first, found.mechanism.plastic_shear_strain, 2000)
 
     def settled() -> tuple[int, np.ndarray]:
         problem, weight, constant = at_the_sides(bank, fine, SETTINGS, MPI.COMM_SELF, found.ground.faces)

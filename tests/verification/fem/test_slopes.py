@@ -9,6 +9,7 @@ from mpi4py import MPI
 
 from fem.adaptive import adapted_answer
 from fem.at_once import at_rest, critical_at_once
+from fem.cone_program import SOLVER_GAP
 from fem.critical import critical_coefficient, seismic_path
 from fem.fields import touched_sides
 from fem.given_surface import critical_above
@@ -128,7 +129,8 @@ def with_surface(ground, surface):
 @every_element
 @pytest.mark.parametrize("psi", [0.0, 30.0])
 def test_place_and_direction_do_not_matter(element, psi):
-    """A slope 1e4 m further on, and its mirror image pushed the other way. Measured: 1e-12, 1e-15."""
+    """A slope 1e4 m further on, and its mirror image pushed the other way. Measured: 1e-12, 1e-15; limit loads that are
+    found at once are as exact as the solver's gap, 1e-6."""
     ground = section([[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]], 6.0, soil(c=5e3, phi=30.0, psi=psi))
     mesh = generate(ground, MeshSettings(columns=18, rows=6))
     wish = FemSettings(element=element, kh=())
@@ -139,8 +141,9 @@ def test_place_and_direction_do_not_matter(element, psi):
     sides = mesh.boundaries | {"left": mesh.boundaries["right"], "right": mesh.boundaries["left"]}
     behind = critical_coefficient(mirrored(ground), replace(seen, boundaries=sides), wish, MPI.COMM_SELF).kc
     assert here > 0.1
-    assert there == pytest.approx(here, rel=1e-9)
-    assert behind == pytest.approx(here, rel=1e-9)
+    close = 2.0 * SOLVER_GAP if element == "reduced" else 1e-9
+    assert there == pytest.approx(here, rel=close)
+    assert behind == pytest.approx(here, rel=close)
 
 
 def vertical_cut(phi, element, rows):
