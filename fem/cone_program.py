@@ -31,9 +31,6 @@ from scipy.sparse.linalg import splu
 SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 # The residual where a cut-off leaves a bare surface no room for a margin.
 FEASIBILITY_TORN = 1e-11
-# Forces are handed to the solver this many times as large. Its residuals count as absolute below one, and forces at the
-# many nodes of a fine mesh are far below that: bare sand got bounds 4 % apart that no finer mesh brought together.
-MAGNIFIED = 10.0
 # Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
 MET = ("Solved", "AlmostSolved")
 # Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
@@ -133,11 +130,12 @@ class Solution:
     seconds: float
 
 
-def solve(program: ConeProgram, again: bool = False) -> Solution:
+def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0) -> Solution:
     """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations.
 
     A solver that breaks down, or meets its tolerances only almost, is asked ``again`` with more regularisation; bounds
-    are checked, and take what it left.
+    are checked, and take what it left. Forces are handed to it ``magnified`` times as large: its residuals count as
+    absolute below one.
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
@@ -146,7 +144,7 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
     for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
         solver = clarabel.DefaultSolver(
             sparse.csc_matrix((len(cost), len(cost))),
-            MAGNIFIED * cost,
+            magnified * cost,
             matrix.tocsc(),
             offset,
             cones,
@@ -160,7 +158,7 @@ def solve(program: ConeProgram, again: bool = False) -> Solution:
             break
     assert found is not None
     status = str(found.status)
-    z = np.asarray(found.z) / MAGNIFIED
+    z = np.asarray(found.z) / magnified
     first = 1 + len(clay)
     stress = _stress(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
     none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")

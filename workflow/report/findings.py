@@ -284,7 +284,7 @@ def _disagreement(results: Results) -> Iterator[str]:
 def _measured(results: Results) -> Iterator[str]:
     """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
     _, cases = results.case_set()
-    for one in results.given.report.observed:
+    for one in results.given.report.observed if cases else ():
         told = f"Measured were {one.displacement:.3g} m ({one.name})"
         if one.x is None or not all(case.slide_along for case in cases.values()):
             slides, where = [case.slide_max_m for case in cases.values()], "at most"
@@ -292,7 +292,7 @@ def _measured(results: Results) -> Iterator[str]:
             slides = [float(np.interp(one.x, *np.array(case.slide_along).T)) for case in cases.values()]
             where = f"there, at x = {one.x:g} m,"
         numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
-        yield f"{told}; the discs slide {where} {numbers} in {_of(list(cases))}." if cases else f"{told}."
+        yield f"{told}; the discs slide {where} {numbers} in {_of(list(cases))}."
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
