@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from mpi4py import MPI
 
+from fem.cone_program import SOLVER_GAP
 from fem.critical import critical_coefficient
 from fem.gravity import gravity_equilibrium
 from fem.limit.adaptive_bounds import Limits, bracket
@@ -54,15 +55,17 @@ def test_level_ground_has_the_stresses_that_are_worked_out_by_hand(element, tabl
 @pytest.mark.parametrize("sides", ["fixed", "roller"])
 @every_element
 def test_a_slope_under_still_water_is_the_slope_of_buoyant_weight(element, sides):
-    """Factor of safety and critical Kh; the horizontal force acts on the saturated mass of both. Measured: 1e-14."""
+    """Factor of safety and critical Kh; the horizontal force acts on the saturated mass of both. Measured: 1e-14;
+    of limit loads found at once 5e-6, the gap at which their solver stops."""
+    close = 2.0 * SOLVER_GAP if element == "reduced" else 1e-6
     wish = PLAIN.model_copy(update={"element": element, "sides": sides})
     under = section(water={"table": 12.0})
     buoyant = section(soil(density_ordinary=20e3 / GRAVITY - 1000.0, density_seismic=20e3 / GRAVITY, **PAIR))
     mesh = generate(under, MeshSettings(size=2.5))
     one, other = (safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor for ground in (under, buoyant))
-    assert one == pytest.approx(other, rel=1e-6)
+    assert one == pytest.approx(other, rel=close)
     one, other = (critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc for ground in (under, buoyant))
-    assert one == pytest.approx(other, rel=1e-6)
+    assert one == pytest.approx(other, rel=close)
 
 
 def test_bounds_of_a_slope_under_still_water_are_those_of_buoyant_weight():
