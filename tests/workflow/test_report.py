@@ -197,6 +197,18 @@ def test_weasyprint_prints_where_there_is_no_browser(runs: dict[str, Path], monk
     assert 2 <= len(re.findall(rb"/Type\s*/Page\b", printed)) <= 12
 
 
+def test_a_printer_that_crashes_is_told_and_ends_nothing_else(
+    runs: dict[str, Path], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crashes = tmp_path / "browser"
+    crashes.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    crashes.chmod(0o755)
+    monkeypatch.setattr("workflow.report.pdf.browser", lambda: str(crashes))
+    assert run("report", runs["stands"], "--pdf") == 2
+    assert "did not print: exit code -11" in " ".join(capsys.readouterr().err.split())
+    assert not (runs["stands"] / "report.pdf").exists()
+
+
 def test_where_nothing_can_print_it_says_what_would(
     runs: dict[str, Path], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,41 +26,43 @@ def browser() -> str | None:
 
 
 def write_pdf(store: Store) -> Path:
-    """Print the report of a folder; raises InputError where nothing can print it."""
+    """Print the report of a folder; raises InputError where nothing can print it, or what can does not."""
     page = store.folder / PAGE
     program = browser()
     if program is None and find_spec("weasyprint") is None:
         raise InputError("--pdf", [NEEDED])
-    with store.writing(FILE) as path:
+    with (
+        store.writing(FILE) as path,
+        tempfile.TemporaryDirectory(prefix="noshiro-", ignore_cleanup_errors=True) as scratch,
+    ):
+        printed = Path(scratch) / "printed.pdf"
         if program is not None:
-            _by_browser(program, page, path)
+            _print(program, _by_browser(program, page, scratch, printed), printed)
         else:
-            _by_weasyprint(page, path)
+            # A process of its own: its text libraries may crash, and would take the run with them.
+            _print("WeasyPrint", [sys.executable, "-m", "weasyprint", str(page), str(printed)], printed)
+        shutil.copyfile(printed, path)
     return store.folder / FILE
 
 
-def _by_browser(program: str, page: Path, path: Path) -> None:
-    """Let a browser print, without a screen and with a profile that is forgotten."""
-    with tempfile.TemporaryDirectory(prefix="noshiro-", ignore_cleanup_errors=True) as profile:
-        printed = Path(profile) / "printed.pdf"
-        line = [
-            program, "--headless=new", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
-            "--disable-background-networking", "--disable-component-update", f"--user-data-dir={profile}",
-            "--no-pdf-header-footer", f"--print-to-pdf={printed}", page.resolve().as_uri(),
-        ]  # fmt: skip
-        if hasattr(os, "geteuid") and os.geteuid() == 0:
-            line.insert(1, "--no-sandbox")  # Chromium has none for root
-        try:
-            done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise InputError("--pdf", [f"{program} did not print: {error}"]) from None
-        if not printed.is_file():
-            told = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-            raise InputError("--pdf", [f"{program} did not print: {told[0]}"])
-        shutil.copyfile(printed, path)
+def _by_browser(program: str, page: Path, profile: str, printed: Path) -> list[str]:
+    """The command by which a browser prints, without a screen and with a profile that is forgotten."""
+    line = [
+        program, "--headless=new", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+        "--disable-background-networking", "--disable-component-update", f"--user-data-dir={profile}",
+        "--no-pdf-header-footer", f"--print-to-pdf={printed}", page.resolve().as_uri(),
+    ]  # fmt: skip
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        line.insert(1, "--no-sandbox")  # Chromium has none for root
+    return line
 
 
-def _by_weasyprint(page: Path, path: Path) -> None:
-    from weasyprint import HTML
-
-    HTML(filename=str(page)).write_pdf(str(path))
+def _print(name: str, line: list[str], printed: Path) -> None:
+    """Run the command that prints; raises InputError where nothing is printed."""
+    try:
+        done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise InputError("--pdf", [f"{name} did not print: {error}"]) from None
+    if done.returncode < 0 or not printed.is_file():
+        told = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+        raise InputError("--pdf", [f"{name} did not print: {told[0]}"])
