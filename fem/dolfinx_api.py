@@ -1,6 +1,9 @@
 """Every difference between dolfinx 0.5 (bookworm), 0.9 (trixie) and 0.11 (sid), in one place."""
 
 import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,10 +24,25 @@ REFERENCE_CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
 REFERENCE_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 
 
+@contextmanager
+def _symbols_to_themselves() -> Iterator[None]:
+    """Let libraries that are loaded later keep their symbols to themselves.
+
+    Importing dolfinx 0.5 leaves Python at showing them to all (RTLD_GLOBAL): then Pillow's HarfBuzz takes the place of
+    the system's in other libraries, and what is half of one and half of the other crashes.
+    """
+    flags = sys.getdlopenflags()
+    try:
+        yield
+    finally:
+        sys.setdlopenflags(flags)
+
+
 def require() -> None:
     """Raise InputError, with how to get it, unless dolfinx is there and new enough."""
     try:
-        import dolfinx
+        with _symbols_to_themselves():
+            import dolfinx
     except ImportError as error:
         if isinstance(error.__cause__, KeyboardInterrupt):  # how pybind11 passes Ctrl-C on
             raise KeyboardInterrupt from None
@@ -88,7 +106,8 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
 
 def _grid_and_space(comm: Any, cells: np.ndarray, x: np.ndarray, degree: int) -> tuple[Any, Any]:
     """The distributed mesh and the scalar space on it."""
-    from dolfinx import fem, mesh
+    with _symbols_to_themselves():
+        from dolfinx import fem, mesh
 
     try:
         import basix.ufl  # from dolfinx 0.7 on

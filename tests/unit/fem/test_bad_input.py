@@ -1,13 +1,10 @@
 """What is said of sections, meshes and installations that the finite elements cannot use."""
 
-import sys
-
 import meshio
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem import dolfinx_api
 from fem.critical import critical_coefficient
 from fem.errors import UnstableError
 from fem.settings import FemSettings
@@ -70,23 +67,3 @@ def test_densities_of_zero_are_told_apart():
     weightless = soil().model_copy(update={"density_ordinary": 0.0})
     with pytest.raises(InputError, match="density_ordinary is 0 in all strata: there is no weight to carry"):
         answer(section(SLOPE, 6.0, weightless, unusual=True))
-
-
-def test_missing_dolfinx_comes_with_how_to_get_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "dolfinx", None)
-    with pytest.raises(InputError, match="dolfinx: 1 problem\n  - cannot be imported") as caught:
-        dolfinx_api.require()
-    assert "apt-get install python3-dolfinx" in str(caught.value)
-    assert "conda install -c conda-forge fenics-dolfinx" in str(caught.value)
-
-
-@pytest.mark.parametrize(("version", "good"), [("0.4.1", False), ("0.5.2", True), ("0.11.0", True)])
-def test_dolfinx_that_is_too_old_is_told_so(monkeypatch, version, good):
-    import dolfinx
-
-    monkeypatch.setattr(dolfinx, "__version__", version)
-    if good:
-        dolfinx_api.require()
-    else:
-        with pytest.raises(InputError, match=r"version 0\.4\.1 is too old; expected 0\.5 or newer; on Debian"):
-            dolfinx_api.require()
