@@ -20,6 +20,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 
 import clarabel
 import numpy as np
@@ -36,8 +37,8 @@ MET = ("Solved", "AlmostSolved")
 # Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
 # goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the answer.
 REGULARISATIONS = (1e-8, 1e-7, 1e-6)
-# What is worth another attempt, and worse the further on; met almost will do where the equations are met to this.
-POORER, NEARLY = ("", "AlmostSolved", "NumericalError"), 1e-6
+# Tolerances met almost will do where the equations are met to this.
+NEARLY = 1e-6
 MOST_ITERATIONS = 120
 MOST_CORRECTIONS = 30
 
@@ -86,7 +87,7 @@ class ConeProgram:
     bare: np.ndarray | bool = False
     softening: np.ndarray | None = None
 
-    @property
+    @cached_property
     def torn(self) -> np.ndarray:
         """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
         tension = np.broadcast_to(self.tension, self.cohesion.shape)
@@ -111,6 +112,8 @@ class Solution:
     shear : ndarray (k,)
         The shear rate |(εxx - εyy, εxy)| at the corners that their yield condition, without the cut-off, is to blame
         for, times their weight.
+    torn : float
+        What the opening of corners dissipates at their tension cut-off.
     none : str
         Not empty where it proved that there is no solution: "no stress" is in equilibrium with the loads, whatever the
         multiplier, or in "no mechanism" does the live load do work.
@@ -124,6 +127,7 @@ class Solution:
     rates: np.ndarray
     stress: np.ndarray
     shear: np.ndarray
+    torn: float
     ended: str
     none: str
     iterations: int
@@ -133,40 +137,39 @@ class Solution:
 def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0) -> Solution:
     """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations.
 
-    A solver that breaks down, or meets its tolerances only almost, is asked ``again`` with more regularisation; bounds
-    are checked, and take what it left. Forces are handed to it ``magnified`` times as large: its residuals count as
-    absolute below one.
+    A solver that ends without an answer, or meets its tolerances only almost, is asked ``again`` with more
+    regularisation; bounds are checked, and take what it left. Forces are handed to it ``magnified`` times as large: its
+    residuals count as absolute below one.
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
-    cost, matrix, offset, cones, work = _assembled(program, clay)
-    found = None
+    data = _assembled(program, clay)
+    ends: list[clarabel.DefaultSolution] = []
     for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
         solver = clarabel.DefaultSolver(
-            sparse.csc_matrix((len(cost), len(cost))),
-            magnified * cost,
-            matrix.tocsc(),
-            offset,
-            cones,
+            sparse.csc_matrix((len(data.cost), len(data.cost))),
+            magnified * data.cost,
+            data.matrix.tocsc(),
+            data.offset,
+            data.cones,
             _settings(program, regularisation),
         )
         with _stops_at_interrupt(solver):
-            this = solver.solve()
-        if found is None or POORER.index(_grade(this)) < POORER.index(_grade(found)):
-            found = this
-        if _grade(found) == "":
+            ends.append(solver.solve())
+        if _poorness(ends[-1]) == 0:
             break
-    assert found is not None
+    found = min(ends, key=_poorness)
     status = str(found.status)
-    z = np.asarray(found.z) / magnified
+    x, z = np.asarray(found.x), np.asarray(found.z) / magnified
     first = 1 + len(clay)
     stress = _stress(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
     none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
     return Solution(
         multiplier=-float(z[0]),
-        rates=np.asarray(found.x)[:n],
+        rates=x[:n],
         stress=stress,
-        shear=work @ np.asarray(found.x),
+        shear=data.shear @ x,
+        torn=float(data.torn @ x),
         ended="" if status in MET else status,
         none=none,
         iterations=found.iterations,
@@ -174,11 +177,13 @@ def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0) -> 
     )
 
 
-def _grade(found: clarabel.DefaultSolution) -> str:
-    """Its status where that is among the poorer ones and its equations are not met well all the same; else nothing."""
+def _poorness(found: clarabel.DefaultSolution) -> int:
+    """0 where the solver met its tolerances, or almost and its equations well, or proved that there is no solution; 1
+    where it met them almost; 2 where it ended otherwise."""
     status = str(found.status)
-    met = status in MET and max(found.r_prim, found.r_dual) <= NEARLY
-    return status if status in POORER and not met else ""
+    if status == "AlmostSolved":
+        return int(max(found.r_prim, found.r_dual) > NEARLY)
+    return 0 if status == "Solved" or status.endswith("Infeasible") else 2
 
 
 @contextmanager
@@ -198,11 +203,21 @@ def _stops_at_interrupt(solver: clarabel.DefaultSolver) -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _assembled(
-    program: ConeProgram, clay: np.ndarray
-) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray, list, sparse.csr_matrix]:
-    """Cost, matrix, right-hand side and cones of min cost·y with matrix y + s = offset, y the rates and, for each
-    corner of φ = 0, its dissipation over c; and the matrix from y to ``Solution.shear``."""
+@dataclass(frozen=True, eq=False)
+class _Assembled:
+    """min cost·y with matrix y + s = offset and s in the ``cones``: y are the rates, for each corner of φ = 0 its
+    dissipation over c, and how torn corners open. ``shear`` and ``torn`` make those of the ``Solution`` from y."""
+
+    cost: np.ndarray
+    matrix: sparse.csr_matrix
+    offset: np.ndarray
+    cones: list
+    shear: sparse.csr_matrix
+    torn: np.ndarray
+
+
+def _assembled(program: ConeProgram, clay: np.ndarray) -> _Assembled:
+    """The second problem as the solver wants it; ``clay`` are the numbers of the corners of φ = 0."""
     corners = len(program.cohesion)
     sin, cos = np.sin(program.friction), np.cos(program.friction)
     steeper = sin * (1.0 + program.strain_share)
@@ -211,23 +226,23 @@ def _assembled(
     across = sparse.hstack(
         [volume @ program.strain, sparse.csr_matrix((corners, len(clay))), -volume @ opening]
     ).tocsr()
-    work = _shear_of(program, across, clay)
-    cost = work.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin)
+    shear = _shear_of(program, across, clay)
+    torn = np.pad(opening.T @ (volume.T @ _tension_of(program)), (len(program.live) + len(clay), 0))
+    cost = shear.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin) + torn
     cost[: len(program.live)] -= program.dead
-    cost[len(program.live) + len(clay) :] += opening.T @ (volume.T @ _tension_of(program))
     extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
     turned = _cone_map(steeper)
     cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
     load = np.pad(program.live, (0, cone.shape[1] - len(program.live)))
     if program.softening is not None:
-        load = work.T @ program.softening
+        load = shear.T @ program.softening
     before = sparse.csr_matrix((tears.shape[0], cone.shape[1] - tears.shape[1]))
     margin = np.zeros((corners, 3))
     margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
     offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel(), no_tears])
     cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners, *torn_cones]
     rows = [sparse.csr_matrix(load), across[clay], -cone, sparse.hstack([before, -tears])]
-    return cost, sparse.vstack(rows).tocsr(), offset, cones, work
+    return _Assembled(cost, sparse.vstack(rows).tocsr(), offset, cones, shear, torn)
 
 
 def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:

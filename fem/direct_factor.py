@@ -9,9 +9,10 @@ stresses at the quadrature points balance the forces within
 s and σm being deviator and mean of the stress in the plane, c and φ those at F. That is one cone program
 (``fem/cone_program.py``), which always has an answer: enough strength bears any load. F is too small where λ > 0, too
 large where λ < 0, and since S is nearly what ln F takes off the strength, λ is nearly what ln F lacks. By the envelope
-theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism;
-with that Newton's method has the factor in one to three programs, whatever fails: a slope to one side, an embankment
-that spreads to both, or the ground below a footing, where no Kh would tell by how much.
+theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism,
+and by what opens at a tension cut-off T, for -∂T/∂ln F = T; with that Newton's method has the factor in one to three
+programs, whatever fails: a slope to one side, an embankment that spreads to both, or the ground below a footing, where
+no Kh would tell by how much.
 """
 
 import math
@@ -86,15 +87,16 @@ class _Search:
         low, high, at = -math.inf, math.inf, math.log(guess)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
-                raise UnstableError(
-                    f"the section fails under its own weight even at {LARGEST_FACTOR:g} times its strength"
-                )
+                under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
+                raise UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
             if at > math.log(LARGEST_FACTOR):
                 raise NoAnswerError(f"the section stands even with its strength over {LARGEST_FACTOR:g}", "")
             step, solution = self.step(at)
             low, high = (at, high) if step >= 0.0 else (low, at)
             if abs(step) < CLOSE:
-                return math.exp(at + step), self.ground.mechanism(self.problem, self.mesh, solution, kh)
+                factor = math.exp(at + step)
+                self.problem.use_strength(factor)  # whose shares the mechanism tells
+                return factor, self.ground.mechanism(self.problem, self.mesh, solution, kh)
             step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
             at = at + step if low < at + step < high else 0.5 * (low + high)
         raise NoAnswerError("no factor of safety was found", "use another mesh")
@@ -111,7 +113,7 @@ class _Search:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
         borne = self.ground.stress(solution)[:, :2].mean(axis=1)
-        slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit
+        slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
         return solution.multiplier / slope if slope > 0.0 else solution.multiplier, solution
 
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -279,19 +280,17 @@ def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Me
     is, and may leave the solver nothing to find. Such ground is held then.
     """
 
-    def attempt(more_margin: np.ndarray | float, again: bool) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, more_margin, again)
-        return found, check_velocity(problem, found.velocity)
-
-    def attempt_held(more_margin: np.ndarray | float, again: bool) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, more_margin, again, steep)
+    def attempt(
+        more_margin: np.ndarray | float, again: bool, rigid: np.ndarray | None = None
+    ) -> tuple[UpperBound, VelocityCheck]:
+        found = upper_bound(problem, more_margin, again, rigid)
         return found, check_velocity(problem, found.velocity)
 
     steep = problem.friction > STEEP
     some = bool(steep.any() and not steep.all())
     found, check, notes = _first_that_holds("upper bound", attempt, 1 if some else ATTEMPTS)
     if check is None and some and found.solution.none != "no stress":
-        found, check, more_notes = _first_that_holds("upper bound, steep ground held", attempt_held)
+        found, check, more_notes = _first_that_holds("upper bound, steep ground held", partial(attempt, rigid=steep))
         notes += more_notes
     return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None
 

@@ -58,7 +58,7 @@ def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0, ag
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
-    ``again`` asks a solver that breaks down for more regularisation.
+    ``again`` asks a solver that has no answer for more regularisation.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """

@@ -56,7 +56,7 @@ def upper_bound(
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
-    ``again`` asks a solver that breaks down for more regularisation. Cells of ``rigid`` (m,), a mask, are held: the
+    ``again`` asks a solver that has no answer for more regularisation. Cells of ``rigid`` (m,), a mask, are held: the
     bound stays one, if a larger one.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.

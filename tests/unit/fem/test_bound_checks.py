@@ -84,9 +84,7 @@ def test_velocities_that_break_the_flow_rule_are_found_and_refused(problem, high
     backwards = check_velocity(problem, -high.velocity)
     assert backwards.flow_slack < 0.0
     assert not backwards.holds
-    monkeypatch.setattr(
-        adaptive_bounds, "upper_bound", lambda problem, margin, again: replace(high, velocity=-high.velocity)
-    )
+    monkeypatch.setattr(adaptive_bounds, "upper_bound", lambda problem, *asked: replace(high, velocity=-high.velocity))
     _, notes, mechanism = proven_upper_bound(problem)
     assert mechanism is None
     assert any("upper bound refused" in note for note in notes)
@@ -121,6 +119,21 @@ def test_a_solver_that_ends_early_is_said(problem, monkeypatch):
     monkeypatch.setattr(cone_program, "MOST_ITERATIONS", 3)
     _, notes, _ = proven_lower_bound(problem)
     assert any("the solver ended early (MaxIterations)" in note for note in notes)
+
+
+def test_a_solver_that_ends_early_is_asked_again(problem, low, monkeypatch):
+    from fem import cone_program
+
+    usual, most = cone_program._settings, iter([3, 3, cone_program.MOST_ITERATIONS])
+
+    def hasty(program, regularisation):
+        monkeypatch.setattr(cone_program, "MOST_ITERATIONS", next(most))
+        return usual(program, regularisation)
+
+    monkeypatch.setattr(cone_program, "_settings", hasty)
+    again = lower_bound(problem, again=True)
+    assert again.solution.ended == ""
+    assert again.multiplier == pytest.approx(low.multiplier, rel=1e-4)
 
 
 def flat(nu, **changes):

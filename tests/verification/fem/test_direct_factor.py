@@ -6,10 +6,13 @@ from mpi4py import MPI
 
 from fem.adaptive import adapted_safety
 from fem.direct_factor import CLOSE
+from fem.settings import FemSettings
 from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from tests.support.fem_problems import section, soil
 from tests.support.published import cases
 from tests.support.sections import slope
 
@@ -44,7 +47,26 @@ def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
 @pytest.mark.parametrize("guess", [0.2, 5.0])
 def test_the_factor_is_the_same_wherever_the_search_begins(guess):
     near = factor_of("taylor_60_10").factor
-    assert factor_of("taylor_60_10", guess).factor == pytest.approx(near, rel=CLOSE**2)
+    found = factor_of("taylor_60_10", guess)
+    assert found.factor == pytest.approx(near, rel=CLOSE**2)
+    assert found.mechanism is not None
+    shear = found.mechanism.plastic_shear_strain
+    assert np.all(found.mechanism.failed[shear > 0.2 * shear.max()])  # of the strength over the factor
+
+
+@pytest.mark.parametrize("tension", [0.0, 15e3])
+def test_ground_that_tears_has_the_same_factor_wherever_the_search_begins(tension):
+    """A cut of 79° whose crest opens. Newton's method squares what is lacking only if the cut-off's share in the
+    dissipation is counted, too: without it 0.2 % were left. Measured: 0.04 %."""
+    clay = soil(c=20e3, phi=25.0).model_copy(update={"tension": tension})
+    cut = section([[0.0, 5.0], [10.0, 5.0], [11.0, 0.0], [20.0, 0.0]], 6.0, clay)
+    mesh = generate(cut, MeshSettings(method="free", size=0.7))
+    wish = FemSettings(flow="associated")
+    near = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, 1.3)
+    near = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, near.factor)
+    for share in (0.97, 1.03):
+        found = safety_at_once(cut, mesh, wish, 0.0, MPI.COMM_SELF, share * near.factor)
+        assert found.factor == pytest.approx(near.factor, rel=6e-4)
 
 
 def test_the_factor_divides_the_strength_exactly():
