@@ -25,7 +25,8 @@ from functools import cached_property
 import clarabel
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+
+from fem.symmetric import factorised
 
 # Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh. And the residual of
 # its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.
@@ -344,8 +345,7 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
     scaled = sparse.diags(1.0 / np.where(length > 0.0, length, 1.0)) @ matrix
     left = residual / np.where(length > 0.0, length, 1.0)
-    normal = (scaled @ scaled.T + 1e-10 * sparse.identity(rows)).tocsc()
-    factor = splu(normal, permc_spec="COLAMD", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factors = factorised(scaled @ scaled.T + 1e-10 * sparse.identity(rows))
     found = np.zeros(matrix.shape[1])
     missed = np.inf
     for _ in range(MOST_CORRECTIONS):
@@ -353,5 +353,5 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
         if not np.abs(rest).max() < 0.5 * missed:  # no longer better, or no number
             break
         missed = np.abs(rest).max()
-        found += scaled.T @ factor.solve(rest)
+        found += scaled.T @ factors.solve(rest)
     return found

@@ -159,7 +159,7 @@ def told_to_all(problem: "PlaneStrain", find: Callable[[], A]) -> A:
 
 
 def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
-    """The elements of all ranks under nodal forces (dofs,); without elements on ranks other than the first."""
+    """The elements of all ranks under nodal forces (dofs,), for the first rank; others are left with their own."""
     grid = problem.grid
     material = problem.material.reshape(grid.weights.shape)
     own = _Cells(

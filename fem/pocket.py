@@ -10,11 +10,12 @@ Stress is positive in tension; Pa, m, N per metre out of plane.
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU
 
 from fem.descent import Descent
 from fem.kernels import assembly, mohr_coulomb
 from fem.plane_strain import Part, PlaneStrain
+from fem.symmetric import factorised
 
 # A node whose unbalanced force is this share of the largest belongs to a pocket, with so many rings of cells around it.
 SHARE, RINGS = 0.2, 5
@@ -58,7 +59,7 @@ class Pocket:
                 break
             step = np.zeros(len(moved))
             try:
-                step[moving] = _factorised(self.part, tangent, number).solve(left)
+                step[moving] = _stiffness(self.part, tangent, number).solve(left)
             except RuntimeError:  # the stiffness is singular
                 break
             search = Descent(float(left @ step[moving]))
@@ -88,7 +89,7 @@ def _response(part: Part, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return forces, tangent
 
 
-def _factorised(part: Part, tangent: np.ndarray, number: np.ndarray) -> "splu":
+def _stiffness(part: Part, tangent: np.ndarray, number: np.ndarray) -> SuperLU:
     """The stiffness of the moving components, ``number`` (components,) of which is not negative, factorised."""
     elements = part.hourglass.copy()
     assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, number >= 0, part.dofs, elements)
@@ -96,5 +97,4 @@ def _factorised(part: Part, tangent: np.ndarray, number: np.ndarray) -> "splu":
     rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (own[:, :, None], own[:, None, :]))
     moving = (rows >= 0) & (columns >= 0)
     size = int(number.max()) + 1
-    matrix = sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size))
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    return factorised(sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size)))
