@@ -232,18 +232,19 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
 
 
 @njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
-def begin_of(thread: int, threads: int, slices: int) -> int:
-    """First slice of a thread."""
-    return slices * thread // threads
+def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
+    """First slice of a thread, and the one after its last."""
+    return slices * thread // threads, slices * (thread + 1) // threads
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Slices of begin to end that share contacts with other threads, and how many slices each thread must be through.
+def needs(team: Team, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Slices of a thread that share contacts with other threads, and how many slices each thread must be through.
 
     Returns (slices (shared,), counts (shared, threads)).
     """
-    slices = len(layout.chunk_start) - 1
+    threads, slices = team.threads, len(layout.chunk_start) - 1
+    begin, end = slices_of(team.thread, threads, slices)
     shared = np.zeros(end - begin, np.int64)
     count = np.zeros((end - begin, threads), np.int64)
     found = 0
@@ -259,8 +260,8 @@ def needs(begin: int, end: int, threads: int, layout: Layout) -> tuple[np.ndarra
             if begin <= owner < end:
                 continue
             for t in range(threads):
-                start = begin_of(t, threads, slices)
-                if start <= owner < begin_of(t + 1, threads, slices):
+                start, stop = slices_of(t, threads, slices)
+                if start <= owner < stop:
                     count[found, t] = max(count[found, t], owner - start + 1)
         found += 1
     # What needs least of the others comes first, so that no slice waits behind one that needs their last.
@@ -297,8 +298,7 @@ def take_steps(
     """What `advance` does once it has memory to work in; shared, need: see `needs`."""
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1
-    begin = begin_of(thread, threads, slices)
-    end = begin_of(thread + 1, threads, slices)
+    begin, end = slices_of(thread, threads, slices)
     unknown = layout.chunk_start[begin]
     last_dt = clock.last_dt
     time = clock.time
@@ -325,8 +325,8 @@ def take_steps(
         for k in range(len(shared)):
             for t in range(threads):
                 if need[k, t] > 0:
-                    size = begin_of(t + 1, threads, slices) - begin_of(t, threads, slices)
-                    wait_for(barrier, t, taken * size + need[k, t])
+                    start, stop = slices_of(t, threads, slices)
+                    wait_for(barrier, t, taken * (stop - start) + need[k, t])
             moved |= move_slice(shared[k], layout, scratch, step, entries, False)
         team.stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
@@ -356,8 +356,5 @@ def advance(
     Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
     OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
     """
-    slices = len(layout.chunk_start) - 1
-    begin = begin_of(team.thread, team.threads, slices)
-    end = begin_of(team.thread + 1, team.threads, slices)
-    shared, need = needs(begin, end, team.threads, layout)
+    shared, need = needs(team, layout)
     return take_steps(team, clock, layout, springs, law, loads, entries, reach, shared, need, new_scratch())
