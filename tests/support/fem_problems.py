@@ -35,6 +35,14 @@ def section(surface, depth, *strata, name="test", **more):
     return Section(name=name, surface=surface, base={"depth": depth}, strata=strata, **more)
 
 
+# A bank whose bed is sand without cohesion, which bears hardly any stress at the toe.
+BANK_OF_SAND = section(
+    [[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0,
+    soil("fill", c=2e3, phi=30.0, psi=0.0, bottom={"elevation": [[0.0, 2.0], [16.0, 2.0]]}),
+    soil("bare sand", c=0.0, phi=33.0, psi=0.0),
+)  # fmt: skip
+
+
 def grid(x, y, move=lambda x, y: (x, y), stratum=lambda x, y: np.zeros(len(x), int), names=("soil",)):
     """Rectangles between the lines x and y, rising, then moved; ``stratum`` of the middle of a rectangle."""
     x, y = np.asarray(x, float), np.asarray(y, float)

@@ -13,21 +13,15 @@ from fem.descent import LONGEST, SLOPE_LEFT, Descent
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
-from tests.support.fem_problems import section, soil
-
-BANK = section(
-    [[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0,
-    soil("fill", c=2e3, phi=30.0, psi=0.0, bottom={"elevation": [[0.0, 2.0], [16.0, 2.0]]}),
-    soil("bare sand", c=0.0, phi=33.0, psi=0.0),
-)  # fmt: skip
+from tests.support.fem_problems import BANK_OF_SAND
 
 
 @pytest.fixture(scope="module")
 def bank():
     """The critical Kh of a bank whose bed is sand without cohesion, with two Kh asked for."""
-    mesh = generate(BANK, MeshSettings(method="free", size=0.8))
+    mesh = generate(BANK_OF_SAND, MeshSettings(method="free", size=0.8))
     wish = FemSettings(flow="davis", direction="downhill", kh=(0.03, 0.06))
-    return critical_coefficient(BANK, mesh, wish, MPI.COMM_SELF)
+    return critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
 
 
 def test_every_level_of_a_bank_of_bare_sand_is_in_equilibrium(bank) -> None:
@@ -46,9 +40,9 @@ def test_the_ground_softens_towards_its_limit_load(bank) -> None:
 
 
 def test_a_limit_below_the_limit_load_is_no_failure() -> None:
-    mesh = generate(BANK, MeshSettings(method="free", size=1.5))
+    mesh = generate(BANK_OF_SAND, MeshSettings(method="free", size=1.5))
     wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.05)
-    found = critical_coefficient(BANK, mesh, wish, MPI.COMM_SELF)
+    found = critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
     assert (found.verdict, found.kc, found.lower) == ("no failure", 0.05, 0.05)
 
 

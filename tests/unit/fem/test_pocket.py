@@ -18,19 +18,14 @@ from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support import RIVER_BANK
-from tests.support.fem_problems import section, soil
+from tests.support.fem_problems import BANK_OF_SAND
 
-BANK = section(
-    [[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0,
-    soil("fill", c=2e3, phi=30.0, psi=0.0, bottom={"elevation": [[0.0, 2.0], [16.0, 2.0]]}),
-    soil("bare sand", c=0.0, phi=33.0, psi=0.0),
-)  # fmt: skip
 SETTINGS = FemSettings(flow="davis", direction="downhill")
 
 
 @pytest.fixture(scope="module")
 def mesh():
-    return generate(BANK, MeshSettings(method="free", size=0.8))
+    return generate(BANK_OF_SAND, MeshSettings(method="free", size=0.8))
 
 
 @dataclass(frozen=True)
@@ -45,7 +40,7 @@ class Begun:
 
 @pytest.fixture
 def begun(mesh) -> Begun:
-    problem, weight, _ = at_the_sides(BANK, mesh, SETTINGS, MPI.COMM_SELF)
+    problem, weight, _ = at_the_sides(BANK_OF_SAND, mesh, SETTINGS, MPI.COMM_SELF)
     problem.hold(UNDER_GRAVITY)
     load = ProportionalLoad(np.zeros_like(weight), weight)
     problem.use_elastic_tangent()
