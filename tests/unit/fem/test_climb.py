@@ -1,15 +1,10 @@
 """The path to a known limit load: every level in equilibrium, also in sand without cohesion."""
 
-import math
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from mpi4py import MPI
 
 from fem.critical import critical_coefficient
-from fem.descent import LONGEST, SLOPE_LEFT, Descent
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
@@ -44,24 +39,3 @@ def test_a_limit_below_the_limit_load_is_no_failure() -> None:
     wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.05)
     found = critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
     assert (found.verdict, found.kc, found.lower) == ("no failure", 0.05, 0.05)
-
-
-@given(
-    kinks=st.lists(st.floats(0.01, 7.0), max_size=6),
-    stiffer=st.lists(st.floats(0.0, 1e4), min_size=6, max_size=6),
-    first=st.floats(0.2, 1.0),
-)
-def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first) -> None:
-    """The slope of a convex potential, 1 - ∫ stiffness, kinks where points yield or unload; the search ends with half
-    of it, or with the longest step where it falls on."""
-
-    def slope(part: float) -> float:
-        return 1.0 - first * part - sum(k * max(part - at, 0.0) for at, k in zip(sorted(kinks), stiffer, strict=False))
-
-    search, tried = Descent(slope(0.0)), 0
-    while not search.ends(slope(search.part)):
-        tried += 1
-    assert tried < 9
-    assert 0.0 < search.part <= LONGEST
-    if tried < 8:
-        assert abs(slope(search.part)) <= SLOPE_LEFT or math.isclose(search.part, LONGEST)

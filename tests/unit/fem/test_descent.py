@@ -1,0 +1,29 @@
+"""The search along a correction of Newton's method ends where a convex potential no longer falls much."""
+
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem.descent import LONGEST, MOST_LENGTHS, SLOPE_LEFT, Descent
+
+
+@given(
+    kinks=st.lists(st.floats(0.01, 7.0), max_size=6),
+    stiffer=st.lists(st.floats(0.0, 1e4), min_size=6, max_size=6),
+    first=st.floats(0.2, 1.0),
+)
+def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first) -> None:
+    """The slope of a convex potential, 1 - ∫ stiffness, kinks where points yield or unload; the search ends with half
+    of it, or with the longest step where it falls on."""
+
+    def slope(part: float) -> float:
+        return 1.0 - first * part - sum(k * max(part - at, 0.0) for at, k in zip(sorted(kinks), stiffer, strict=False))
+
+    search, tried = Descent(slope(0.0)), 0
+    while not search.ends(slope(search.part)):
+        tried += 1
+    assert tried < MOST_LENGTHS
+    assert 0.0 < search.part <= LONGEST
+    if tried < MOST_LENGTHS - 1:
+        assert abs(slope(search.part)) <= SLOPE_LEFT or math.isclose(search.part, LONGEST)
