@@ -125,12 +125,12 @@ def infinite_slope(head, excess=0.0):
 
 @pytest.mark.parametrize(("head", "excess"), [("vertical", 0.0), ("normal", 0.0), ("normal", 0.15)])
 def test_an_infinite_slope_with_seepage_has_its_closed_forms(head, excess):
-    """Measured: within 0.3 % (FS), 1 % (kc)."""
+    """Measured: 0.4 % (FS) and 0.8 to 0.9 % (kc) above."""
     ground = strip(head, excess)
     mesh = generate(ground, MeshSettings(columns=4, rows=40))
     wish = PLAIN.model_copy(update={"sides": "tied"})
     safety, kc = infinite_slope(head, excess)
-    assert safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor == pytest.approx(safety, rel=0.01)
+    assert safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor == pytest.approx(safety, rel=0.005)
     assert critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.01)
 
 
@@ -211,14 +211,13 @@ def test_no_weight_is_lost(ground):
     assert reaction == pytest.approx(weight, rel=1e-9)
 
 
-@pytest.mark.slow
 def test_a_load_on_weightless_ground_is_prandtls():
-    """5.14 c on clay: the factor of safety of a strip load of that size is 1 (Prandtl 1920). Measured: 0.98."""
+    """5.14 c on clay: the factor of safety of a strip load of that size is 1 (Prandtl 1920). Measured: 0.994."""
     clay = soil(density="1 N/m^3", density_saturated=None, friction_angle="0 deg")
     data = {"name": "strip", "unusual": True, "surface": [[0, 0], [20, 0]], "base": {"elevation": -4}, "strata": [clay]}
     loaded = Section.parse({**data, "surcharges": [{"from": 9, "to": 11, "pressure": (2.0 + math.pi) * 1e4}]})
     mesh = generate(loaded, MeshSettings(size=0.5))
-    assert safety_factor(loaded, mesh, PLAIN, 0.0, MPI.COMM_SELF).factor == pytest.approx(1.0, abs=0.04)
+    assert safety_factor(loaded, mesh, PLAIN, 0.0, MPI.COMM_SELF).factor == pytest.approx(1.0, abs=0.01)
 
 
 def test_shaking_that_raises_pore_pressure_lowers_the_critical_coefficient():
