@@ -17,7 +17,7 @@ solves the second one, which is the smaller, and gives the stress as its multipl
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -38,6 +38,9 @@ MET = ("Solved", "AlmostSolved")
 # Of the pivots, the solver's own first. Where ground next to rock has hardly any strength, which of many mechanisms
 # goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the answer.
 REGULARISATIONS = (1e-8, 1e-7, 1e-6)
+# The same for elements, whose answer is no bound: at 1e-8 they often break down, and a residual of 1e-7 is met in three
+# quarters of the iterations and changes the answer by 0.03 % at most, as a rule (0.1 % in 1 of 10 published cases).
+REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
 # Tolerances met almost will do where the equations are met to this.
 NEARLY = 1e-6
 MOST_ITERATIONS = 120
@@ -136,24 +139,37 @@ class Solution:
 
 
 def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0) -> Solution:
-    """Stress, velocities and multiplier of a program. Raises KeyboardInterrupt between iterations.
+    """Stress, velocities and multiplier of a program of bounds. Raises KeyboardInterrupt between iterations.
 
     A solver that ends without an answer, or meets its tolerances only almost, is asked ``again`` with more
     regularisation; bounds are checked, and take what it left. Forces are handed to it ``magnified`` times as large: its
     residuals count as absolute below one.
     """
+    feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
+    return _solve(program, REGULARISATIONS if again else REGULARISATIONS[:1], feasibility, magnified)
+
+
+def solve_for_elements(program: ConeProgram) -> Solution:
+    """The same of a program of elements, less exactly; asked again as well."""
+    return _solve(program, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
+
+
+def _solve(
+    program: ConeProgram, regularisations: Sequence[float], feasibility: float, magnified: float = 1.0
+) -> Solution:
+    """The solution by the first of some regularisations that leads to one, or by the best of them."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = _assembled(program, clay)
     ends: list[clarabel.DefaultSolution] = []
-    for regularisation in REGULARISATIONS if again else REGULARISATIONS[:1]:
+    for regularisation in regularisations:
         solver = clarabel.DefaultSolver(
             sparse.csc_matrix((len(data.cost), len(data.cost))),
             magnified * data.cost,
             data.matrix.tocsc(),
             data.offset,
             data.cones,
-            _settings(program, regularisation),
+            _settings(regularisation, feasibility),
         )
         with _stops_at_interrupt(solver):
             ends.append(solver.solve())
@@ -324,13 +340,13 @@ def _stress(
     return np.stack([mean + half, mean - half, shear], axis=1)
 
 
-def _settings(program: ConeProgram, regularisation: float) -> clarabel.DefaultSettings:
+def _settings(regularisation: float, feasibility: float) -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
     settings.static_regularization_constant = regularisation
     settings.verbose = False
     settings.max_iter = MOST_ITERATIONS
     settings.tol_gap_abs = settings.tol_gap_rel = SOLVER_GAP
-    settings.tol_feas = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
+    settings.tol_feas = feasibility
     settings.presolve_enable = False
     settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
     return settings

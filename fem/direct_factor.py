@@ -35,7 +35,7 @@ LARGEST_FACTOR = 20.0
 # Trials at most, what a factor changes by from one to the next at most, and a change of ln F after which Newton's
 # method, which squares it, leaves less than 0.1 % (measured: 0.05 % of 0.036); from a coarser mesh's factor it leaves
 # nothing.
-TRIALS, LARGEST_STEP, CLOSE = 20, 1.6, 0.04
+TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
 # Step of ln F over which the strength is differentiated.
 DIFFERENCE = 1e-4
 # The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
@@ -108,7 +108,7 @@ class _Search:
         softening = self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
         program = self.ground.program(problem.strength, dead, np.zeros_like(dead), softening)
-        solution = cone_program.solve(program, again=True)
+        solution = cone_program.solve_for_elements(program)
         if solution.none or solution.ended:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")

@@ -179,7 +179,7 @@ def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> Direc
     """The limit load; raises as ``direct_limit`` does."""
     dead, live = ground.load(0), ground.load(1)
     ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
-    solution = cone_program.solve(ground.program(problem.strength, dead, ratio * live), again=True)
+    solution = cone_program.solve_for_elements(ground.program(problem.strength, dead, ratio * live))
     if solution.none == "no mechanism":
         return DirectLimit(np.inf, None)
     if solution.none:

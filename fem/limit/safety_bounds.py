@@ -12,6 +12,7 @@ share of all loads that the ground carries is bounded in place of Kh, and F is a
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -19,7 +20,10 @@ import numpy as np
 
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import (
+    AIM_BEYOND,
     GROWTH,
+    LEAST_GROWTH,
+    MOST_GROWTH,
     NARROW_ANGLE,
     proven_lower_bound,
     proven_upper_bound,
@@ -40,6 +44,8 @@ SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 # Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
 # side of it, so that it proves.
 TRIALS, MARGIN = 10, 0.002
+# Trials, at most, that prove a bound on one mesh.
+PROOFS = 4
 # How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
 INSIDE = 0.05
 # A coarse factor is good enough to refine at when it is this close, or this close over what the bounds leave open.
@@ -49,6 +55,7 @@ FAR = 1.0
 
 # What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
 Gauge = Literal["kh", "loads"]
+BoundSide = Literal["lower", "upper"]
 
 
 @dataclass(frozen=True)
@@ -98,9 +105,7 @@ class SafetyBounds:
     @property
     def gap(self) -> float:
         """Upper less lower bound over their mean, inf where one is missing."""
-        if self.lower <= 0.0 or not math.isfinite(self.upper):
-            return math.inf
-        return (self.upper - self.lower) / (0.5 * (self.upper + self.lower))
+        return _gap(self.lower, self.upper)
 
 
 def safety_bounds(
@@ -170,6 +175,8 @@ class _Search:
         """
         if other.both_ways:
             self.lower = other.lower
+        if self.lower < other.lower:
+            self.measure(other.lower, upper=False)  # mostly that is all
         while self.lower < other.lower:
             self.measure(other.lower)
             if self.upper <= other.lower or self.mesh_is_full:
@@ -178,9 +185,13 @@ class _Search:
         return 0.0 < other.lower <= self.lower
 
     @property
+    def gap(self) -> float:
+        """Upper less lower factor over their mean, inf where one is missing."""
+        return _gap(self.lower, self.upper)
+
+    @property
     def good(self) -> bool:
-        middle = 0.5 * (self.lower + self.upper)
-        return math.isfinite(self.upper) and self.upper - self.lower <= self.settings.gap * middle
+        return self.gap <= self.settings.gap
 
     @property
     def mesh_is_full(self) -> bool:
@@ -248,8 +259,8 @@ class _Search:
             trial = self.regauged(self.measure(self.factor))
             self.learn(last, trial)
             last = trial
-        self.prove(last, "lower", -1.0)
-        self.prove(last, "upper", 1.0)
+        self.prove("lower", -1.0)
+        self.prove("upper", 1.0)
 
     def regauged(self, trial: Trial) -> Trial:
         """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
@@ -298,33 +309,65 @@ class _Search:
             ahead = -over / self.slope
         return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
 
-    def prove(self, last: Trial, side: Literal["lower", "upper"], sense: float) -> None:
-        """One trial, or two, where a bound should come to what is to be borne, if that betters what is proven.
+    def prove(self, side: BoundSide, sense: float) -> None:
+        """Trials a little to the safe side of where a bound comes to what is to be borne, until they prove no more.
 
-        Where there is no such bound at the last factor, half-way back to the proven one, where there is one.
+        Where a secant leads behind what is proven, and no two bounds of these triangles tell better, half-way to that.
         """
-        trial = last
-        for more in (1.0, 3.0):
-            found = getattr(trial, side)
-            if self.slope is None:
+        last = self.trials[-1].factor
+        for times in range(1, PROOFS + 1):
+            proven, points = getattr(self, side), self.points(side)
+            at = _root(points, self.slope) * math.exp(sense * times * MARGIN)
+            better = sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0
+            if not better and len(points) < 2 and not self.good:
+                at = math.sqrt(last * proven)
+            elif not better:
                 return
-            if found is not None:
-                at = trial.factor * self.step(self.over(found)) * math.exp(sense * more * MARGIN)
-            else:
-                at = math.sqrt(trial.factor * getattr(self, side))
-            if (at <= self.lower if sense < 0.0 else at >= self.upper) or not SMALLEST < at < LARGEST:
+            if not SMALLEST < at < LARGEST:
                 return
-            trial = self.measure(at, side == "lower", side == "upper")
-            if at in (self.lower, self.upper):
-                return
+            self.measure(at, side == "lower", side == "upper")
+
+    def points(self, side: BoundSide) -> list[tuple[float, float]]:
+        """Logarithm of the factor, and what a bound exceeds what is to be borne by, of trials on these triangles."""
+        last = self.trials[-1]
+        here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
+        bounds = [(trial.factor, getattr(trial, side)) for trial in here]
+        found = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
+        return sorted(point for point in found if abs(point[1]) < FAR)
 
     def refine(self) -> None:
-        """Finer triangles where the bounds of the last trial are apart."""
+        """Finer triangles where the bounds of the last trial are apart: as many as should close the gap, if one step
+        can do that; the margins stay."""
         problem, low, high = self.seen
         indicator = refinement_indicator(problem, low, high)
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
-        room = self.settings.max_cells / len(problem.mesh.cells)
-        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], min(GROWTH, room) * len(indicator))
+        margins = 2.0 * MARGIN
+        needed = AIM_BEYOND * (self.gap - margins) / max(self.settings.gap - margins, margins)
+        growth = min(
+            max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
+            self.settings.max_cells / len(problem.mesh.cells),
+        )
+        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
+
+
+def _gap(lower: float, upper: float) -> float:
+    """Upper less lower factor over their mean, inf where one is missing."""
+    if lower <= 0.0 or not math.isfinite(upper):
+        return math.inf
+    return (upper - lower) / (0.5 * (upper + lower))
+
+
+def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
+    """The factor at which a falling function of its logarithm is zero: by the points next to it, or by its ``slope``
+    where there is one point; NaN where nothing tells."""
+    stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
+    ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
+    if len(ends) == 2 and ends[1][1] < ends[0][1]:
+        slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
+    if not ends or slope is None:
+        return math.nan
+    at, over = min(ends, key=lambda point: abs(point[1]))
+    return math.exp(at + float(np.clip(-over / slope, -math.log(STEP), math.log(STEP))))
 
 
 def _inside(factor: float, safe: float, unsafe: float) -> float:

@@ -26,8 +26,11 @@ def test_bounds_are_found_judged_kept_and_written(folder: Path, capsys: pytest.C
     found = read_answers(folder / "answers.json")["taylor_60_20"]
     assert 0.97 < found.lower < 1.006 < found.upper < 1.03
     assert "right     taylor_60_20" in capsys.readouterr().out
-    verify(folder=folder, judge=True, json=True)
-    by_name = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
+    verify(folder=folder, judge=True, json=folder / "rows.json")
+    assert "not run" in capsys.readouterr().out
+    by_name = {row["name"]: row for row in json.loads((folder / "rows.json").read_text(encoding="utf-8"))}
+    verify(folder=folder, judge=True, json=Path("-"))
+    assert json.loads(capsys.readouterr().out) == list(by_name.values())
     assert by_name["taylor_60_20"]["verdict"] == "right"
     assert by_name["taylor_30_10"]["verdict"] == "not run"
     page = (folder / "README.md").read_text(encoding="utf-8")
@@ -46,6 +49,8 @@ def test_what_was_found_before_is_judged_without_computing(folder: Path, capsys:
 def test_unknown_parts_and_spoiled_answers_are_told(folder: Path):
     with pytest.raises(InputError, match="expected one of bounds, associated, davis"):
         verify(folder=folder, only=["everything"])
+    with pytest.raises(InputError, match="there is no folder"):
+        verify(folder=folder, judge=True, json=folder / "nowhere" / "rows.json")
     (folder / "answers.json").write_text("[1]", encoding="utf-8")
     with pytest.raises(InputError, match="delete the file"):
         verify(folder=folder, judge=True)

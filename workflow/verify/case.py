@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
@@ -76,13 +77,21 @@ def read_case(path: Path) -> Case:
 def read_cases(folder: Path, names: Sequence[str] = ()) -> list[Case]:
     """The cases of a folder in the order of their names; some only, or those whose names begin with one of ``names``.
 
-    Raises InputError if the folder has none, or one that is asked for is missing.
+    Capitals are those of anybody. Raises InputError if the folder has none, or one that is asked for is missing.
     """
     files = sorted(folder.glob("*.toml"))
     if not files:
         raise InputError(str(folder), ["there are no cases in it; run this in a checkout, or name one with --folder"])
-    missing = [name for name in names if not any(path.stem.startswith(name) for path in files)]
+    starts = [name.lower() for name in names]
+    stems = [path.stem.lower() for path in files]
+    missing = [name for name in starts if not any(stem.startswith(name) for stem in stems)]
     if missing:
-        raise InputError(str(folder), [f'there is no case "{name}"' for name in missing])
-    wanted = [path for path in files if not names or path.stem.startswith(tuple(names))]
+        raise InputError(str(folder), [f'there is no case "{name}"{_hint(name, stems)}' for name in missing])
+    wanted = [path for path, stem in zip(files, stems, strict=True) if not names or stem.startswith(tuple(starts))]
     return [read_case(path) for path in wanted]
+
+
+def _hint(name: str, stems: Sequence[str]) -> str:
+    """What may have been meant, or how to see what there is."""
+    close = get_close_matches(name, stems, n=3)
+    return f"; did you mean {' or '.join(close)}?" if close else "; README.md in it names all of them"

@@ -1,12 +1,12 @@
 """A run over a collection of cases, case by case; what was found is kept after each."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from workflow.verify.case import Case, read_cases
-from workflow.verify.record import FILE, PARTS, Answer, Part, read_answers, write_answers
+from workflow.verify.record import FILE, PARTS, Answer, Part, read_answers, version_of, write_answers
 from workflow.verify.verdict import Verdict, judge
 
 
@@ -31,6 +31,7 @@ class Row:
             "skin": found.skin,
             "elements_associated": found.associated,
             "elements_davis": found.davis,
+            "commit": found.commit,
             "seconds": {"bounds": found.bounds_seconds, "elements_associated": found.associated_seconds}
             | {"elements_davis": found.davis_seconds},
             "published": [value.model_dump() for value in self.case.published.values],
@@ -45,14 +46,14 @@ def run(
 
     What was found is written beside the cases after each of them; parts that are not run keep what was found before.
     """
-    record = folder / FILE
+    record, version = folder / FILE, version_of(folder)
     rows = []
     for case in read_cases(folder, names):
         answers = read_answers(record)
         if parts:
             from workflow.verify.answer import answer  # judging alone does without the finite elements
 
-            answers[case.name] = answer(case, parts, answers.get(case.name))
+            answers[case.name] = replace(answer(case, parts, answers.get(case.name)), commit=version)
             write_answers(record, answers)
         found = answers.get(case.name)
         rows.append(Row(case, found, judge(case, found)))

@@ -13,6 +13,12 @@ if TYPE_CHECKING:
 
     from workflow.verify.collection import Row
 
+JSON_OPTION = typer.Option(
+    help="Write the rows to this file as JSON, too; - for standard output, and nothing else there.",
+    allow_dash=True,
+    dir_okay=False,
+    show_default=False,
+)
 FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published]", show_default=False)
 
 
@@ -23,7 +29,7 @@ def verify(
         list[str] | None, typer.Option(help="bounds, associated or davis; repeatable.", show_default=False)
     ] = None,
     judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the rows as JSON, and nothing else.")] = False,
+    json: Annotated[Path | None, JSON_OPTION] = None,
     page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
 ) -> None:
     """Find the answers of published slopes and judge them: right, wrong or explained."""
@@ -39,13 +45,23 @@ def verify(
     if unknown:
         raise InputError("--only", [f'"{part}": expected one of {", ".join(PARTS)}' for part in unknown])
     wanted = () if judge else tuple(part for part in PARTS if not only or part in only)
-    out = Console(highlight=False, quiet=json)
+    alone = json is not None and str(json) == "-"
+    if json is not None and not alone and not json.parent.is_dir():
+        raise InputError("--json", [f'"{json}": there is no folder "{json.parent}"'])
+    out = Console(highlight=False, quiet=alone)
     rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
     out.print(_count(rows))
     if page:
         out.print(str(_page(folder or FOLDER)), soft_wrap=True)
-    if json:
-        typer.echo(dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False))
+    if json is not None:
+        _write(json, dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False))
+
+
+def _write(file: Path, text: str) -> None:
+    if str(file) == "-":
+        typer.echo(text)
+    else:
+        file.write_text(text + "\n", encoding="utf-8")
 
 
 def _page(folder: Path) -> Path:

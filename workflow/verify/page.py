@@ -88,7 +88,18 @@ def _summary(verdicts: Mapping[str, Verdict], answers: Mapping[str, Answer]) -> 
     meshed = sum(found.associated is not None for found in answers.values())
     words = ", ".join(f"{count} {word}" for word, count in counted.most_common())
     counts = f"{words}. Bounds were found for {bounded}, elements were run on {meshed}."
-    return f"{counts} {_speed(answers.values())}"
+    return " ".join(text for text in (counts, _speed(answers.values()), _versions(answers.values())) if text)
+
+
+def _versions(answers: Collection[Answer]) -> str:
+    """Which version of the program the numbers are of; empty where none is known."""
+    versions = Counter(found.commit or "an unknown one" for found in answers)
+    if set(versions) <= {"an unknown one"}:
+        return ""
+    if len(versions) == 1:
+        return f"All numbers are of one version of the program, commit {next(iter(versions))}."
+    told = ", ".join(f"{name} ({count})" for name, count in versions.most_common())
+    return f"The numbers are of several versions of the program, by their commits: {told}."
 
 
 def _speed(answers: Collection[Answer]) -> str:

@@ -1,6 +1,7 @@
 """What was found for a case, and how it is kept from run to run: `answers.json` beside the cases."""
 
 import json
+import subprocess
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ class Answer:
 
     ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's substitute of ψ < φ; with each
     what it may be at most. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where grains roll down a face before,
-    at ``skin``, all of these are of the slope as a whole.
+    at ``skin``, all of these are of the slope as a whole. ``commit`` is the version of the program that found the last.
     """
 
     name: str
@@ -37,7 +38,21 @@ class Answer:
     bounds_seconds: float | None = None
     associated_seconds: float | None = None
     davis_seconds: float | None = None
+    commit: str = ""
     failures: tuple[str, ...] = ()
+
+
+def version_of(folder: Path) -> str:
+    """The commit that a checkout with ``folder`` in it is at, with a + if Python files differ; empty elsewhere."""
+    told = []
+    for command in (["rev-parse", "--short=9", "HEAD"], ["diff", "--name-only", "HEAD", "--", ":/*.py"]):
+        try:
+            told.append(
+                subprocess.run(["git", *command], cwd=folder, capture_output=True, text=True, check=True).stdout
+            )
+        except (OSError, subprocess.CalledProcessError):
+            return ""
+    return told[0].strip() + ("+" if told[1] else "")
 
 
 def read_answers(path: Path) -> dict[str, Answer]:

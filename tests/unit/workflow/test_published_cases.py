@@ -1,6 +1,7 @@
 """The collection of published cases: that it can be read, and how it is judged."""
 
 import math
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,8 @@ from meshes.errors import InputError
 from tests.support.log_spiral import critical_kh
 from tests.support.published import PUBLISHED, cases
 from workflow.verify.case import Value, read_case, read_cases
-from workflow.verify.record import Answer
+from workflow.verify.page import text
+from workflow.verify.record import Answer, version_of
 from workflow.verify.verdict import judge, outside
 
 GOOD = Answer("acads_1a", lower=0.975, upper=0.995, associated=0.99, davis=0.98)
@@ -100,6 +102,36 @@ def test_a_folder_without_cases_and_a_name_without_one_are_told(tmp_path: Path):
         read_cases(tmp_path)
     with pytest.raises(InputError, match='no case "nobody"'):
         read_cases(PUBLISHED, ["nobody"])
+    with pytest.raises(InputError, match='no case "griffith_lane_1"; did you mean griffiths_lane_1'):
+        read_cases(PUBLISHED, ["griffith_lane_1"])
+
+
+def test_names_may_be_written_with_capitals():
+    assert [case.name for case in read_cases(PUBLISHED, ["ACADS_1a", "Low"])] == ["acads_1a", "low_2"]
+
+
+def test_the_page_says_which_versions_its_numbers_are_of():
+    def told(*commits: str) -> str:
+        answers = {
+            name: replace(GOOD, name=name, commit=commit) for name, commit in zip(cases(), commits, strict=False)
+        }
+        return text(PUBLISHED, list(cases().values()), answers)
+
+    assert "All numbers are of one version of the program, commit 1a2b." in told("1a2b", "1a2b")
+    assert "of several versions of the program, by their commits: 1a2b (2), an unknown one (1)." in told(
+        "1a2b", "1a2b", ""
+    )
+    assert "commit" not in told("", "")
+
+
+def test_the_version_is_the_commit_of_a_checkout(tmp_path: Path):
+    assert version_of(tmp_path) == ""
+    for command in (["init", "-q"], ["add", "."], ["-c", "user.name=a", "-c", "user.email=a@b", "commit", "-qm", "c"]):
+        (tmp_path / "a.py").write_text("a = 1\n")
+        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    assert len(version_of(tmp_path)) == 9
+    (tmp_path / "a.py").write_text("a = 2\n")
+    assert version_of(tmp_path).endswith("+")
 
 
 def test_a_value_may_be_a_range():
