@@ -10,7 +10,8 @@ SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
 class Descent:
     """The search for the length of a correction at which a convex potential no longer falls much, by its slope alone.
 
-    ``slope`` is how steeply it falls at the start, ``part`` the length to try next.
+    ``slope`` is how steeply it falls at the start, ``part`` the length to try next. Where rounding has spoilt the
+    stiffness and it does not fall at all, the search ends all the same.
     """
 
     def __init__(self, slope: float) -> None:
@@ -27,6 +28,6 @@ class Descent:
         else:
             self._high = self.part, slope
         (low, at_low), (high, at_high) = self._low, self._high
-        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE)
+        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE) if at_low > at_high else 0.5
         self.part = 2.0 * self.part if high == np.inf else low + between * (high - low)
         return False

@@ -2,7 +2,7 @@
 
 import math
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fem.descent import LONGEST, MOST_LENGTHS, SLOPE_LEFT, Descent
@@ -27,3 +27,12 @@ def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first)
     assert 0.0 < search.part <= LONGEST
     if tried < MOST_LENGTHS - 1:
         assert abs(slope(search.part)) <= SLOPE_LEFT or math.isclose(search.part, LONGEST)
+
+
+@given(slopes=st.lists(st.floats(-2.0, 2.0) | st.just(math.nan), min_size=MOST_LENGTHS + 1, max_size=MOST_LENGTHS + 1))
+@example(slopes=[-1.0] * (MOST_LENGTHS + 1))
+def test_the_search_ends_whatever_the_slopes(slopes) -> None:
+    search = Descent(slopes[0])
+    tried = next(number for number, slope in enumerate(slopes[1:], 1) if search.ends(slope))
+    assert tried <= MOST_LENGTHS
+    assert 0.0 < search.part <= LONGEST
