@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 # Relative differences that count: of two numbers that must stand in an order, and of one thing computed twice.
 ROUNDING, NOTABLE = 0.005, 0.03
-# The same for two limit loads of one mesh and one loading, which the solver finds to 5e-6.
-SAME_MESH = 1e-4
+# The same for two limit loads of one mesh and one loading: the solver finds most to 0.01 %, some to 0.1 %, see
+# ``cone_program.FEASIBILITY_OF_ELEMENTS``.
+SAME_MESH = 1e-3
 # A finite element answer is allowed so much above a strict upper bound, which is what a good mesh costs; and so much in
 # Kh, which is that share of the strength and the weight of ground that stands with little to spare.
 ABOVE_BOUND, SMALL_KH = 0.03, 0.002
