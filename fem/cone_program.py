@@ -121,6 +121,8 @@ class Solution:
     none : str
         Not empty where it proved that there is no solution: "no stress" is in equilibrium with the loads, whatever the
         multiplier, or in "no mechanism" does the live load do work.
+    sure : bool
+        Whether it met its tolerances, at least almost, or proved that there is no solution, and not only almost.
     iterations : int
         Iterations of the interior point method.
     seconds : float
@@ -134,6 +136,7 @@ class Solution:
     torn: float
     ended: str
     none: str
+    sure: bool
     iterations: int
     seconds: float
 
@@ -189,6 +192,7 @@ def _solve(
         torn=float(data.torn @ x),
         ended="" if status in MET else status,
         none=none,
+        sure=_poorness(found) <= 1,
         iterations=found.iterations,
         seconds=found.solve_time,
     )
@@ -196,11 +200,13 @@ def _solve(
 
 def _poorness(found: clarabel.DefaultSolution) -> int:
     """0 where the solver met its tolerances, or almost and its equations well, or proved that there is no solution; 1
-    where it met them almost; 2 where it ended otherwise."""
+    where it met them almost; 2 where it almost proved that, and 3 where it ended otherwise."""
     status = str(found.status)
     if status == "AlmostSolved":
         return int(max(found.r_prim, found.r_dual) > NEARLY)
-    return 0 if status == "Solved" or status.endswith("Infeasible") else 2
+    if status.endswith("Infeasible"):
+        return 2 if status.startswith("Almost") else 0
+    return 0 if status == "Solved" else 3
 
 
 @contextmanager

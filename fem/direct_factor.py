@@ -103,12 +103,17 @@ class _Search:
 
     def step(self, at: float) -> tuple[float, cone_program.Solution]:
         """What the logarithm of the factor lacks by Newton's method where it is ``at``, and the solution there."""
-        problem, dead = self.problem, self.ground.load(0)
+        problem = self.problem
         problem.use_strength(math.exp(at))
         softening = self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
-        program = self.ground.program(problem.strength, dead, np.zeros_like(dead), softening)
-        solution = cone_program.solve_for_elements(program)
+        for ground in self.ground.in_units:
+            dead = ground.load(0)
+            program = ground.program(problem.strength, dead, np.zeros_like(dead), softening)
+            solution = cone_program.solve_for_elements(program)
+            if solution.sure:
+                break
+        self.ground = ground
         if solution.none or solution.ended:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")

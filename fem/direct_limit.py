@@ -8,7 +8,7 @@ some twenty factorisations; and no bound, since between the points nothing is as
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar, cast
 
 import numpy as np
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 # far below that they left half a per cent of the answer open, and a quarter of it in bare sand; this way 0.01 %, after
 # fewer iterations.
 SMALL = 0.01
+# Where strength is large beside that, it may lead the solver to no answer, or to say that almost surely there is none:
+# then it is asked in a larger unit, so many times this one.
+LARGER = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +89,11 @@ class Discretised:
     length: float
     unit: float
     strain: sparse.csr_matrix
+
+    @property
+    def in_units(self) -> "tuple[Discretised, Discretised]":
+        """The same in this unit of stress and in a larger one."""
+        return self, replace(self, unit=LARGER * self.unit)
 
     @property
     def weight(self) -> np.ndarray:
@@ -175,11 +183,14 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 
 
-def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> DirectLimit:
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, gathered: Discretised) -> DirectLimit:
     """The limit load; raises as ``direct_limit`` does."""
-    dead, live = ground.load(0), ground.load(1)
-    ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
-    solution = cone_program.solve_for_elements(ground.program(problem.strength, dead, ratio * live))
+    for ground in gathered.in_units:
+        dead, live = ground.load(0), ground.load(1)
+        ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
+        solution = cone_program.solve_for_elements(ground.program(problem.strength, dead, ratio * live))
+        if solution.sure:
+            break
     if solution.none == "no mechanism":
         return DirectLimit(np.inf, None)
     if solution.none:
