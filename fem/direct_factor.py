@@ -64,6 +64,12 @@ def direct_factor(
     return factor, mechanism
 
 
+def too_weak(kh: float) -> UnstableError:
+    """What is said where a factor would be below the smallest one that is looked for."""
+    under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
+    return UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
+
+
 def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
     """The mean stress in the plane (points,) of elastic ground under nodal forces, in Pa, tension positive."""
     grid, laws = problem.grid, problem.elastic_stiffness()
@@ -87,8 +93,7 @@ class _Search:
         low, high, at = -math.inf, math.inf, math.log(guess)
         for _ in range(TRIALS):
             if at < -math.log(LARGEST_FACTOR):
-                under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
-                raise UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
+                raise too_weak(kh)
             if at > math.log(LARGEST_FACTOR):
                 raise NoAnswerError(f"the section stands even with its strength over {LARGEST_FACTOR:g}", "")
             step, solution = self.step(at)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.continuation import StrengthReduction
 from fem.critical import ASSOCIATED_RULE
-from fem.direct_factor import LARGEST_FACTOR, direct_factor
+from fem.direct_factor import LARGEST_FACTOR, direct_factor, too_weak
 from fem.errors import UnstableError
 from fem.fields import State
 from fem.gravity import (
@@ -37,7 +37,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 # Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
-STARTS = (1.0, 0.5, 0.2, 0.05)
+STARTS = (1.0, 0.5, 0.2, 1.0 / LARGEST_FACTOR)
 # A change of the factor that adds as much to the arc length as the reference displacement.
 FACTOR_UNIT = 0.1
 # The reference displacement, in elastic displacements under all of the load.
@@ -139,10 +139,10 @@ def safety_factor(
             if kh != 0.0:
                 apply_load(problem, constant, load, settings)
             break
-        except UnstableError as error:
-            failure = error
+        except UnstableError:
+            pass
     else:
-        raise failure
+        raise too_weak(kh)
     forces = constant + load
     norm, dot = problem.exchange.norm, problem.exchange.dot
     pushing = load

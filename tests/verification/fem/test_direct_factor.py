@@ -6,8 +6,9 @@ from mpi4py import MPI
 
 from fem.adaptive import adapted_safety
 from fem.direct_factor import CLOSE
+from fem.errors import UnstableError
 from fem.settings import FemSettings
-from fem.strength_reduction import SafetyFactor, safety_at_once
+from fem.strength_reduction import SafetyFactor, safety_at_once, safety_factor
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
@@ -96,3 +97,11 @@ def test_ground_that_stands_with_a_twentieth_of_its_strength_has_no_factor():
     wish = case.fem.model_copy(update={"flow": "associated"})
     with pytest.raises(NoAnswerError, match="stands"):
         safety_at_once(strong, generate(strong, case.mesh), wish, 0.0, MPI.COMM_SELF)
+
+
+def test_ground_that_fails_with_twenty_times_its_strength_is_told_with_its_kh():
+    mud = section([[0.0, 5.0], [10.0, 5.0], [11.0, 0.0], [20.0, 0.0]], 6.0, soil(c=100.0, phi=0.0))
+    mesh = generate(mud, MeshSettings(method="free", size=2.0))
+    for kh, words in ((0.0, "its own weight even"), (0.3, "its own weight and Kh = 0.3 even")):
+        with pytest.raises(UnstableError, match=f"^the section fails under {words} at 20 times its strength$"):
+            safety_factor(mud, mesh, FemSettings(flow="associated"), kh, MPI.COMM_SELF)
