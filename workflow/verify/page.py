@@ -64,7 +64,7 @@ def numbers(found: Answer) -> str:
 
 
 def elements(found: Answer) -> str:
-    """What the elements find with ψ = φ and with the dilation of the strata."""
+    """What the elements find with ψ = φ and with Davis's substitute."""
     return " and ".join(f"{one:.3f}" if one is not None else "-" for one in (found.associated, found.davis))
 
 

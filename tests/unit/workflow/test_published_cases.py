@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from tests.support.log_spiral import critical_kh
 from tests.support.published import PUBLISHED, cases
+from workflow.verify import answer
 from workflow.verify.case import Value, read_case, read_cases
 from workflow.verify.page import text
 from workflow.verify.record import Answer, version_of
@@ -87,6 +88,17 @@ def test_what_is_far_off_for_a_reason_is_explained():
 
 def test_cases_that_were_not_run_are_not_judged():
     assert judge(cases()["arai_tagyo_1"], None).word == "not run"
+
+
+def test_a_part_without_an_answer_is_told_and_the_others_are_found(monkeypatch):
+    def gives_up(*given):
+        raise NoAnswerError("no factor of safety was found", "use another mesh")
+
+    monkeypatch.setattr(answer, "_elements", gives_up)
+    monkeypatch.setattr(answer, "_bounds", lambda *given: {"lower": 1.0, "upper": 1.1, "skin": None})
+    found = answer.answer(cases()["taylor_60_10"], ("bounds", "associated"))
+    assert (found.lower, found.upper, found.associated) == (1.0, 1.1, None)
+    assert found.failures == ("associated: no factor of safety was found; use another mesh",)
 
 
 def test_problems_of_a_case_are_told_at_once(tmp_path: Path):
