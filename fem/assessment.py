@@ -41,8 +41,8 @@ class Assessment:
         The same direction with ψ = φ, on meshes of its own; None where that is what ``critical`` is.
     rigid_box : AdaptiveResult or None
         Between fixed sides, pushed the same way, on meshes of its own; None where it was not asked for.
-    safety : list of SafetyFactor
-        Factors of safety at the Kh asked for, the first without shaking.
+    safety : list of AdaptiveResult
+        Factors of safety at the Kh asked for, the first without shaking, each on meshes of its own.
     doubts : list of Doubt
         What contradicts the answer or is to be known.
     """
@@ -53,7 +53,7 @@ class Assessment:
     opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None
     associated: AdaptiveResult[AtOnce] | None
     rigid_box: AdaptiveResult[CriticalResult] | None
-    safety: list[SafetyFactor]
+    safety: list[AdaptiveResult[SafetyFactor]]
     doubts: list[Doubt]
 
 
@@ -81,7 +81,7 @@ def assess(
     except NoEquilibriumError:
         raise
     except UnstableError as error:
-        factor = search.safety(settings, 0.0, first).factor
+        factor = search.safety(settings, 0.0, first).result.factor
         raise UnstableError(f"{error}; its factor of safety is {factor:.2f}") from error
     one_way = settings.model_copy(update={"direction": critical.direction})
     opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None = adapted.other if adapted else None
@@ -157,19 +157,22 @@ class _Search:
         found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
         return AdaptiveResult(found, mesh)
 
-    def safety(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> SafetyFactor:
+    def safety(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> AdaptiveResult[SafetyFactor]:
         """The factor of safety on meshes made for it; on ``mesh`` where the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
                 told = self._saying("")
-                return adapted_safety(self.section, self.meshing, self.first, settings, kh, self.comm, told).result
+                return adapted_safety(self.section, self.meshing, self.first, settings, kh, self.comm, told)
             except UnstableError:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
                 pass
-        return safety_factor(self.section, mesh, settings, kh, self.comm, self.told("factor of safety"))
+        found = safety_factor(self.section, mesh, settings, kh, self.comm, self.told("factor of safety"))
+        return AdaptiveResult(found, mesh)
 
-    def or_doubt(self, settings: FemSettings, kh: float, mesh: QuadMesh, doubts: list[Doubt]) -> SafetyFactor | None:
+    def or_doubt(
+        self, settings: FemSettings, kh: float, mesh: QuadMesh, doubts: list[Doubt]
+    ) -> AdaptiveResult[SafetyFactor] | None:
         """The factor of safety at ``kh``; where there is none, one of the ``doubts`` says why."""
         try:
             return self.safety(settings, kh, mesh)

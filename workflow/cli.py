@@ -1,6 +1,6 @@
 """The command `noshiro`. What a command needs is imported when it is called: so `noshiro --help` answers at once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -172,7 +172,7 @@ def fem(
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
     safety_factor: Annotated[
-        bool, typer.Option("--safety-factor", help="Factors of safety too, at Kh = 0 and at every --kh.")
+        bool, typer.Option("--safety-factor", help="Factors of safety and their bounds too, at Kh = 0 and every --kh.")
     ] = False,
     refine: Refine = None,
     size: Size = None,
@@ -200,8 +200,10 @@ def fem(
         "flow": "associated" if associated else None,
     }
     request = Request.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
+    beside: tuple[str, ...] = ()
     if safety_factor:
         request = request.with_safety_factors()
+        beside = ("bounds",) if request.given.fem.sides != "tied" else ()
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
@@ -211,7 +213,8 @@ def fem(
         out.quiet = err.quiet = True
         return help_compute(request.job(mesh_file=mesh_file, ranks=ranks), ranks)
     with ranks.leading():
-        return _up_to("fem", request, force, Voice.of(quiet, verbose, json), mesh_file=mesh_file, ranks=ranks)
+        voice = Voice.of(quiet, verbose, json)
+        return _up_to("fem", request, force, voice, beside, mesh_file=mesh_file, ranks=ranks)
 
 
 @app.command()
@@ -374,15 +377,17 @@ for command in (study, converge, verify):
     app.command()(command)
 
 
-def _up_to(stage: str, request: "Request", force: bool, voice: "Voice", **more: Any) -> None:
-    """Run a stage, and before it what it needs and is not there yet."""
+def _up_to(
+    stage: str, request: "Request", force: bool, voice: "Voice", beside: Sequence[str] = (), **more: Any
+) -> None:
+    """Run a stage, others beside it, and before them what they need and is not there yet."""
     from workflow.run.plan import Choice
     from workflow.terminal import execute, say
 
     if voice.speaks and request.notice:
         say(request.notice)
     job = request.job(**more)
-    execute(job, Choice.up_to(job.stages, stage, force), voice)
+    execute(job, Choice.up_to(job.stages, stage, force, beside), voice)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:

@@ -71,10 +71,12 @@ class Request:
         return Job(self.given, self.store, stages.STAGES, mesh_options=self.mesh_options, **more)
 
     def with_safety_factors(self) -> "Request":
-        """The same, with factors of safety without shaking and at every Kh whose fields are kept."""
+        """The same, with factors of safety, and strict bounds of them, without shaking and at every Kh whose fields are
+        kept."""
         asked = tuple(sorted({0.0, *self.given.fem.kh, *self.given.fem.safety_factor_at}))
         wanted = self.given.fem.model_copy(update={"safety_factor_at": asked})
-        return replace(self, given=self.given.model_copy(update={"fem": wanted}))
+        bounds = self.given.bounds.model_copy(update={"run": True, "safety_factor": True})
+        return replace(self, given=self.given.model_copy(update={"fem": wanted, "bounds": bounds}))
 
     @property
     def notice(self) -> str:

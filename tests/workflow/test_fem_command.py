@@ -46,7 +46,9 @@ def test_leaves_the_answer_its_path_fields_and_pictures(tmp_path: Path, capsys: 
     assert [path.name for path in out.rglob(".*")] == [".noshiro"]
 
 
-def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(tmp_path: Path) -> None:
+def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
     options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed")
     assert run("fem", written(tmp_path), "--out", out, *options, *SMALL) == 0
@@ -55,6 +57,17 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(tmp_path
     assert still["kh"] == 0.0
     assert still["factor"] > shaken["factor"] > 1.0
     assert answer["kc"] > 0.1
+    said = capsys.readouterr().out
+    for factor in (still, shaken):
+        assert factor["verdict"] == "plateau"
+        assert len(factor["slip_surface"]) > 5
+        assert f"{factor['factor']:.3f}: plateau" in said
+    assert said.count("It slips from x =") == 2
+    assert imread(out / "figures/fem_safety.png").shape[1] == 1600
+    strict = json.loads((out / "fem/bounds.json").read_text())["safety"]
+    assert [part["kh"] for part in strict] == [0.0, 0.1]
+    for part, factor in zip(strict, (still, shaken), strict=True):
+        assert 0.99 * part["lower"] < factor["factor"] < 1.1 * part["upper"]  # a coarse mesh that is not adapted
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from fem.fields import State
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
-from workflow.figures.ground import foot
-from workflow.results.continuum import FemAnswer
+from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
@@ -20,10 +20,13 @@ from workflow.settings import Input
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
+SAFETY = "figures/fem_safety.png"
+DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
 
 
 def draw_all(given: Input, results: FemResults, store: Store) -> None:
-    """fem_kh_*.png for every state that was asked for, fem_plateau.png, and fem_curve.png; removes older ones."""
+    """fem_kh_*.png for every state that was asked for, fem_plateau.png, fem_curve.png, and fem_safety.png with the
+    slip surfaces of factors of safety; removes older ones."""
     drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
     for state in results.states:
@@ -35,7 +38,24 @@ def draw_all(given: Input, results: FemResults, store: Store) -> None:
             _state_sheet(given, results, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
         _curve_sheet(given, results.answer).save(path)
-    store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png"])) - set(names)))
+    if slips := _slips(results.answer):
+        names.append(SAFETY)
+        with store.writing(SAFETY) as path:
+            draw_section(given, path, "FEM, where it slips with its strength over the factor of safety", slips)
+    store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
+
+
+def _slips(answer: FemAnswer) -> list[Overlay]:
+    """Where the ground slips with its strength over each factor of safety."""
+    found = [factor for factor in answer.safety_factors if factor.slip_surface]
+    return [
+        Overlay(np.array(one.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(one))
+        for number, one in enumerate(found)
+    ]
+
+
+def _named(factor: FactorOfSafety) -> str:
+    return f"middle of the shear, factor of safety {factor.factor:.3f} at Kh = {factor.kh:g}"
 
 
 def draw_state(given: Input, results: FemResults, state: State, store: Store) -> str:

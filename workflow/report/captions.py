@@ -53,6 +53,7 @@ CAPTIONS = (
         "Continuum at Kh = {0}: displacement since gravity, and where the strength is used up.",
     ),
     Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
+    Caption(r"fem_safety", "fem", "Continuum: where it slips with its strength over the factor of safety.", True),
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),

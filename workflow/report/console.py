@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from fem.strength import Flow
 from workflow.report import after
 from workflow.report.findings import STILL, lies_still
 from workflow.report.numbers import metres
@@ -9,7 +10,7 @@ from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.summary import Summary
@@ -48,14 +49,23 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     )
     yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
-    for factor in answer.safety_factors:
-        skin = f" Grains roll down its face at {factor.skin:.3f}." if (factor.skin or 1e9) < factor.factor else ""
-        yield (
-            f"Factor of safety at Kh = {factor.kh:g}: {factor.factor:.3f}, on this mesh at most {factor.upper:.3f}: "
-            f"{factor.verdict}, {factor.reason}.{skin}"
-        )
+    yield from (safety_sentence(factor, answer.flow) for factor in answer.safety_factors)
     for doubt in answer.doubts:
         yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
+
+
+def safety_sentence(factor: FactorOfSafety, flow: Flow) -> str:
+    """A factor of safety, what it may be off by, and where the ground slips."""
+    most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
+    rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
+    told = f"Factor of safety at Kh = {factor.kh:g}, {FLOWS[flow]}: {factor.factor:.3f}{most}: {factor.verdict}"
+    told += f", {factor.reason}{rest}."
+    if factor.slip_surface:
+        x, z = zip(*factor.slip_surface, strict=True)
+        told += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
+    if factor.skin is not None and factor.skin < factor.factor:
+        told += f" Grains roll down its face at {factor.skin:.3f}."
+    return told
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:

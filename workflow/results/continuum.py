@@ -69,6 +69,8 @@ class FactorOfSafety(Part):
     reason: str
     curve: tuple[PathStep, ...]
     skin: float | None = Field(description="the factor at which grains roll down a cohesionless face, if there is one")
+    rest: float | None = Field(default=None, description="share of the factor that its mesh may still be off by")
+    slip_surface: Line = Field(default=(), description="points [x, elevation] in the middle of the shear (m)")
 
 
 class OtherWay(Part):

@@ -50,13 +50,13 @@ class Choice:
         return cls(chosen, chosen if force else after, tuple(asked["--from"] + asked["--only"]))
 
     @classmethod
-    def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False) -> Self:
-        """A stage, forced if so wished, and before it those that it cannot do without."""
-        needed = {name}
+    def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, beside: Sequence[str] = ()) -> Self:
+        """A stage, forced if so wished, others ``beside`` it, and before them those that they cannot do without."""
+        needed = {name, *beside}
         for stage in reversed(stages):
             needed |= set(stage.needs) if stage.name in needed else set()
         chosen = tuple(stage.name for stage in stages if stage.name in needed)
-        return cls(chosen, (name,) if force else (), (name,))
+        return cls(chosen, (name, *beside) if force else (), (name, *beside))
 
 
 @dataclass(frozen=True)

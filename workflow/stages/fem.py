@@ -205,15 +205,20 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
     )
 
 
-def _factor_of_safety(found: "SafetyFactor") -> FactorOfSafety:
+def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]") -> FactorOfSafety:
+    from fem.slip_surface import slip_surface
+
+    result, rest = found.result, found.rounds[-1].rest if found.rounds else np.inf
     return FactorOfSafety(
-        kh=found.kh,
-        factor=found.factor,
-        upper=found.upper,
-        verdict=found.verdict,
-        reason=found.reason,
-        curve=tuple(PathStep.model_validate(step) for step in found.steps),
-        skin=found.skin,
+        kh=result.kh,
+        factor=result.factor,
+        upper=result.upper,
+        verdict=result.verdict,
+        reason=result.reason,
+        curve=tuple(PathStep.model_validate(step) for step in result.steps),
+        skin=result.skin,
+        rest=float(rest) if np.isfinite(rest) else None,
+        slip_surface=line(slip_surface(found.mesh, result.mechanism)) if result.mechanism is not None else (),
     )
 
 
