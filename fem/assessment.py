@@ -7,7 +7,7 @@ from typing import Any
 from fem.adaptive import AdaptiveResult, adapted_answer, adapted_safety, answer_beside, beside_full_dilation
 from fem.at_once import AtOnce
 from fem.critical import CriticalResult, critical_coefficient
-from fem.errors import NoEquilibriumError, UnstableError
+from fem.errors import UnstableError
 from fem.gravity import element_for
 from fem.judges import Doubt, doubts_of
 from fem.path import EquilibriumPath
@@ -78,8 +78,6 @@ def assess(
         one_way = settings.model_copy(update={"direction": adapted.result.direction}) if adapted else settings
         start = adapted.result.ground if adapted and element_for(section, settings) == "reduced" else None
         critical = critical_coefficient(section, mesh, one_way, comm, search.told("Kh"), start)
-    except NoEquilibriumError:
-        raise
     except UnstableError as error:
         factor = search.safety(settings, 0.0, first).result.factor
         raise UnstableError(f"{error}; its factor of safety is {factor:.2f}") from error

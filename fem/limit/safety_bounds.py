@@ -18,7 +18,6 @@ from typing import Literal
 
 import numpy as np
 
-from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import (
     AIM_BEYOND,
     GROWTH,
@@ -36,6 +35,7 @@ from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import faces_at, least_rolling_factor, strengthened
 from meshes.bisection import fan_out
+from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
@@ -121,7 +121,7 @@ def safety_bounds(
 
     ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
     ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as
-    ``kh_bounds`` does, UnstableError if no factor from 0.02 to 20 is between safe and unsafe, BadMeshError if there are
+    ``kh_bounds`` does, NoAnswerError if no factor from 0.02 to 20 is between safe and unsafe, BadMeshError if there are
     no triangles.
     """
     start = Start(kh, guess, davis, held)
@@ -137,7 +137,7 @@ def safety_bounds(
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):
-        raise UnstableError("no factor of safety from 0.02 to 20 could be bounded; check strengths and densities")
+        raise NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
     trials = [trial for search in searches for trial in search.trials]
     skin = skin if skin is not None and skin < upper else None
     return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials, skin)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dem.team import Tell
-from fem.errors import UnstableError
+from meshes.errors import NoAnswerError
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
@@ -108,7 +108,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     mesh = divided(change.mesh) if change.halved else change.mesh
     try:
         result = critical_coefficient(change.given, mesh, change.given.fem, MPI.COMM_SELF, step)
-    except UnstableError as error:
+    except NoAnswerError as error:
         return Variant(
             name=change.name, change=change.words, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
             seconds=0.0,

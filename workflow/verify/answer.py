@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 from fem.adaptive import adapted_answer, adapted_safety
 from fem.critical import CriticalResult, critical_coefficient
-from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -49,7 +48,7 @@ def _fields(part: Part) -> tuple[str, ...]:
 
 def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, Any]:
     if case.fem.sides == "tied":
-        raise UnstableError("a section that repeats has none")
+        raise NoAnswerError("a section that repeats has none")
     if case.published.expected == "kc":
         found = kh_bounds(case.section, case.fem, settings)
         skin = min((face.kh for face in found.skins), default=None)

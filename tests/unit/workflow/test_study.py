@@ -4,16 +4,20 @@ import csv
 import io
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy import stats
 from scipy.integrate import quad
 
+from fem.errors import NoEquilibriumError, UnstableError
+from meshes.errors import NoAnswerError
+from tests.support.sections import slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
 from workflow.ensemble.ensemble import Ensemble
 from workflow.ensemble.task import Task
-from workflow.study import sample
+from workflow.study import continuum, sample
 from workflow.study.lognormal_fragility import curve, fit
 from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, Table
@@ -121,3 +125,19 @@ def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> N
     assert np.all(np.diff(told.chance) >= 0.0)
     assert curve("discs", levels, np.zeros(4000, bool)) is None
     assert curve("discs", levels, np.ones(4000, bool)) is None
+
+
+@pytest.mark.parametrize("error", [NoEquilibriumError, UnstableError])
+def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
+    error: type[NoAnswerError], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ended(*given: Any) -> None:
+        raise error("it ended")
+
+    monkeypatch.setattr(continuum, "_critical", ended)
+    given = sample.Sample(data={**slope(), "mesh": {"size": 10}})
+    if error is UnstableError:
+        assert continuum.continuum(given).numbers == {"kc": 0.0}
+    else:
+        with pytest.raises(NoEquilibriumError):
+            continuum.continuum(given)
