@@ -119,7 +119,7 @@ class _Search:
             if solution.sure:
                 break
         self.ground = ground
-        if solution.none or solution.ended:
+        if solution.none or not solution.sure:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
         borne = self.ground.stress(solution)[:, :2].mean(axis=1)

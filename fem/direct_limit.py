@@ -183,20 +183,20 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 
 
-def _limit(problem: "PlaneStrain", mesh: QuadMesh, gathered: Discretised) -> DirectLimit:
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, found: Discretised) -> DirectLimit:
     """The limit load; raises as ``direct_limit`` does."""
-    for ground in gathered.in_units:
+    for ground in found.in_units:
         dead, live = ground.load(0), ground.load(1)
         ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
         solution = cone_program.solve_for_elements(ground.program(problem.strength, dead, ratio * live))
         if solution.sure:
             break
+    if not solution.sure:
+        raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
         return DirectLimit(np.inf, None)
     if solution.none:
         raise UnstableError("the section fails under its own weight: no stress balances it")
-    if solution.ended:
-        raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     kh = ratio * solution.multiplier
     return DirectLimit(kh, ground.mechanism(problem, mesh, solution, kh))
 
