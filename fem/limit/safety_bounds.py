@@ -164,7 +164,8 @@ class _Search:
         """Narrow the factor down on ever finer triangles."""
         while True:
             self.settle()
-            if self.good or self.mesh_is_full or self.lower >= self.enough:
+            beyond = self.lower >= LARGEST or self.upper <= SMALLEST
+            if self.good or self.mesh_is_full or self.lower >= self.enough or beyond:
                 return
             self.refine()
 
@@ -256,6 +257,8 @@ class _Search:
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
             self.factor = float(np.clip(_inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            if self.factor == last.factor:  # at an end of what is looked for
+                break
             trial = self.regauged(self.measure(self.factor))
             self.learn(last, trial)
             last = trial

@@ -82,3 +82,13 @@ def test_a_slope_of_sand_is_told_with_the_factor_of_its_grains_and_that_of_the_w
     found = safety_bounds(Section.parse(data), FIXED, ROUGHLY)
     assert found.skin == pytest.approx(2.0 * math.tan(math.radians(35.0)))
     assert found.skin <= found.lower <= found.upper <= 1.2 * found.skin
+
+
+@pytest.mark.parametrize(("cohesion", "ends"), [("10 MPa", (20.0, math.inf)), ("50 Pa", (0.0, 0.02))])
+def test_beyond_what_is_looked_for_the_search_ends_at_once(cohesion, ends):
+    soil = layer("soil", cohesion=cohesion, friction_angle="0 deg")
+    surface = [[0.0, 5.0], [10.0, 5.0], [11.0, 0.0], [20.0, 0.0]]
+    data = {"name": "cut", "unusual": True, "surface": surface, "base": {"depth": 6.0}, "strata": [soil]}
+    found = safety_bounds(Section.parse(data), FIXED, BoundsSettings(gap=0.05, max_cells=600))
+    assert (found.lower, found.upper) == ends
+    assert len(found.trials) <= 20  # as long as it went on with finer triangles there were 45 and 88
