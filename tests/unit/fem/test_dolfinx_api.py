@@ -19,6 +19,7 @@ def test_missing_dolfinx_comes_with_how_to_get_it(monkeypatch):
 
 @pytest.mark.parametrize(("version", "good"), [("0.4.1", False), ("0.5.2", True), ("0.11.0", True)])
 def test_dolfinx_that_is_too_old_is_told_so(monkeypatch, version, good):
+    dolfinx_api.require()
     import dolfinx
 
     monkeypatch.setattr(dolfinx, "__version__", version)
