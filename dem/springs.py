@@ -66,7 +66,7 @@ class LayerSprings:
     effective_density : float
         For weight (kg/m3).
     friction : float
-        Coulomb's mu, of the elements.
+        Coulomb's mu, of the elements; in soil discs of clay below zero, see `Strength`.
     cohesion : float
         b C of eq. (16), of the pore springs (N).
     alpha, beta : float
@@ -110,11 +110,13 @@ class LayerSprings:
             if not getattr(self, key) > 0.0:
                 raise ValueError(f"layer {self.name}: {key} must be positive, is {getattr(self, key)}")
         for key in (
-            "ks", "cn", "ct", "kpn", "kps", "effective_density", "friction", "cohesion", "contact_cohesion",
-            "rolling_friction", "stop",
+            "ks", "cn", "ct", "kpn", "kps", "effective_density", "cohesion", "contact_cohesion", "rolling_friction",
+            "stop",
         ):  # fmt: skip
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")
+        if self.friction < 0.0 and not self.contact_cohesion > 0.0:
+            raise ValueError(f"layer {self.name}: friction may be negative beside a contact cohesion, not without one")
         if not (self.alpha >= 1.0 and self.beta > 1.0):
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
@@ -125,8 +127,8 @@ class LayerSprings:
         """
         return replace(
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
-            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, friction=self.friction * friction,
-            pore_friction=0.0, cohesion=0.0, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
+            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0,
+            friction=max(self.friction, 0.0) * friction, pore_friction=0.0, cohesion=0.0, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
         )  # fmt: skip
 
 
@@ -137,7 +139,8 @@ class Strength:
     Attributes
     ----------
     friction : float
-        mu, of slip.
+        mu, of slip. Below zero, contacts hold the less the harder they are pressed: discs have some friction by their
+        geometry, which clay has not.
     cohesion : float
         C, held of slip without normal force (N).
     rolling_friction : float

@@ -63,7 +63,8 @@ def friction_limit(normal: float, mu: float) -> float:
 def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float) -> float:
     """Largest tangential force of a contact of soil discs (N), as long as they touch: mu Fn + C of the weaker material.
 
-    The cohesion C (N) is there again when discs touch again: clay that has been sheared is clay still.
+    The cohesion C (N) is there again when discs touch again: clay that has been sheared is clay still. Its mu may be
+    negative, see `dem.springs.Strength`.
     """
     limit = mu * normal + c
     other = mu_other * normal + c_other

@@ -102,7 +102,7 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
             f"discs keep some friction where the soil has none: their strength is off by {told} at a quarter, a half "
             "and all of the layer's stress"
         )
-    real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress, cohesive)
+    real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
     stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
     if abs(stiffness / real - 1.0) > 1e-9:
         what = "stiffer" if stiffness > real else "softer"

@@ -6,6 +6,9 @@ of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a 
 radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
 continuum is perfectly plastic, and knows no peak.
 
+Discs without friction at their contacts still have some 8 degrees by their geometry. A clay has none: its contacts have
+a friction below zero beside their cohesion, so that they hold less where they are pressed harder.
+
 The map is computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.
 """
 
@@ -51,15 +54,15 @@ class StrengthMap:
     Attributes
     ----------
     friction : (m,)
-        mu of the contacts.
+        mu of the contacts, negative ones first.
     cohesion : (k,)
         Cohesion numbers C / (2 r p).
     after, peak : (m, k)
         Half the deviator over the confining pressure, after the peak and there; mean over the seeds.
     scatter : (m, k)
         Standard deviation of `after` from seed to seed.
-    modulus : (2,)
-        E of the soil as stiff in plane strain over kn, without and with cohesion of contacts; see `normal_stiffness`.
+    modulus : (m, k)
+        E of the soil as stiff in plane strain over kn; see `normal_stiffness`.
     seeds : int
         How many patches each mean stands for.
     """
@@ -69,33 +72,45 @@ class StrengthMap:
     after: np.ndarray
     peak: np.ndarray
     scatter: np.ndarray
-    modulus: tuple[float, float]
+    modulus: np.ndarray
     seeds: int
 
     def strongest(self, cohesive: bool) -> float:
         """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
-        return float(self.after.max() if cohesive else self.after[:, 0].max())
+        return float(self.after.max() if cohesive else self._sand[1].max())
 
-    def normal_stiffness(self, youngs_modulus: float, pressure: float, cohesive: bool = True) -> float:
-        """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa)."""
-        power = LOOSENS[cohesive]
-        stiff = youngs_modulus / self.modulus[cohesive] / (KAPPA * pressure) ** power
+    def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
+        """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa); cohesion: C over the
+        diameter (Pa)."""
+        power = LOOSENS[cohesion > 0.0]
+        modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
+        stiff = youngs_modulus / modulus / (KAPPA * pressure) ** power
         return float(stiff ** (1.0 / (1.0 - power)))
+
+    def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
+        """A table (m, k) between its points, at one friction and some cohesion numbers."""
+        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
+        between = RegularGridInterpolator(
+            (self.friction, np.log(self.cohesion + EARLY)), np.log(table), bounds_error=False, fill_value=None
+        )
+        return np.asarray(np.exp(between(where)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
         """Half the deviator after the peak (Pa) at confining pressures (Pa); cohesion: C over the diameter (Pa)."""
-        number = np.asarray(cohesion / np.asarray(pressure, float))
-        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
-        ratio = RegularGridInterpolator(
-            (self.friction, np.log(self.cohesion + EARLY)), np.log(self.after), bounds_error=False, fill_value=None
-        )(where)
-        return np.asarray(np.exp(ratio) * pressure)
+        pressure = np.asarray(pressure, float)
+        return self._at(self.after, friction, cohesion / pressure) * pressure
+
+    @property
+    def _sand(self) -> tuple[np.ndarray, np.ndarray]:
+        """mu of contacts without cohesion, from 0 on, and half the deviator over the pressure that they have."""
+        has_any = self.friction >= 0.0
+        return self.friction[has_any], self.after[has_any, 0]
 
     @property
     def least(self) -> float:
         """Strength over vertical stress that contacts without friction and cohesion have by their geometry, where the
         layer slides along itself: s over p + s for a half deviator s over the confining pressure p."""
-        ratio = float(self.after[0, 0])
+        ratio = float(self._sand[1][0])
         return ratio / (1.0 + ratio)
 
     def residual_friction(self, ratio: float) -> float:
@@ -103,7 +118,8 @@ class StrengthMap:
         where it is less than their geometry gives them, see `least`."""
         if ratio <= self.least:
             return 0.0
-        return float(np.interp(np.log(ratio / (1.0 - ratio)), np.log(self.after[:, 0]), self.friction))
+        friction, after = self._sand
+        return float(np.interp(np.log(ratio / (1.0 - ratio)), np.log(after), friction))
 
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.
@@ -112,7 +128,8 @@ class StrengthMap:
         """
         if not cohesive:
             ratio = float(np.exp(np.mean(np.log(wanted / pressure))))
-            mu = float(np.interp(np.log(ratio), np.log(self.after[:, 0]), self.friction))
+            friction, after = self._sand
+            mu = float(np.interp(np.log(ratio), np.log(after), friction))
             return ContactStrength(mu, 0.0, self.strength(mu, 0.0, pressure))
         highest = float(self.cohesion[-1] * np.max(pressure))
 
@@ -122,13 +139,13 @@ class StrengthMap:
         scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
         best = min(
             (
-                least_squares(miss, [mu, c], bounds=([0.0, 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale])
-                for mu, c in ((0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
+                least_squares(miss, [mu, c], bounds=([self.friction[0], 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale])
+                for mu, c in ((-0.1, scale), (0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
             key=lambda found: found.cost,
         )
         # a bound that the solver only comes near to is meant to be reached
-        mu, c = (0.0 if value < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True))
+        mu, c = (0.0 if abs(value) < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True))
         return ContactStrength(mu, c, self.strength(mu, c, pressure))
 
 
@@ -143,8 +160,6 @@ def strength_map() -> StrengthMap:
     def table(key: str) -> np.ndarray:
         return np.array([[by_place[mu, c][key] for c in cohesion] for mu in friction])
 
-    modulus = table("modulus")
     return StrengthMap(
-        friction, cohesion, table("after"), table("peak"), table("scatter"),
-        (float(np.median(modulus[1:, 0])), float(np.median(modulus[:, 1:]))), int(rows[0]["seeds"]),
-    )  # fmt: skip
+        friction, cohesion, table("after"), table("peak"), table("scatter"), table("modulus"), int(rows[0]["seeds"])
+    )
