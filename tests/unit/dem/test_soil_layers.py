@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dem.laboratory.soil_layers import SOFTEST, failure_strength, refusals, soil_layers
@@ -31,13 +31,18 @@ def test_failure_strength_is_that_of_mohr_and_coulomb() -> None:
 
 
 def test_the_map_rises_with_friction_and_with_cohesion() -> None:
+    """Where contacts hold anything: of a negative friction, that is beyond a cohesion number of about its size."""
     table = strength_map()
-    assert (np.diff(table.after, axis=0) > 0.0).all()
-    assert (np.diff(table.after, axis=1) > 0.0).all()
+    holds = table.cohesion > 1.2 * np.maximum(-table.friction, 0.0)[:, None]
+    holds |= table.friction[:, None] >= 0.0
+    rise = np.diff(table.after, axis=0)[:, 1:], np.diff(table.after, axis=1)
+    assert (rise[0][holds[:-1, 1:]] > 0.0).all()
+    assert (rise[1][holds[:, :-1]] > 0.0).all()
+    assert ((table.after[~holds] > 0.14) & (table.after[~holds] < 0.18)).all()  # what the geometry of discs holds
     assert (table.after < table.peak).all()
     # at least three quarters of the peak are left after it, but for discs that hardly have strength
-    assert (table.after / table.peak)[1:].min() > 0.7
-    assert 0.4 < table.modulus[0] < table.modulus[1] < 0.8  # cohesion keeps contacts
+    assert (table.after / table.peak)[table.friction > 0.0].min() > 0.7
+    assert 0.57 < table.modulus[table.friction > 0.0].min() < table.modulus[table.friction > 0.0].max() < 0.63
 
 
 @given(st.floats(22.0, 45.0))
@@ -49,11 +54,14 @@ def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
     assert found.expected == pytest.approx(wanted, rel=0.02)
 
 
-def test_clay_is_met_in_the_middle_of_its_stresses() -> None:
-    """What the geometry keeps of friction makes discs too weak at a quarter of the stress and too strong at all."""
-    found = strength_map().fit(np.full(3, 6e4), PRESSURES)
-    assert found.friction == 0.0
-    assert found.expected / 6e4 == pytest.approx([0.9, 1.0, 1.15], abs=0.1)
+@settings(deadline=None, max_examples=25)
+@given(st.floats(0.3, 4.0))
+def test_any_clay_is_met_at_all_stresses(cohesion_over_stress: float) -> None:
+    """Its contacts hold less where they are pressed harder, since the geometry of discs has friction and clay none."""
+    wanted = np.full(3, cohesion_over_stress * PRESSURES[-1])
+    found = strength_map().fit(wanted, PRESSURES)
+    assert found.friction < -0.1
+    assert found.expected == pytest.approx(wanted, rel=0.07)
 
 
 def test_every_layer_of_s13() -> None:
@@ -61,7 +69,7 @@ def test_every_layer_of_s13() -> None:
     assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.02)
     asd = layers["5 Asd"]
     kappa = asd.stiffness / (0.5 * asd.stress)
-    assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.59 * (kappa / 400.0) ** -0.22, rel=0.01)
+    assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.581 * (kappa / 400.0) ** -0.22, rel=0.01)
     assert all(one.stiffness >= SOFTEST * one.stress for one in layers.values())
     assert "as strong as this soil" in refusals([layers["10 Base"]])[0]
     assert refusals([layers["10 Base"]])[0].startswith('stratum "10 Base"')

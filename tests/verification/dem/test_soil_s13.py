@@ -73,6 +73,16 @@ def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
     assert np.mean(left) > 0.8
 
 
+def test_clays_are_the_soil(checks: dict[str, LayerCheck]) -> None:
+    """Their strength does not go with the stress, but where it is ten times that, in layer 2 at a quarter of its."""
+    for name, miss in (("2 Ac1", 0.2), ("7 Ac2", 0.1)):
+        check = checks[name]
+        assert check.E_discs_Pa == pytest.approx(check.E_soil_Pa, rel=0.2)
+        half, whole = np.array(check.strength_discs_Pa[1:]) / check.strength_soil_Pa[1:]
+        assert whole == pytest.approx(1.0, abs=0.07)
+        assert half == pytest.approx(1.0, abs=miss)
+
+
 def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
     away = misfit(run, ground.settled, ground.ground.radius)
     assert abs(away.mean()) < 0.15
