@@ -127,8 +127,8 @@ class LayerSprings:
         """
         return replace(
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
-            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0,
-            friction=max(self.friction, 0.0) * friction, pore_friction=0.0, cohesion=0.0, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
+            cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, pore_friction=0.0, cohesion=0.0,
+            friction=max(self.friction, 0.0) * friction, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
         )  # fmt: skip
 
 

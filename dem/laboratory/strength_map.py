@@ -136,16 +136,21 @@ class StrengthMap:
         def miss(values: np.ndarray) -> np.ndarray:
             return np.asarray(np.log(self.strength(values[0], values[1], pressure) / wanted))
 
+        bounds = [self.friction[0], 0.0], [self.friction[-1], highest]
         scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
         best = min(
             (
-                least_squares(miss, [mu, c], bounds=([self.friction[0], 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale])
+                least_squares(
+                    miss, [mu, c], bounds=([self.friction[0], 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale]
+                )
                 for mu, c in ((-0.1, scale), (0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
             key=lambda found: found.cost,
         )
         # a bound that the solver only comes near to is meant to be reached
-        mu, c = (0.0 if abs(value) < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True))
+        mu, c = (
+            0.0 if abs(value) < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True)
+        )
         return ContactStrength(mu, c, self.strength(mu, c, pressure))
 
 
