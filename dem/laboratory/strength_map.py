@@ -140,9 +140,7 @@ class StrengthMap:
         scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
         best = min(
             (
-                least_squares(
-                    miss, [mu, c], bounds=([self.friction[0], 0.0], [self.friction[-1], highest]), x_scale=[0.1, scale]
-                )
+                least_squares(miss, [mu, c], bounds=bounds, x_scale=[0.1, scale])
                 for mu, c in ((-0.1, scale), (0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
             key=lambda found: found.cost,
