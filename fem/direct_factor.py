@@ -108,17 +108,15 @@ class _Search:
 
     def step(self, at: float) -> tuple[float, cone_program.Solution]:
         """What the logarithm of the factor lacks by Newton's method where it is ``at``, and the solution there."""
-        problem = self.problem
-        problem.use_strength(math.exp(at))
-        softening = self.softening(at, self.elastic)
+        self.problem.use_strength(math.exp(at))
+        strength, softening = self.problem.strength, self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
-        for ground in self.ground.in_units:
+
+        def program(ground: Discretised) -> cone_program.ConeProgram:
             dead = ground.load(0)
-            program = ground.program(problem.strength, dead, np.zeros_like(dead), softening)
-            solution = cone_program.solve_for_elements(program)
-            if solution.sure:
-                break
-        self.ground = ground
+            return ground.program(strength, dead, np.zeros_like(dead), softening)
+
+        self.ground, solution = self.ground.solved(program)
         if solution.none or not solution.sure:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")

@@ -91,11 +91,6 @@ class Discretised:
     strain: sparse.csr_matrix
 
     @property
-    def in_units(self) -> "tuple[Discretised, Discretised]":
-        """The same in this unit of stress and in a larger one."""
-        return self, replace(self, unit=LARGER * self.unit)
-
-    @property
     def weight(self) -> np.ndarray:
         """Root of the area of every point (nc, nq), over the unit of length."""
         return np.sqrt(self.cells.weights) / self.length
@@ -119,6 +114,17 @@ class Discretised:
             tension=strength.tension[material] / self.unit,
             softening=None if softening is None else softening / self.unit,
         )
+
+    def solved(
+        self, program: "Callable[[Discretised], cone_program.ConeProgram]"
+    ) -> "tuple[Discretised, cone_program.Solution]":
+        """The solution of a program made of this, and what it was made of: the same, in a larger unit of stress where
+        the solver is not sure in this one."""
+        for ground in (self, replace(self, unit=LARGER * self.unit)):
+            solution = cone_program.solve_for_elements(program(ground))
+            if solution.sure:
+                break
+        return ground, solution
 
     def stress(self, solution: cone_program.Solution) -> np.ndarray:
         """Stress (points, [xx, yy, xy]) in Pa of a solution."""
@@ -183,14 +189,10 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 
 
-def _limit(problem: "PlaneStrain", mesh: QuadMesh, found: Discretised) -> DirectLimit:
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> DirectLimit:
     """The limit load; raises as ``direct_limit`` does."""
-    for ground in found.in_units:
-        dead, live = ground.load(0), ground.load(1)
-        ratio = float(np.abs(dead).sum() / np.abs(live).sum())  # both loads as large as one
-        solution = cone_program.solve_for_elements(ground.program(problem.strength, dead, ratio * live))
-        if solution.sure:
-            break
+    ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
+    ground, solution = ground.solved(lambda own: own.program(problem.strength, own.load(0), ratio * own.load(1)))
     if not solution.sure:
         raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
