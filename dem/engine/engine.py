@@ -15,7 +15,7 @@ from numba import config
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.ledger import Ledger
 from dem.engine.memory import give_back_large_arrays, large_zeros
-from dem.engine.packer import pack, unpack
+from dem.engine.packer import pack, unpack, unpack_motion
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
@@ -215,6 +215,7 @@ class Run:
         self.pool = ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
         self.layout: Layout | None = None  # while there is one, the model has no pairs
+        self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.pack()
         self.begin_ledger()
 
@@ -237,6 +238,13 @@ class Run:
             unpack(self.layout, self.model)
             self.layout = None
 
+    def show(self) -> None:
+        """Brings the motion of the model up to date; its contacts stay in the layout."""
+        if self.layout is not None:
+            unpack_motion(self.layout, self.model)
+        check_finite(self.model, self.engine.kept)
+        check_escape(self.model, self.engine.kept)
+
     def begin_ledger(self) -> None:
         """Enters as edits what changes made since the last run have given the model or taken from it."""
         if not self.engine.ledger:
@@ -250,10 +258,19 @@ class Run:
             model.energy_edited += ledger.kinetic + ledger.stored + ledger.dissipated - model.energy_known
 
     def advance(self, steps: int) -> Ledger | None:
-        """Takes that many steps, in calls of the kernel short enough to be stopped, and updates the model."""
+        """Takes that many steps, and updates the model."""
+        ledger = self.go(steps)
+        self.update()
+        check_finite(self.model, self.engine.kept)
+        check_escape(self.model, self.engine.kept)
+        if ledger is not None:
+            self.model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
+        return ledger
+
+    def go(self, steps: int) -> Ledger | None:
+        """Takes that many steps, in calls of the kernel short enough to be stopped; the layout stays."""
         model, engine = self.model, self.engine
         call = max(CALL_STEPS, int(CALL_WORK / len(model)))
-        ledger = None
         end = model.steps + steps
         while model.steps < end:
             reason = self.call_kernel(min(call, end - model.steps))
@@ -266,17 +283,11 @@ class Run:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
                 model.make_list()
-                engine._refuse(model, self.dt, largest_step(model))
+                self.stable = largest_step(model)
+                engine._refuse(model, self.dt, self.stable)
             elif engine.ledger and model.steps < end:
-                ledger = self.balance()
-        if engine.ledger:
-            ledger = self.balance()
-        self.update()
-        check_finite(model, engine.kept)
-        check_escape(model, engine.kept)
-        if ledger is not None:
-            model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
-        return ledger
+                self.balance()
+        return self.balance() if engine.ledger else None
 
     def balance(self) -> Ledger:
         """The ledger now. Raises EnergyBalanceError."""

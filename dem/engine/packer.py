@@ -128,13 +128,19 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     }
 
 
-def unpack(layout: Layout, model: DiscModel) -> None:
-    """Writes what a run has changed back into the model."""
+def unpack_motion(layout: Layout, model: DiscModel) -> None:
+    """Writes into the model where its discs are and how they move; what contacts remember stays in the layout."""
     n, order = len(model), model.order
     shared = layout.shared.reshape(-1, SHARED)
     for field, name in enumerate(_STATE):
         getattr(model, name)[order] = shared[:n, field]
     model.roll[order] = layout.discs.reshape(-1, DISC_FIELDS, LANES)[:, int(ROLL) // LANES].reshape(-1)[:n]
+
+
+def unpack(layout: Layout, model: DiscModel) -> None:
+    """Writes what a run has changed back into the model."""
+    unpack_motion(layout, model)
+    order = model.order
     model.pair_i, model.pair_j, memory = list_links(layout, order, len(model.memory))
     for name, values in zip(model.memory, memory, strict=True):
         setattr(model, name, values)

@@ -14,6 +14,7 @@ import numpy as np
 
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, keep_slip, resultants
+from dem.engine.pulses import Pulses
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
@@ -190,16 +191,18 @@ def _rest(model: DiscModel, ground: Ground, under: str) -> None:
 
 def calm(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
     """Takes discs on with kinetic damping. last: kinetic energy they were left with (J/m); returns it, and the most."""
-    pulses = round(LOOK / PULSE)
+    count = round(LOOK / PULSE)
     most = 0.0
-    for _ in range(pulses):
-        step_on(model, seconds / pulses, threads)
-        energy = moving_energy(model)
-        most = max(most, energy)
-        if energy < last:
-            stop(model)
-            energy = 0.0
-        last = energy
+    with Pulses(model, STEP, threads) as pulses:
+        for _ in range(count):
+            pulses.on(seconds / count)
+            energy = moving_energy(model)
+            most = max(most, energy)
+            if energy < last:
+                pulses.whole()
+                stop(model)
+                energy = 0.0
+            last = energy
     return last, most
 
 

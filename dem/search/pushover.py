@@ -13,11 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.engine.pulses import Pulses
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
-from dem.search.equilibrium import Trial, displacement, kinetic_ratio, period, step_on, unbalanced_ratio
+from dem.search.equilibrium import STEP, Trial, displacement, kinetic_ratio, period, unbalanced_ratio
 from dem.settings import DemSettings
 from meshes.section.quantity import GRAVITY
 
@@ -136,20 +137,22 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
     moved, speed, end = 0.0, 0.0, 0.0
     most, count = 0.0, 0
     since: list[tuple[float, float]] = []
-    while moved < BEYOND * machine.reach:
-        driven = machine.speed(moved, cycle)
-        end += driven * pulse
-        kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
-        model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
-        then = model.time
-        step_on(model, pulse, threads)
-        now = displacement(model, before, ground)
-        moved, speed = now, (now - moved) / (model.time - then)
-        since.append((moved, kh))
-        if moved >= BLOCK * machine.reach * (count + 1):
-            there, borne = (float(value) for value in np.mean(since, axis=0))
-            yield _point(model, there, borne, most, model.time - start)
-            most, count, since = max(most, borne), count + 1, []
+    with Pulses(model, STEP, threads) as pulses:
+        while moved < BEYOND * machine.reach:
+            driven = machine.speed(moved, cycle)
+            end += driven * pulse
+            kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
+            model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
+            then = model.time
+            pulses.on(pulse)
+            now = displacement(model, before, ground)
+            moved, speed = now, (now - moved) / (model.time - then)
+            since.append((moved, kh))
+            if moved >= BLOCK * machine.reach * (count + 1):
+                pulses.whole()
+                there, borne = (float(value) for value in np.mean(since, axis=0))
+                yield _point(model, there, borne, most, model.time - start)
+                most, count, since = max(most, borne), count + 1, []
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
-from dem.engine.engine import Engine
+from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
+from dem.engine.pulses import Pulses
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP
@@ -53,6 +54,29 @@ def test_number_of_threads_changes_no_bit(ledger: bool, law: Law) -> None:
     assert runs[0].lists_made > 4
     assert np.any(runs[0].pore_length < 0.0)
     assert all(same(runs[0], other) for other in runs[1:])
+
+
+@pytest.mark.parametrize("law", ["paper", "soil"])
+def test_pulses_change_no_bit(law: Law) -> None:
+    """Between them places and speeds are those of separate runs, and contacts once they are asked for."""
+    runs, pulsed = shaken(law), shaken(law)
+    for model in (runs, pulsed):
+        model.skin = 0.5  # the list of neighbours lasts, and with it the stable step
+        model.make_list()
+    dt = 0.3 * largest_step(runs).seconds
+    with Pulses(pulsed, 0.3) as pulses:
+        for turn in range(10):
+            Engine(dt=dt, ledger=False).run(runs, steps=7)
+            pulses.on(7.0 * dt)
+            for name in ("x", "z", "vx", "vz", "vr", "roll", "time", "steps"):
+                assert np.array_equal(getattr(pulsed, name), getattr(runs, name))
+            if turn == 4:
+                pulses.whole()
+                assert same(pulsed, runs)
+                for model in (pulsed, runs):
+                    model.set_velocity(0.0, 0.0, where=~model.fixed)
+    assert same(pulsed, runs)
+    assert np.any(runs.shear != 0.0)
 
 
 @pytest.mark.parametrize("law", ["paper", "soil"])

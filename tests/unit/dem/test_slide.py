@@ -132,7 +132,9 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
     half = misses(BETWEEN)
     assert half.step_share == SETTINGS.step_of("paper") / 2
     assert half.reason.split(";")[0] == plain.reason.split(";")[0]
-    assert [row.time_s for row in half.rows] == pytest.approx([row.time_s for row in plain.rows], abs=0.01)
+    assert abs(len(half.rows) - len(plain.rows)) <= 1  # when a slide is at rest hangs on a look
+    for one, other in zip(half.rows, plain.rows, strict=False):
+        assert one.time_s == pytest.approx(other.time_s, abs=0.01)
     assert half.rows[-1].slide_max_m == pytest.approx(plain.rows[-1].slide_max_m, abs=0.1)
     resumed = Slider(start, ground, [1], case, SETTINGS, tmp_path / f"{BETWEEN:g}").run()
     assert resumed == half
