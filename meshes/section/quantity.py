@@ -35,6 +35,8 @@ COMMON_UNITS = {
     "deg": ("rad", math.pi / 180.0),
     "°": ("rad", math.pi / 180.0),
 }
+# A power written as "m3" is.
+BARE_POWER = re.compile(r"(?<=[A-Za-z])([23])(?![A-Za-z\d.])")
 
 
 class Quantity(float):
@@ -96,14 +98,15 @@ class Kind:
 
     def _convert(self, text: str) -> float:
         parts = NUMBER_AND_UNIT.fullmatch(text)
-        unit, factor = COMMON_UNITS.get(parts[2], ("", 0.0)) if parts else ("", 0.0)
+        wanted = BARE_POWER.sub(r"^\1", parts[2]) if parts else ""
+        unit, factor = COMMON_UNITS.get(wanted, ("", 0.0))
         if parts and unit and unit == self.unit:
             return float(parts[1]) * factor
         registry = unit_registry()
-        if not parts or re.search(r"\d{3}|(\^|\*\*)[^/*]*(\^|\*\*)", parts[2]):
+        if not parts or re.search(r"\d{3}|(\^|\*\*)[^/*]*(\^|\*\*)", wanted):
             raise ValueError(f"not understood as a number with a unit; {self.expected}")
         try:
-            quantity: Any = registry.Quantity(float(parts[1]), registry.parse_units(parts[2]))
+            quantity: Any = registry.Quantity(float(parts[1]), registry.parse_units(wanted))
         except Exception as error:  # pint raises what its tokenizer raises
             raise ValueError(f"not understood as a number with a unit; {self.expected}") from error
         if quantity.unitless and self.unit:
