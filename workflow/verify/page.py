@@ -27,7 +27,7 @@ file.
 Davis's substitute is in form B, whose factor of safety for one soil without dilation is √(F² - tan² φ) where cohesion
 is small, F that of ψ = φ (Tschuchnigg, Schweiger & Sloan 2015). Where it is below 1 the ground would have to be
 stronger, hence steeper in φ, and the steeper φ the more Davis takes off: on steep friction it comes out far below F,
-as 0.57 beside 1.00 for spencer_1969 with φ = 40°. Read it as a slope that fails by Davis's strength, and as how many
+as 0.57 beside 1.01 for spencer_1969 with φ = 40°. Read it as a slope that fails by Davis's strength, and as how many
 times stronger it would have to be; form A, about F cos φ, is 1 where form B is, and 0.76 there.
 """
 
