@@ -79,8 +79,7 @@ def assess(
         start = adapted.result.ground if adapted and element_for(section, settings) == "reduced" else None
         critical = critical_coefficient(section, mesh, one_way, comm, search.told("Kh"), start)
     except UnstableError as error:
-        factor = search.safety(settings, 0.0, first).result.factor
-        raise UnstableError(f"{error}; its factor of safety is {factor:.2f}") from error
+        raise search.fails(settings, error) from error
     one_way = settings.model_copy(update={"direction": critical.direction})
     opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None = adapted.other if adapted else None
     if critical.other is not None:
@@ -167,6 +166,17 @@ class _Search:
                 pass
         found = safety_factor(self.section, mesh, settings, kh, self.comm, self.told("factor of safety"))
         return AdaptiveResult(found, mesh)
+
+    def fails(self, settings: FemSettings, error: UnstableError) -> UnstableError:
+        """The same error with the factor of safety, and with that of ψ = φ where the flow rule makes another ground."""
+        factor = self.safety(settings, 0.0, self.first).result.factor
+        told = f"{error.reason}; its factor of safety is {factor:.2f}"
+        if not self.is_substituted(settings):
+            return UnstableError(told, error.remedy)
+        full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0, self.first).result.factor
+        rule = " by Davis's substitute where ψ < φ" if settings.flow == "davis" else ""
+        remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
+        return UnstableError(f"{told}{rule}, and {full:.2f} with ψ = φ", remedy)
 
     def or_doubt(
         self, settings: FemSettings, kh: float, mesh: QuadMesh, doubts: list[Doubt]

@@ -3,6 +3,7 @@
 import builtins
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,11 +12,12 @@ from typing import Any
 
 import pytest
 import pyvista as pv
+import tomli_w
 from matplotlib.image import imread
 
 from tests.support import TOP
 from tests.support.command_line import run
-from tests.support.sections import written
+from tests.support.sections import layer, slope, written
 
 SMALL = ("--element", "bilinear", "--size", "3 m", "--set", "fem.accuracy=0")
 
@@ -97,6 +99,25 @@ def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest
     path = written(tmp_path, cohesion="0.1 kPa", friction_angle="0 deg")
     assert run("fem", path, "--out", tmp_path / "out", *SMALL) == 3
     assert "fails under its own weight" in capsys.readouterr().err
+
+
+def test_ground_that_stands_only_as_it_dilates_is_told_by_both_factors(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Sand of φ = 26.6° at 26.6°, failures from half a metre of depth on; Davis's φ for ψ = 0 is 24.1°, whose tangent is
+    0.894 times as large."""
+    data = slope()
+    data["surface"] = [[0.0, 20.0], [20.0, 20.0], [40.0, 10.0], [100.0, 10.0]]
+    data["strata"] = [layer("sand", cohesion=0.0, friction_angle="26.6 deg", dilation_angle=0.0)]
+    (tmp_path / "sand.toml").write_text(tomli_w.dumps(data))
+    assert (
+        run("fem", tmp_path / "sand.toml", "--out", tmp_path / "out", "--size", "3 m", "--set", "fem.accuracy=0") == 3
+    )
+    told = " ".join(capsys.readouterr().err.split())
+    factors = re.search(r"safety is (.*) by Davis's substitute where ψ < φ, and (.*) with ψ = φ; with fem.flow =", told)
+    assert factors is not None
+    assert float(factors[1]) == pytest.approx(0.894 * float(factors[2]), abs=0.01)
+    assert float(factors[1]) < 1.0 < float(factors[2])
 
 
 def test_without_dolfinx_it_says_how_to_get_it(
