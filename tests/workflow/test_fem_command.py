@@ -104,7 +104,7 @@ def test_ground_that_fails_by_itself_is_no_answer(tmp_path: Path, capsys: pytest
 def test_ground_that_stands_only_as_it_dilates_is_told_by_both_factors(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Sand of φ = 26.6° at 26.6°, failures from half a metre of depth on; Davis's φ for ψ = 0 is 24.1°, whose tangent is
+    """Sand of φ = 26.6° at 26.6°, failures from half a metre of depth on; Davis's φ for ψ = 0 is 24.1°, with a tangent
     0.894 times as large."""
     data = slope()
     data["surface"] = [[0.0, 20.0], [20.0, 20.0], [40.0, 10.0], [100.0, 10.0]]
