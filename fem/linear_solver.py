@@ -74,6 +74,7 @@ class LinearSolver:
         self._inside = d.global_dofs[d.dofs[:, border:]].ravel()
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
+        PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
         self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
         cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
         entries = np.clip(border * cells, 1, d.size).astype(PETSc.IntType)  # no more than all that those cells have
