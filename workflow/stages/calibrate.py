@@ -30,7 +30,7 @@ def draw(job: Job) -> None:
 
 def seconds(given: Input) -> float:
     """A search of so many discs, and once more for those of the paper."""
-    return 200.0 * given.disc_work * (1.5 if given.dem.paper else 1.0)
+    return 27.0 * given.disc_work * (1.5 if given.dem.paper else 1.0)
 
 
 STAGE = Stage(

@@ -257,7 +257,7 @@ STAGE = Stage(
     needs=("mesh",),
     tables=("fem",),
     heeds=("dem.model", "dem.radius", "dem.elements"),  # how small the failures are that discs can show
-    seconds=lambda given: 20.0 if given.mesh.columns or given.fem.accuracy == 0.0 else 100.0,
+    seconds=lambda given: 12.0 if given.mesh.columns or given.fem.accuracy == 0.0 else 100.0,
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),

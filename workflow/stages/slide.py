@@ -26,7 +26,7 @@ def draw(job: Job) -> None:
 def seconds(given: Input) -> float:
     """Every case, and Kh alone, on every packing, that of the paper among them; each packing is calibrated."""
     packings = 1 + len(given.slide.packings(given.dem.model)) + (1 if given.dem.paper else 0)
-    return 35.0 * given.disc_work * packings * (1 + len(given.cases))
+    return 3.8 * given.disc_work * packings * (1 + len(given.cases))
 
 
 def files(job: Job) -> Mapping[str, Path]:
