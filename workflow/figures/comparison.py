@@ -162,6 +162,8 @@ def _calibration(results: Results, name: str) -> bool:
             low, high = trial.kc - trial.kc_lower, trial.kc_upper - trial.kc
             axes.errorbar(trial.value, trial.kc, [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2)
     _factors(axes)
+    tried = [trial.value for trial in answer.trials]
+    axes.set_xlim(0.9 * min([0.75, *tried]), 1.1 * max([1.33, *tried]))  # no narrower than what soil discs may have
     target, within = answer.target_kc, answer.tolerance
     axes.axhspan(target - within, target + within, color=CRITICAL, alpha=0.15, linewidth=0)
     axes.axhline(target, color=CRITICAL, linewidth=1.0)
@@ -179,7 +181,7 @@ def _calibration(results: Results, name: str) -> bool:
 def _factors(axes: Axes) -> None:
     """An axis of factors, alike for halves and doubles."""
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.0)))
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
