@@ -118,6 +118,11 @@ class DiscModel(DiscState):
             getattr(self, name + "_half")[:] = getattr(self, name)
         self.last_dt = 0.0
 
+    def refresh_list(self) -> None:
+        """Makes the neighbour list if there is none, or discs have moved by more than half its skin."""
+        if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > 0.5 * self.skin):
+            self.make_list()
+
     def make_list(self) -> None:
         """Makes the neighbour list for where the discs are now; memory of contacts is carried over."""
         if self.lists_made % SORT_EVERY == 0:

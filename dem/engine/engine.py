@@ -156,8 +156,7 @@ class Engine:
         Returns the ledger at the end, None if none is kept. Raises DemError, with the model in the state in which the
         error was found, and ValueError unless either a duration or a number of steps is given.
         """
-        if model.lists_made == 0 or np.any(np.hypot(model.x - model.x_list, model.z - model.z_list) > 0.5 * model.skin):
-            model.make_list()
+        model.refresh_list()
         dt = self.step_of(model)
         if (duration is None) == (steps is None):
             raise ValueError("give either a duration in s or a number of steps")
@@ -261,8 +260,7 @@ class Run:
         """Takes that many steps, and updates the model."""
         ledger = self.go(steps)
         self.update()
-        check_finite(self.model, self.engine.kept)
-        check_escape(self.model, self.engine.kept)
+        self.show()
         if ledger is not None:
             self.model.energy_known = ledger.kinetic + ledger.stored + ledger.dissipated
         return ledger

@@ -6,8 +6,6 @@ is driven by what it does, such as ground on the spring of a machine, is looked 
 
 from types import TracebackType
 
-import numpy as np
-
 from dem.engine.engine import Engine, Run, largest_step
 from dem.model import DiscModel
 
@@ -19,8 +17,7 @@ class Pulses:
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
-        if model.lists_made == 0 or np.any(np.hypot(model.x - model.x_list, model.z - model.z_list) > 0.5 * model.skin):
-            model.make_list()
+        model.refresh_list()
         self.model, self.share = model, share
         stable = largest_step(model)
         self.run = Run(Engine(ledger=False, threads=threads), model, share * stable.seconds)

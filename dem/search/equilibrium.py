@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, keep_slip, resultants
 from dem.engine.pulses import Pulses
 from dem.errors import DemError
@@ -220,8 +220,8 @@ def moving_energy(model: DiscModel) -> float:
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
     """Takes discs on without booking energies, at the longest step that is safely stable now, or all at once."""
-    longest = min(STEP * largest_step(model).seconds, seconds)
-    Engine(dt=longest, ledger=False, threads=threads).run(model, seconds)
+    with Pulses(model, STEP, threads) as pulses:
+        pulses.on(seconds)
 
 
 def try_kh(

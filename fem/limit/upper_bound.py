@@ -126,7 +126,8 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
     What moves them there may lead against the flow rule at corners (k,) that are to ``dilates``: these are led back
     beyond half their margin, the rule taken as linear, and so on with all that were ever beyond it.
     """
-    volume = program.strain[3 * np.flatnonzero(~dilates)] + program.strain[3 * np.flatnonzero(~dilates) + 1]
+    clay = np.flatnonzero(~dilates)
+    volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
     equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()
     wanted = np.pad([1.0], (0, volume.shape[0]))
     rates = rates + cone_program.smallest_correction(equal, wanted - equal @ rates)

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
+from dem.settings import FACTORS
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
@@ -162,8 +163,8 @@ def _calibration(results: Results, name: str) -> bool:
             low, high = trial.kc - trial.kc_lower, trial.kc_upper - trial.kc
             axes.errorbar(trial.value, trial.kc, [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2)
     _factors(axes)
-    tried = [trial.value for trial in answer.trials]
-    axes.set_xlim(0.9 * min([0.75, *tried]), 1.1 * max([1.33, *tried]))  # no narrower than what soil discs may have
+    shown = [*FACTORS["soil"], *(trial.value for trial in answer.trials)]
+    axes.set_xlim(0.9 * min(shown), 1.1 * max(shown))
     target, within = answer.target_kc, answer.tolerance
     axes.axhspan(target - within, target + within, color=CRITICAL, alpha=0.15, linewidth=0)
     axes.axhline(target, color=CRITICAL, linewidth=1.0)
