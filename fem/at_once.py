@@ -164,7 +164,7 @@ def pushed(
         return _pushed(section, mesh, settings, comm, faces)
     sand = cohesionless_faces(section, settings)
     first = min((face.kh for face in sand), default=np.inf)
-    if first > 0.0 and not _is_unique(section, settings):
+    if first > 0.0 and not is_unique(section, settings):
         return _pushed(section, mesh, settings, comm, [])
     ground = _pushed(section, mesh, settings, comm, sand)
     if ground.limit is not None and ground.limit.multiplier <= first < np.inf and first > 0.0:
@@ -180,14 +180,14 @@ def at_rest(ground: Ground) -> Ground:
     return replace(ground, gravity=gravity)
 
 
-def _is_unique(section: Section, settings: FemSettings) -> bool:
-    """Whether the limit load is unique, and the element one to find it with at once."""
+def is_unique(section: Section, settings: FemSettings) -> bool:
+    """Whether the limit load is unique, and the element one to find it with at once; no step changes it."""
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 
 def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
     """The ground with ``faces`` strengthened, and the limit load where there is one; at rest where there is none."""
-    if _is_unique(section, settings):
+    if is_unique(section, settings):
         problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
         load = seismic_load(problem, mesh, section, push(section, settings))
         limit = None

@@ -13,7 +13,6 @@ from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
-from workflow.results.variants import Variant
 from workflow.settings import Input
 
 # Variants that tell how good the computation is, and those that tell what an assumption is worth.
@@ -82,7 +81,7 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
         f"under a horizontal acceleration of {fem.kc * GRAVITY:.2g} m/s²."
     )
     found = results.variants.variants if results.variants is not None else ()
-    variants = {variant.name: variant.kc for variant in found if variant.kc is not None}
+    variants = {variant.name: kc for variant in found if (kc := variant.of(fem.kc)) is not None}
     numerical = [name for name in NUMERICAL if name in variants]
     told, left_open = coefficient(fem.kc), between([fem.kc, fem.kc_upper, *(variants[name] for name in numerical)])
     causes = listed(["bracket", *numerical])
@@ -92,9 +91,9 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
         yield f"The computation itself ({causes}) leaves open {left_open}."
     most = _most(results, fem)
     assumed = [
-        f"{coefficient(variant.kc)} with {variant.change}{_too_much(variant, most)}"
+        f"{coefficient(kc)} with {variant.change}{_too_much(variant.name, kc, most)}"
         for variant in found
-        if variant.name in ASSUMED and variant.kc is not None
+        if variant.name in ASSUMED and (kc := variants.get(variant.name)) is not None
     ]
     if fem.associated is not None and "dilation" not in variants:
         assumed.insert(0, f"{coefficient(fem.associated.kc)} if the ground dilated fully (ψ = φ)")
@@ -113,9 +112,9 @@ def _most(results: Results, fem: FemAnswer) -> float:
     return bounds.upper
 
 
-def _too_much(variant: Variant, most: float) -> str:
+def _too_much(name: str, kc: float, most: float) -> str:
     """What is to be made of another flow rule with which the elements bear more than strict bounds allow any."""
-    if variant.name != "dilation" or variant.kc is None or variant.kc <= most:
+    if name != "dilation" or kc <= most:
         return ""
     return " (more than strict bounds allow: the mesh is too coarse for it)"
 

@@ -50,8 +50,10 @@ def _seen(variant: Variant, kc: float | None) -> str:
     """What a variant came to, in words."""
     if variant.kc is None or kc is None:
         return f"Here, {variant.change}: {variant.verdict}, {variant.reason}."
-    by = 100.0 * (variant.kc / kc - 1.0)
-    return f"Here, {variant.change}: critical Kh = {variant.kc:.4f} ({by:+.1f} %)."
+    without = variant.kc_without or kc
+    beside = f" instead of {without:.4f}" if variant.kc_without is not None else ""
+    by = 100.0 * (variant.kc / without - 1.0)
+    return f"Here, {variant.change}: critical Kh = {variant.kc:.4f}{beside} ({by:+.1f} %)."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:

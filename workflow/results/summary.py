@@ -27,11 +27,12 @@ class FemSummary(Part):
 
 
 class VariantSummary(Part):
-    """The critical Kh of the continuum with one thing changed."""
+    """The critical Kh of the continuum with one thing changed, and without it where another mesh was taken for both."""
 
     change: str
     kc: float | None
     kc_upper: float | None
+    kc_without: float | None
     verdict: str
 
 

@@ -9,7 +9,7 @@ from workflow.results.continuum import Verdict
 
 
 class Variant(Part):
-    """One change, and the critical Kh with it; None where the path has none."""
+    """One change, and the critical Kh with it; None where there is none."""
 
     name: str
     change: str = Field(description="what is changed, in words")
@@ -18,6 +18,16 @@ class Variant(Part):
     verdict: Verdict | Literal["no answer"]
     reason: str
     seconds: float = Field(description="computing time")
+    kc_without: float | None = Field(
+        default=None,
+        description="the critical Kh without the change, where both were found on a coarser mesh than the answer",
+    )
+
+    def of(self, kc: float) -> float | None:
+        """What the change makes of the critical Kh ``kc`` of the answer: on another mesh, by the same ratio."""
+        if self.kc is None or self.kc_without is None:
+            return self.kc
+        return kc * self.kc / self.kc_without
 
 
 class VariantsAnswer(Answer):

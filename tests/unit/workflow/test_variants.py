@@ -2,9 +2,13 @@
 
 import pytest
 
+from tests.support.answers import fem, variant
 from tests.support.sections import slope
+from workflow.results import stored_mesh
+from workflow.results.continuum import MeshCount, MeshStep
+from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.variants import changed
+from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
 
 
 @pytest.mark.parametrize(
@@ -12,7 +16,8 @@ from workflow.stages.variants import changed
     [
         ({}, "mesh", "cells of half the size"),
         ({}, "element", "bilinear element instead of quadratic"),
-        ({}, "step", "first step of Kh 0.04 instead of 0.02"),
+        ({"fem": {"element": "quadratic"}}, "step", "first step of Kh 0.04 instead of 0.02"),
+        ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of roller"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides roller instead of fixed"),
         ({}, "dilation", "the non-associated path with ψ as given instead of Davis's substitute"),
@@ -36,7 +41,42 @@ def test_what_would_change_nothing_is_left_out() -> None:
     )
     assert changed(tied, "sides", "quadratic") is None
     assert changed(tied, "step", "quadratic") is None
+    limit_load = Input.parse(slope())  # Davis's substitute and its element: there is no path, and so no step
+    assert changed(limit_load, "step", "reduced") is None
     data = slope()
     for stratum in data["strata"]:
         stratum["dilation_angle"] = stratum["friction_angle"]
     assert changed(Input.parse(data), "dilation", "reduced") is None
+
+
+@pytest.mark.parametrize(("cells", "first"), [(PATH_CELLS, None), (PATH_CELLS + 1, 0.25)])
+def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
+    cells: int, first: float | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = Input.parse(slope())
+    monkeypatch.setattr(stored_mesh, "fem_mesh", lambda *_: "the last mesh")
+    monkeypatch.setattr(stored_mesh, "stored_mesh", lambda *_: "the first mesh")
+    answer = fem(run).model_copy(
+        update={
+            "mesh": MeshCount(quadrilaterals=cells, nodes=1, method="free"),
+            "meshes": (MeshStep(cells=600, kc=0.25), MeshStep(cells=cells, kc=0.24)),
+        }
+    )
+
+    def of(name: str, element: str = "reduced") -> tuple[object, float | None]:
+        change = changed(run, name, element)
+        assert change is not None
+        found = on_a_mesh(change, run, Store("nowhere"), answer)
+        assert found.words.endswith("the first mesh of 600 cells") == (found.kc_without is not None)
+        return found.mesh, found.kc_without
+
+    expected = ("the last mesh" if first is None else "the first mesh", first)
+    assert of("element") == of("dilation") == expected
+    assert of("sides") == ("the last mesh", None)  # a limit load at once, whatever the number of cells
+
+
+def test_a_change_on_another_mesh_counts_by_its_ratio() -> None:
+    here = variant("element", "quadratic element", 0.30)
+    assert here.of(0.24) == 0.30
+    assert here.model_copy(update={"kc_without": 0.25}).of(0.24) == pytest.approx(0.24 * 0.30 / 0.25)
+    assert variant("element", "quadratic element", None).of(0.24) is None
