@@ -18,7 +18,7 @@ from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
-from dem.team import Team, Tell
+from dem.team import Team, Tell, alone
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -52,49 +52,104 @@ NARROWING = 5  # searches that finding the factor takes, more or less
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
+    found, paper = _searched(given, store, progress, team)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
-    continuum = continuum_for(given, fem)
-    calibrator = _calibrator(given, store, discs, continuum, progress, team)
-    base = calibrator.search("", 1.0, given.dem.workers)
-    if base.kc is None:
+    if found.base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
-        discs_answer(given, discs, (base, base), {}, Kept(), none).write(store)
-        CalibrationAnswer.not_asked_for(base, given.dem.tolerance).write(store)
+        discs_answer(given, discs, (found.base, found.base), {}, Kept(), none).write(store)
+        CalibrationAnswer.not_asked_for(found.base, given.dem.tolerance).write(store)
         raise NoAnswerError(
-            f"the discs have no critical Kh before calibration: {base.verdict}, {base.reason}",
+            f"the discs have no critical Kh before calibration: {found.base.verdict}, {found.base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
-    found = _solve(given, calibrator, continuum.kc)
-    parameter, value, after = (found.parameter, found.value, found.search) if found else ("none", 1.0, base)
-    calibrated = calibrator.settled_with(parameter, value)
-    save(store, CALIBRATED, calibrated)
     progress("states of the discs at the recorded Kh", None)
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, base, given.dem),
-        "after": Start(calibrated, discs.ground, after, given.dem),
+        "before": Start(discs.settled, discs.ground, found.base, given.dem),
+        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem),
     }
-    paper = None
-    if given.dem.model == "soil" and given.dem.paper:
-        paper, sets["paper"] = _paper(given, store, progress)
+    told = None
+    if paper is not None:
+        told, sets["paper"] = _paper_answer(given, store, paper)
     kept = _keep_states(given, store, sets, team)
-    factor = {parameter: value} if found else {}
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
-    answer = discs_answer(given, discs, (base, after), factor, kept, surfaces)
-    answer.model_copy(update={"paper": paper}).write(store)
-    _write_calibration(given, store, progress, team, discs, base, found)
+    answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
+    answer.model_copy(update={"paper": told}).write(store)
+    _write_calibration(given, store, progress, team, discs, found.base, found.calibration)
     calibrate_pictures(given, store)
-    if found is not None and found.verdict != "calibrated" and given.dem.out_of_reach == "stop":
+    calibration = found.calibration
+    if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
-            found.reason,
+            calibration.reason,
             "take more discs where the ground that slides is but a few of them thick, widen dem.range, or set "
             'dem.out_of_reach = "go on" for the closest',
         )
 
 
-def _calibrator(
-    given: Input, store: Store, discs: Discs, continuum: Continuum, progress: Progress, team: Team
-) -> Calibrator:
+@dataclass(frozen=True)
+class Searched:
+    """What one set of discs came to: without a factor, and once calibrated, None where that was not asked for."""
+
+    base: Search
+    calibration: Calibration | None = None
+
+    @property
+    def after(self) -> Search:
+        """With the factor; without one where there is none."""
+        return self.calibration.search if self.calibration else self.base
+
+    @property
+    def factor(self) -> dict[str, float]:
+        """The parameter and the factor on it."""
+        return {self.calibration.parameter: self.calibration.value} if self.calibration else {}
+
+
+def _searched(given: Input, store: Store, progress: Progress, team: Team) -> tuple[Searched, Search | None]:
+    """The searches of the discs, and beside them that of the paper's own discs where they were asked for."""
+    if given.dem.model != "soil" or not given.dem.paper:
+        return _calibrated(given, store, lambda message: progress(*message), team), None
+    done: float | None = None  # of the searches of the section's own discs, which take longer
+
+    def heard(_: int, message: tuple[str, float | None]) -> None:
+        nonlocal done
+        words, share = message
+        done = share if share is not None else done
+        progress(words, done)
+
+    found, paper = team(_of_set, [Wanted(given, store, own) for own in (True, False)], heard)
+    assert isinstance(found, Searched)
+    assert isinstance(paper, Search)
+    return found, paper
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A set of discs whose critical Kh is wanted: that of the section's settings, or the paper's."""
+
+    given: Input
+    store: Store
+    own: bool
+
+
+def _of_set(wanted: Wanted, tell: Tell) -> Searched | Search:
+    """The searches of a set of discs."""
+    return (_calibrated if wanted.own else _paper)(wanted.given, wanted.store, tell)
+
+
+def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> Searched:
+    """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
+    discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
+    continuum = continuum_for(given, FemAnswer.read(store))
+    calibrator = _calibrator(given, store, discs, continuum, tell, team)
+    base = calibrator.search("", 1.0, given.dem.workers)
+    if base.kc is None:
+        return Searched(base)
+    found = Searched(base, _solve(given, calibrator, continuum.kc))
+    save(store, CALIBRATED, calibrator.settled_with(*next(iter(found.factor.items()), ("none", 1.0))))
+    return found
+
+
+def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, tell: Tell, team: Team) -> Calibrator:
     journal = Journal(store, JOURNAL)
     single = given.dem.parameter == "none"
     wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
@@ -103,7 +158,7 @@ def _calibrator(
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = share_of.after_trial(len(calibrator.searches))
-        progress(f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share)
+        tell((f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share))
 
     calibrator = Calibrator(
         discs.ground,
@@ -151,19 +206,25 @@ def _write_calibration(
         answer.model_copy(update={"element_tests": tests}).write(store)
 
 
-def _paper(given: Input, store: Store, progress: Progress) -> tuple[PaperDiscs, "Start"]:
-    """The paper's own discs, as the paper used them: at rest, and the Kh at which they fail."""
+def _paper(given: Input, store: Store, tell: Tell) -> Search:
+    """The paper's own discs, as the paper used them, and the Kh at which they fail."""
     dem = given.dem.as_paper()
-    discs = discs_at_rest(given, store, dem, PAPER, lambda what: progress(f"the paper's discs: {what}", None))
+    discs = discs_at_rest(given, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
     journal = Journal(store, PAPER_JOURNAL)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
-        progress(f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None)
+        tell((f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None))
 
     calibrator = Calibrator(
         discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_trial=on_trial, on_search=journal.add
     )
-    search = calibrator.search("", 1.0, dem.workers)
+    return calibrator.search("", 1.0, dem.workers)
+
+
+def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDiscs, "Start"]:
+    """What is told of the paper's own discs, and where they start from."""
+    dem = given.dem.as_paper()
+    discs = discs_at_rest(given, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(model=_model_answer(given, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
     return answer, Start(discs.settled, discs.ground, search, dem)
 

@@ -5,21 +5,23 @@ dem/slide_* let a stopped run go on.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.liquefaction import Slide
+from dem.team import Team, Tell, alone
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
-from workflow.results.continuum import FemAnswer
 from workflow.results.disc_grids import case_name, frames, write_collection
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.discs_at_rest import PAPER, SETTLED, continuum_for, ground_for
-from workflow.stages.random_packings import First, random_packings
+from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
+from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
 from workflow.stages.sliding import ALONE, Run, Task, liquefying, slid, task
 
 
@@ -29,20 +31,29 @@ def slide_stage(job: Job) -> None:
     wanted = _wanted(given, job.cases)
     starts = _starts(given, store)
     tasks = _tasks(given, starts, wanted)
-    heard = Hearer(given, job.progress, tasks)
-    found = job.team(slid, [Run(given, store, each, frames=True) for each in tasks], heard)
-    slides = dict(zip(tasks, found, strict=True))
-    random: RandomPackings | None = None
+    others: RandomPackingsWanted | None = None
     if given.slide.packings(given.dem.model) and wanted:
-        mine = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
-        continuum = continuum_for(given, FemAnswer.read(store))
-        random = random_packings(job, continuum, First.of(given, mine, store))
+        others = RandomPackingsWanted.of(given, store, wanted)
+    packings = others.at_once() if others is not None else []  # these take longest, and so begin
+    pieces: list[Run | Packing] = [*packings, *(Run(given, store, each, frames=True) for each in tasks)]
+    hearer = Hearer(given, job.progress, pieces)
+    found = job.team(_computed, pieces, hearer, hearer.ended)
+    slides: dict[Task, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
+    random: RandomPackings | None = None
+    if others is not None:
+        own = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
+        random = others.answer(job, found[: len(packings)], own)
     write_histories(store, (SlideHistory(t.springs, t.number, tuple(slide.rows)) for t, slide in slides.items()))
     CasesAnswer(sets={springs: _cases(slides, springs) for springs in starts}, random=random).write(store)
     for each in tasks:
         write_collection(store, case_name(each.springs, each.number))
     job.progress("pictures of the slides", None)
-    slide_pictures(given, store)
+    slide_pictures(given, store, job.team)
+
+
+def _computed(piece: Run | Packing, tell: Tell) -> Any:
+    """A slide, or a random packing with all of its slides."""
+    return packed(piece, tell) if isinstance(piece, Packing) else slid(piece, tell)
 
 
 def _wanted(given: Input, cases: tuple[int, ...] | None) -> list[int]:
@@ -84,36 +95,35 @@ def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
 class Hearer:
     """Tells how far the slides are, from what each tells of itself."""
 
-    def __init__(self, given: Input, progress: Progress, tasks: Sequence[Task]) -> None:
-        self.given, self.progress, self.tasks = given, progress, tasks
-        self.done = [0.0] * len(tasks)
+    def __init__(self, given: Input, progress: Progress, pieces: Sequence[Run | Packing]) -> None:
+        self.given, self.progress, self.pieces = given, progress, pieces
+        self.done = [0.0] * len(pieces)
 
-    def __call__(self, place: int, message: tuple[float, float, float, float]) -> None:
-        """Tell of a look at a slide."""
-        seconds, slide, settlement, speed = message
-        task = self.tasks[place]
-        self.done[place] = min(1.0, seconds / self.given.slide.duration)
-        self.progress(
-            f"{case_name(task.springs, task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
-            f"{settlement:.2f} m, {speed:.2g} m/s",
-            sum(self.done) / len(self.tasks),
-        )
+    def __call__(self, place: int, message: Any) -> None:
+        """Tell of a look at a slide, or of what a packing is at."""
+        piece = self.pieces[place]
+        if isinstance(piece, Packing):
+            told = piece.told(message)
+        else:
+            seconds, slide, settlement, speed = message
+            self.done[place] = min(1.0, seconds / self.given.slide.duration)
+            told = (
+                f"{case_name(piece.task.springs, piece.task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
+                f"{settlement:.2f} m, {speed:.2g} m/s"
+            )
+        self.progress(told, sum(self.done) / len(self.pieces))
+
+    def ended(self, place: int, _: Any) -> None:
+        """A slide has come to its end, or a packing with all of its slides."""
+        self.done[place] = 1.0
 
 
-def slide_pictures(given: Input, store: Store) -> None:
+def slide_pictures(given: Input, store: Store, team: Team = alone) -> None:
     """Draw every case at its end, its animation, and the histories, from what is stored."""
     from workflow.figures import slides as slide_figures
 
     answer = CasesAnswer.read(store)
-    for springs, number, case in answer.each():
-        name = case_name(springs, number)
-        states = [store.folder / file for file in frames(store, name).values()]
-        if not states:
-            continue
-        with store.writing(f"figures/{name}.png") as path:
-            slide_figures.end(given, states[-1], case, springs, number, path)
-        with store.writing(f"figures/{name}.webp") as path:
-            slide_figures.animate(given, states, springs, number, path)
+    team(_drawn, [CasePictures(given, store, *each) for each in answer.each()])
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
             slide_figures.history(given, read_histories(store), path)
@@ -122,3 +132,28 @@ def slide_pictures(given: Input, store: Store) -> None:
     if bands:
         with store.writing("figures/profiles.png") as path:
             slide_figures.profiles(given, bands, max(len(case.slide_max_m.values) for case in found.values()), path)
+
+
+@dataclass(frozen=True)
+class CasePictures:
+    """A case to be drawn: the set of springs, its number, and what it came to."""
+
+    given: Input
+    store: Store
+    springs: str
+    number: int
+    case: CaseAnswer
+
+
+def _drawn(wanted: CasePictures, _: Tell) -> None:
+    """The picture of a case at its end, and its animation, from its frames."""
+    from workflow.figures import slides as slide_figures
+
+    given, store, springs, number = wanted.given, wanted.store, wanted.springs, wanted.number
+    name = case_name(springs, number)
+    states = [store.folder / file for file in frames(store, name).values()]
+    if states:
+        with store.writing(f"figures/{name}.png") as path:
+            slide_figures.end(given, states[-1], wanted.case, springs, number, path)
+        with store.writing(f"figures/{name}.webp") as path:
+            slide_figures.animate(given, states, springs, number, path)

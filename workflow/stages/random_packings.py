@@ -1,6 +1,6 @@
 """The cases once more on random packings that fail at the same Kh: does the lattice make the answer?"""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from dem.model import DiscModel
@@ -13,68 +13,84 @@ from dem.team import Tell
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
+from workflow.results.continuum import FemAnswer
 from workflow.results.journal import Journal
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.discs_at_rest import discs_at_rest
+from workflow.stages.discs_at_rest import continuum_for, discs_at_rest
 from workflow.stages.sliding import Run, slid, task
+
+Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides by case
 
 
 @dataclass(frozen=True)
-class First:
-    """What the run itself has computed.
+class RandomPackingsWanted:
+    """The packings that are wanted beside that of the run itself.
+
+    A seed whose packing cannot be brought to the critical Kh is named with the reason, and not counted. Where a
+    parameter has to be chosen the first seed does, and all others take the same.
 
     Attributes
     ----------
-    slides : dict of Slide
-        Of every case that is wanted, by number.
-    seed : Seed or None
-        Its packing, where that is a random one.
+    given, store : the input, and the folder of the run.
+    continuum : what the discs are held against.
+    numbers : of the cases.
+    own : the packing of the run itself, where that is a random one.
     """
 
-    slides: dict[int, Slide]
-    seed: Seed | None
+    given: Input
+    store: Store
+    continuum: Continuum
+    numbers: tuple[int, ...]
+    own: Seed | None
 
     @classmethod
-    def of(cls, given: Input, slides: dict[int, Slide], store: Store) -> "First":
-        """The slides of the calibrated discs, and with which packing they were computed."""
-        found = CalibrationAnswer.read(store)
-        if given.dem.model == "paper" or found.verdict == "out of reach":
-            return cls(slides, None)
-        before = found.predicted_kc if found.predicted_kc is not None else found.kc
-        return cls(slides, Seed(
-            seed=given.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
-            verdict=found.verdict, reason=found.reason,
-        ))  # fmt: skip
+    def of(cls, given: Input, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
+        """Those of a run whose discs are calibrated."""
+        continuum = continuum_for(given, FemAnswer.read(store))
+        return cls(given, store, continuum, tuple(numbers), _own_seed(given, CalibrationAnswer.read(store)))
+
+    @property
+    def _chooses(self) -> bool:
+        return self.given.dem.model == "paper" and self.given.dem.parameter in ("auto", "none")
+
+    def _packings(self, parameter: str) -> list["Packing"]:
+        seeds = self.given.slide.packings(self.given.dem.model)
+        others = [seed for seed in seeds if self.own is None or seed != self.own.seed]
+        return [Packing(self.given, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
+
+    def at_once(self) -> list["Packing"]:
+        """Those that can begin: all of them, or the one that chooses."""
+        parameter = self.given.dem.parameter
+        packings = self._packings("auto" if parameter == "none" else parameter)
+        return packings[:1] if self._chooses else packings
+
+    def answer(self, job: Job, found: list["Packed"], own: dict[int, Slide]) -> RandomPackings:
+        """Mean, standard deviation and every value of slide and settlement over the seeds, for each case.
+
+        ``found`` are those that began at once, ``own`` the slides of the run itself.
+        """
+        if self._chooses and found:
+            seed = found[0][0]
+            later = self._packings(seed.parameter if seed.parameter != "none" else "auto")[1:]
+            found = [*found, *job.team(packed, later, lambda place, told: job.progress(later[place].told(told), None))]
+        seeds, slides = [seed for seed, _ in found], [slides for _, slides in found]
+        if self.own is not None:
+            seeds, slides = [self.own, *seeds], [own, *slides]
+        cases = {number: _case([each[number] for each in slides if number in each]) for number in sorted(self.numbers)}
+        return RandomPackings(seeds=tuple(seeds), cases=cases)
 
 
-def random_packings(job: Job, continuum: Continuum, first: First) -> RandomPackings:
-    """Mean, standard deviation and every value of slide and settlement over the seeds, for each case that is wanted.
-
-    The ``first`` packing is that of the run itself. A seed whose packing cannot be brought to it is named with the
-    reason, and not counted. Where a parameter has to be chosen the first seed does, and all others take the same.
-    """
-    given = job.given
-    seeds: list[Seed] = [] if first.seed is None else [first.seed]
-    slides = {number: [] if first.seed is None else [slide] for number, slide in first.slides.items()}
-    parameter: str = "auto" if given.dem.parameter == "none" else given.dem.parameter
-    others = [seed for seed in given.slide.packings(given.dem.model) if first.seed is None or seed != first.seed.seed]
-    done = 0
-
-    def heard(place: int, message: str) -> None:
-        job.progress(f"random packing, seed {others[done + place]}: {message}", done / len(others))
-
-    chosen = 1 if parameter == "auto" and given.dem.model == "paper" else 0
-    for some in (others[:chosen], others[chosen:]):
-        wanted = [Packing(given, job.store, continuum, seed, parameter, tuple(slides)) for seed in some]
-        for seed, found in job.team(_packed, wanted, heard):
-            seeds.append(seed)
-            parameter = seed.parameter if given.dem.model == "paper" and seed.parameter != "none" else parameter
-            for number, slide in found.items():
-                slides[number].append(slide)
-        done += len(some)
-    return RandomPackings(seeds=tuple(seeds), cases={number: _case(slides[number]) for number in sorted(slides)})
+def _own_seed(given: Input, found: CalibrationAnswer) -> Seed | None:
+    """The packing of the run itself; None where it is a lattice, or could not be calibrated."""
+    if given.dem.model == "paper" or found.verdict == "out of reach":
+        return None
+    before = found.predicted_kc if found.predicted_kc is not None else found.kc
+    return Seed(
+        seed=given.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
+        verdict=found.verdict, reason=found.reason,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -88,8 +104,12 @@ class Packing:
     parameter: str
     numbers: tuple[int, ...]
 
+    def told(self, message: str) -> str:
+        """What it tells of itself, with its seed."""
+        return f"random packing, seed {self.seed}: {message}"
 
-def _packed(packing: Packing, tell: Tell) -> tuple[Seed, dict[int, Slide]]:
+
+def packed(packing: Packing, tell: Tell) -> Packed:
     """How it was calibrated, and its slides by case; none where it is out of reach."""
     given, store, parameter = packing.given, packing.store, packing.parameter
     dem = given.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})

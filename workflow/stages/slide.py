@@ -20,7 +20,7 @@ def draw(job: Job) -> None:
     """Draw every case at its end, its animation, and the histories."""
     from workflow.stages.liquefied_slides import slide_pictures
 
-    slide_pictures(job.given, job.store)
+    slide_pictures(job.given, job.store, job.team)
 
 
 def seconds(given: Input) -> float:
