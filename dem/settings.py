@@ -1,12 +1,12 @@
 """How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, model_validator
 
-from meshes.section.quantity import Length
+from meshes.section.quantity import Length, Strength
 from meshes.section.record_of_motion import RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
@@ -162,6 +162,11 @@ class Case(Model):
         description="residual strength of soil discs over their vertical effective stress; one for all, or one for "
         "each by the name of the stratum",
     )
+    residual_strength: Strength | dict[str, Strength] = Field(
+        default=0.0,
+        description='residual strength of soil discs, the same all over a stratum, such as "4 kPa"; one for all, or '
+        "one for each by the name of the stratum; in place of residual",
+    )
     volumetric_strain: float = Field(
         default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
     )
@@ -169,6 +174,17 @@ class Case(Model):
     def residual_of(self, stratum: str) -> float:
         """The residual strength of a stratum by its name, over the vertical effective stress."""
         return self.residual.get(stratum, 0.0) if isinstance(self.residual, dict) else self.residual
+
+    def strength_of(self, stratum: str) -> float:
+        """The residual strength (Pa) of a stratum by its name, where it is given as such."""
+        kept = self.residual_strength
+        return kept.get(stratum, 0.0) if isinstance(kept, dict) else kept
+
+    @model_validator(mode="after")
+    def _one_residual(self) -> Self:
+        if self.residual and self.residual_strength:
+            raise ValueError("residual and residual_strength: expected one of them")
+        return self
 
 
 class SlideSettings(Model):

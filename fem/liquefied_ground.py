@@ -22,11 +22,13 @@ LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: lim
 
 @dataclass(frozen=True)
 class Remains:
-    """What a stratum keeps: factors on cohesion and tan φ, and a strength over its mean vertical effective stress."""
+    """What a stratum keeps: factors on cohesion and tan φ, a strength over its mean vertical effective stress, and one
+    in Pa."""
 
     cohesion: float
     friction: float
     residual: float
+    strength: float = 0.0
 
 
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
@@ -35,7 +37,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
     for k, kept in remains.items():
         stress = mean_effective_stress(section, k)
         friction = math.atan(kept.friction * math.tan(strata[k].friction_angle))
-        cohesion = kept.cohesion * strata[k].cohesion + kept.residual * stress
+        cohesion = kept.cohesion * strata[k].cohesion + kept.residual * stress + kept.strength
         if friction == 0.0:
             cohesion = max(cohesion, LEAST * stress)
         change = {

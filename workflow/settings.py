@@ -150,6 +150,7 @@ class Input(Section):
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self) + self.free_face.problems(self.ground)
+        problems += self.earthquake.problems()
         response = self.site_response
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
@@ -243,11 +244,16 @@ class Input(Section):
         found = []
         for name in self.triggering.cases:
             try:
-                ratios = {self.strata[one.stratum].name: one.ratio(name) for one in remains}
+                kept = {self.strata[one.stratum].name: (one.ratio(name), one.strength(name)) for one in remains}
             except ValueError as error:
                 raise InputError(self.name, [f'triggering, cases, "{name}": {error}']) from None
-            drained = max((one.volumetric_strain for one in remains), default=0.0)
-            found.append(Case(name=name, residual=ratios, volumetric_strain=min(0.2, drained)))
+            drained = min(0.2, max((one.volumetric_strain for one in remains), default=0.0))
+            if self.triggering.residual == "ratio":
+                ratios = {stratum: ratio for stratum, (ratio, _) in kept.items()}
+                found.append(Case(name=name, residual=ratios, volumetric_strain=drained))
+            else:
+                strengths = {stratum: strength for stratum, (_, strength) in kept.items()}
+                found.append(Case(name=name, residual_strength=strengths, volumetric_strain=drained))
         return (*self.slide.cases, *found)
 
     def called(self, case: int) -> str:

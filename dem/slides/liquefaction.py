@@ -28,7 +28,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
-from dem.slides.lost_strength import held_by_geometry, liquefied, residual_friction
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
 from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
@@ -195,7 +195,7 @@ class Slider:
         given = start, ground, strata, settings
         self.drive = held(*given) if shaking is None else shaken(*given, shaking)
         self.cut: set[int] = set()
-        self.residual = residual_friction(start, strata, case)
+        self.residual = residual_contacts(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.model = self._resumed() or self._begun()
 
@@ -327,6 +327,7 @@ class Slider:
         told: list[str] = []
         if self.case is not None:
             told = thin_layers(start, self.ground, self.strata) + held_by_geometry(start, self.strata, self.case)
+            told += stronger_than_asked(start, self.ground, self.strata, self.case)
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         asked = asked_for(start, model, self.strata, before)
         slide.area_lost_share = (before - after - asked) / before

@@ -66,6 +66,16 @@ class EarthquakeSettings(Model):
             return None
         return expected(self, self.magnitude, self.distance)
 
+    def problems(self) -> list[str]:
+        """What the relation misses, or cannot be used for; a record is looked at when it is read."""
+        if self.record and self.peak_acceleration is None:
+            return []
+        try:
+            self.motion()
+        except InputError as error:
+            return [f"earthquake, {text}" for text in error.problems]
+        return []
+
 
 class SiteResponseSettings(Model):
     """How the layers under a point of the section answer a record at their base, a table [site_response]."""

@@ -1,5 +1,7 @@
 """Displacements by all methods in one picture: other methods, the discs, and what was measured."""
 
+from collections.abc import Iterator
+
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
@@ -19,10 +21,7 @@ def displacements(results: Results, name: str) -> bool:
     """A point for each method, discs and estimates, on a logarithmic axis; false where there are less than two."""
     others = estimates(results.given, results.kc, results.slip_surface)
     rows = [(one.method, one.displacement_m, OTHERS) for one in others if one.displacement_m is not None]
-    _, cases = results.case_set()
-    rows += [
-        (f"discs, {results.given.called(number)}", case.slide_max_m, SLIDES) for number, case in sorted(cases.items())
-    ]
+    rows += list(_slides(results))
     observed = results.given.report.observed
     is_s13 = results.given.name == "s13"
     if is_s13:
@@ -43,7 +42,7 @@ def displacements(results: Results, name: str) -> bool:
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
     handles = [_handle(OTHERS, "by other methods")]
-    if cases:
+    if results.case_set()[1]:
         handles.append(_handle(SLIDES, "discs"))
     if any(value < SMALLEST for _, value, _ in rows):
         handles.append(Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing"))
@@ -58,6 +57,17 @@ def displacements(results: Results, name: str) -> bool:
     with results.store.writing(name) as path:
         sheet.save(path)
     return True
+
+
+def _slides(results: Results) -> Iterator[tuple[str, float, tuple[str, str]]]:
+    """The discs of each case: at every place where something was measured, and at most."""
+    _, cases = results.case_set()
+    places = dict.fromkeys(one.x for one in results.given.report.observed if results.slides_at(one.x) is not None)
+    for number, case in sorted(cases.items()):
+        name = f"discs, {results.given.called(number)}"
+        for x in places:
+            yield f"{name}, at x = {x:g} m", (results.slides_at(x) or {})[number], SLIDES
+        yield f"{name}, at most" if places else name, case.slide_max_m, SLIDES
 
 
 def _handle(look: tuple[str, str], label: str) -> Line2D:

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
@@ -205,6 +203,7 @@ def lies_still(case: CaseNumbers) -> bool:
 # How a sentence tells what is not a factor on something that the layers had before.
 APART = {
     "residual": "a residual strength of {} of the vertical effective stress",
+    "residual_strength": "a residual strength of {}",
     "volumetric_strain": "{} less of {whose} volume",
 }
 
@@ -217,7 +216,7 @@ def _cases_are(given: Input) -> Iterator[str]:
     told, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
-        values = [factor(case[name]) for case in cases]
+        values = [factor(case[name], name) for case in cases]
         if set(values) != {"0"}:
             shown = listed(values if len(set(values)) > 1 else values[:1])
             told.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
@@ -226,7 +225,7 @@ def _cases_are(given: Input) -> Iterator[str]:
     called = [case["name"] for case in cases if case["name"]]
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
-    if given.dem.paper and any(case["residual"] for case in cases):
+    if given.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the paper's own discs keep no residual strength"
     yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
@@ -285,11 +284,9 @@ def _measured(results: Results) -> Iterator[str]:
     _, cases = results.case_set()
     for one in results.given.report.observed if cases else ():
         told = f"Measured were {one.displacement:.3g} m ({one.name})"
-        if one.x is None or not all(case.slide_along for case in cases.values()):
-            slides, where = [case.slide_max_m for case in cases.values()], "at most"
-        else:
-            slides = [float(np.interp(one.x, *np.array(case.slide_along).T)) for case in cases.values()]
-            where = f"there, at x = {one.x:g} m,"
+        there = results.slides_at(one.x)
+        where = "at most" if there is None else f"there, at x = {one.x:g} m,"
+        slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
         numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
         yield f"{told}; the discs slide {where} {numbers} in {_of(list(cases))}."
 

@@ -72,13 +72,15 @@ def case_rows(given: Input) -> Iterator[list[str]]:
     for number, case in enumerate(given.cases, start=1):
         names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
-            yield [str(number), ", ".join(names), *(factor(value) for _, value in case)]
+            yield [str(number), ", ".join(names), *(factor(value, name) for name, value in case)]
 
 
-def factor(value: Any) -> str:
-    """What a case leaves, in three digits; of each stratum by name where they differ."""
+def factor(value: Any, name: str = "") -> str:
+    """What a case leaves, in three digits, a strength in kPa; of each stratum by name where they differ."""
     if isinstance(value, dict):
-        return "; ".join(f"{name} {share:.3g}" for name, share in value.items())
+        return "; ".join(f"{stratum} {factor(its, name)}" for stratum, its in value.items())
+    if name == "residual_strength" and value:
+        return f"{value / 1e3:.3g} kPa"
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 
 

@@ -67,6 +67,12 @@ class CaseAnswer(CaseNumbers):
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 
+    def slide_at(self, x: float) -> float | None:
+        """How far the surface slides that was at x (m); None off the surface, or where it was not kept."""
+        if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
+            return None
+        return float(np.interp(x, *np.array(self.slide_along).T))
+
     @property
     def numbers(self) -> CaseNumbers:
         """The numbers alone."""

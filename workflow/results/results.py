@@ -137,3 +137,11 @@ class Results:
             return "", {}
         name = self.cases.first_set
         return name, self.cases.sets.get(name, {})
+
+    def slides_at(self, x: float | None) -> dict[int, float] | None:
+        """How far the discs slide in each case where the surface was at x (m); None where that is not known."""
+        _, cases = self.case_set()
+        if x is None or not cases:
+            return None
+        found = {number: slide for number, case in cases.items() if (slide := case.slide_at(x)) is not None}
+        return found if len(found) == len(cases) else None

@@ -42,7 +42,7 @@ def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int
     found: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, case in enumerate(given.cases, start=1):
         kept = tuple(
-            (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name)))
+            (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name), case.strength_of(stratum.name)))
             for k, stratum in enumerate(given.strata)
             if number in stratum.liquefies_in
         )
@@ -56,7 +56,9 @@ def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers
     from fem.liquefied_ground import liquefied_section
 
     section = liquefied_section(given, remains)
-    borne = _borne(section, given, mesh, nothing=not any(one.friction or one.residual for one in remains.values()))
+    borne = _borne(
+        section, given, mesh, nothing=not any(one.friction or one.residual or one.strength for one in remains.values())
+    )
     cases = [given.cases[number - 1] for number in numbers]
     return LiquefiedCase(
         cases=tuple(numbers),

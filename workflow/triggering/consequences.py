@@ -24,19 +24,28 @@ class Left:
     Attributes
     ----------
     stratum : index of the stratum
-    ratios : residual strength over σ'v by relation; a relation that holds for none of the tests is left out
+    ratios, strengths : residual strength over σ'v, and in Pa, by relation; a relation that holds for none of the tests
+        is left out, tests that are denser than its cases count as dense as these
     volumetric_strain : what drains away, without a unit
     """
 
     stratum: int
     ratios: dict[str, float]
+    strengths: dict[str, float]
     volumetric_strain: float
 
     def ratio(self, case: CaseName) -> float:
         """The residual strength over σ'v of a case by name; ValueError where no relation holds."""
-        if not self.ratios:
+        return self._of(self.ratios, case)
+
+    def strength(self, case: CaseName) -> float:
+        """The residual strength (Pa) of a case by name; ValueError where no relation holds."""
+        return self._of(self.strengths, case)
+
+    def _of(self, values: Mapping[str, float], case: CaseName) -> float:
+        if not values:
             raise ValueError("none of the relations of residual strength holds for blow counts as high as these")
-        return CHOICE[case](list(self.ratios.values()))
+        return CHOICE[case](list(values.values()))
 
 
 def left(assessment: Assessment, settings: TriggeringSettings) -> tuple[Left, ...]:
@@ -58,20 +67,23 @@ def pore_pressures(assessment: Assessment, strata: int) -> list[float]:
 def _of_stratum(number: int, assessment: Assessment, settings: TriggeringSettings) -> Left:
     tests = [test for test in assessment.tests if test.liquefies and test.where.stratum == number]
     counts = [normalised_counts(test, settings) for test in tests]
-    ratios = {}
+    soils = [
+        Penetration(n1, fines_of(test), test.where.effective / KPA, settings.water_gathers)
+        for test, (n1, _) in zip(tests, counts, strict=True)
+    ]
+    ratios, strengths = {}, {}
     for relation in RELATIONS:
-        found = [
-            relation.ratio(Penetration(n1, fines_of(test), test.where.effective / KPA))
-            for test, (n1, _) in zip(tests, counts, strict=True)
-        ]
-        holds = [(test, ratio) for test, ratio in zip(tests, found, strict=True) if ratio is not None]
-        if holds:
-            ratios[relation.title] = _mean([test for test, _ in holds], [ratio for _, ratio in holds])
+        if all(relation.ratio(soil) is None for soil in soils):
+            continue
+        found = [relation.least_ratio(soil) for soil in soils]
+        ratios[relation.title] = _mean(tests, found)
+        kept = [KPA * soil.effective * ratio for soil, ratio in zip(soils, found, strict=True)]
+        strengths[relation.title] = _mean(tests, kept)
     strains = [
         volumetric_strain(test.factor, clean) if test.factor is not None else 0.0
         for test, (_, clean) in zip(tests, counts, strict=True)
     ]
-    return Left(number, ratios, _mean(tests, strains))
+    return Left(number, ratios, strengths, _mean(tests, strains))
 
 
 def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:

@@ -12,27 +12,42 @@ from workflow.triggering.blow_count import ATMOSPHERE
 
 # Fines (%) and by how much they raise (N1)60 where the residual strength is meant (Seed 1987).
 FINES = ((10.0, 1.0), (25.0, 2.0), (50.0, 4.0), (75.0, 5.0))
-# Blow counts up to which there are cases behind each relation.
-IDRISS_BOULANGER_TO, OLSON_STARK_TO, KRAMER_WANG_TO = 16.0, 12.0, 16.0
 
 
 @dataclass(frozen=True)
 class Penetration:
-    """(N1)60 of a test, fines (%), and the vertical effective stress (kPa)."""
+    """(N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a tighter
+    layer, which leaves the sand there looser than it was."""
 
     n1: float
     fines: float
     effective: float
+    gathers: bool = True
 
 
 @dataclass(frozen=True)
 class Strength:
-    """A relation: its name, where it was published, and what it holds for; ``ratio`` finds Sr/σ'v."""
+    """A relation: its name, where it was published, and what it holds for.
+
+    ``count`` is the blow count that it goes by, ``most`` that up to which there are cases behind it, ``curve`` finds
+    Sr/σ'v of a count.
+    """
 
     title: str
     source: str
     validity: str
-    ratio: Callable[[Penetration], float | None]
+    most: float
+    count: Callable[[Penetration], float]
+    curve: Callable[[float, Penetration], float]
+
+    def ratio(self, soil: Penetration) -> float | None:
+        """Sr/σ'v; None beyond the cases."""
+        count = self.count(soil)
+        return self.curve(count, soil) if count <= self.most else None
+
+    def least_ratio(self, soil: Penetration) -> float:
+        """Sr/σ'v, of denser soil than the cases that of their end: it has no less."""
+        return self.curve(min(self.count(soil), self.most), soil)
 
 
 def fines_addition(fines: float) -> float:
@@ -44,45 +59,57 @@ def fines_addition(fines: float) -> float:
     return FINES[-1][1]
 
 
-def idriss_boulanger(soil: Penetration) -> float | None:
-    """Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ: where water may gather below a tighter layer.
+def _with_fines(soil: Penetration) -> float:
+    return soil.n1 + fines_addition(soil.fines)
 
-    The lower of the two curves of Idriss & Boulanger (2008). None beyond N = 16, where no case is.
+
+def _plain(soil: Penetration) -> float:
+    return soil.n1
+
+
+def idriss_boulanger(n: float, soil: Penetration) -> float:
+    """Sr/σ'v = exp(N/16 + ((N - 16)/21.2)³ - 3), N = (N1)60 + Δ, where water may gather below a tighter layer.
+
+    Times 1 + exp(N/2.4 - 6.6) where it can flow off upwards: the two curves of Idriss & Boulanger (2008).
     """
-    n = soil.n1 + fines_addition(soil.fines)
-    return math.exp(n / 16.0 + ((n - 16.0) / 21.2) ** 3 - 3.0) if n <= IDRISS_BOULANGER_TO else None
+    gathered = math.exp(n / 16.0 + ((n - 16.0) / 21.2) ** 3 - 3.0)
+    return gathered if soil.gathers else gathered * (1.0 + math.exp(n / 2.4 - 6.6))
 
 
-def olson_stark(soil: Penetration) -> float | None:
-    """su(LIQ)/σ'v = 0.03 + 0.0075 (N1)60, ± 0.03, for (N1)60 up to 12; fines do not count."""
-    return 0.03 + 0.0075 * soil.n1 if soil.n1 <= OLSON_STARK_TO else None
+def olson_stark(n: float, soil: Penetration) -> float:
+    """su(LIQ)/σ'v = 0.03 + 0.0075 (N1)60, ± 0.03; fines do not count."""
+    return 0.03 + 0.0075 * n
 
 
-def kramer_wang(soil: Penetration) -> float | None:
-    """Sr = exp(-8.444 + 0.109 (N1)60 + 5.379 σ'v^0.1), stresses in atmospheres; the mean. None beyond (N1)60 = 16."""
-    if soil.n1 > KRAMER_WANG_TO:
-        return None
+def kramer_wang(n: float, soil: Penetration) -> float:
+    """Sr = exp(-8.444 + 0.109 (N1)60 + 5.379 σ'v^0.1), stresses in atmospheres; the mean."""
     stress = soil.effective / ATMOSPHERE
-    return math.exp(-8.444 + 0.109 * soil.n1 + 5.379 * stress**0.1) / stress
+    return math.exp(-8.444 + 0.109 * n + 5.379 * stress**0.1) / stress
 
 
-RELATIONS = (
-    Strength(
-        "Idriss & Boulanger (2008)",
-        "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)",
-        "(N1)60 with fines up to 16; the curve for water that gathers below a tighter layer",
-        idriss_boulanger,
-    ),
-    Strength(
-        "Olson & Stark (2002)",
-        "S. M. Olson, T. D. Stark, Can. Geotech. J. 39 (2002) 629-647",
-        "(N1)60 up to 12; ± 0.03",
-        olson_stark,
-    ),
-    Strength(
-        "Kramer & Wang (2015)",
-        "S. L. Kramer, C.-H. Wang, J. Geotech. Geoenviron. Eng. 141 (2015) 04015038",
-        "(N1)60 up to 16; the mean",
-        kramer_wang,
-    ),
+IDRISS_BOULANGER = Strength(
+    "Idriss & Boulanger (2008)",
+    "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)",
+    "(N1)60 with fines up to 16",
+    16.0,
+    _with_fines,
+    idriss_boulanger,
 )
+OLSON_STARK = Strength(
+    "Olson & Stark (2002)",
+    "S. M. Olson, T. D. Stark, Can. Geotech. J. 39 (2002) 629-647; of lateral spreads, too: S. M. Olson, C. I. "
+    "Johnson, J. Geotech. Geoenviron. Eng. 134 (2008) 1035-1049",
+    "(N1)60 up to 12; ± 0.03",
+    12.0,
+    _plain,
+    olson_stark,
+)
+KRAMER_WANG = Strength(
+    "Kramer & Wang (2015)",
+    "S. L. Kramer, C.-H. Wang, J. Geotech. Geoenviron. Eng. 141 (2015) 04015038",
+    "(N1)60 up to 16; the mean",
+    16.0,
+    _plain,
+    kramer_wang,
+)
+RELATIONS = (IDRISS_BOULANGER, OLSON_STARK, KRAMER_WANG)

@@ -12,6 +12,7 @@ from workflow.triggering.highway_code import MotionType
 Method = Literal["idriss_boulanger_2008", "boulanger_idriss_2014", "highway_1990", "highway_2012", "highway_2017"]
 
 CaseName = Literal["median", "low strength", "high strength"]
+Residual = Literal["strength", "ratio"]
 
 
 class TriggeringSettings(Model):
@@ -41,6 +42,17 @@ class TriggeringSettings(Model):
         default=(),
         description='cases of the slide that follow from the blow counts, after those of [slide]: "median", '
         '"low strength", "high strength", by the residual strengths of three relations',
+    )
+    residual: Residual = Field(
+        default="strength",
+        description='what these cases keep: "strength", that of the soil where it was tested, in kPa and all over the '
+        "stratum, since it fails without water flowing off and hangs on its density, and not on what lies above; "
+        'or "ratio", a share of the vertical effective stress of each place',
+    )
+    water_gathers: StrictBool = Field(
+        default=True,
+        description="false if no tighter layer lies on what liquefies, below which water would gather: Idriss & "
+        "Boulanger (2008) then leave it more strength",
     )
     pore_pressure: StrictBool = Field(
         default=False,

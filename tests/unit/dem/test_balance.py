@@ -20,12 +20,19 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.liquefaction import Slider
-from dem.slides.lost_strength import held_by_geometry, liquefied, residual_friction
+from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
 from dem.springs import Strength, soil_discs
+from meshes.section.overburden import mean_effective_stress
+from meshes.section.section import Section
 from tests.support.dem_cases import RADIUS
+from tests.support.sections import layer
 
 SAND = soil_discs("sand", 3e7, Strength(0.35), 2000.0, 1000.0, RADIUS, 0.27)
 SETTINGS = DemSettings()
+LEVEL = Section.parse({
+    "name": "level", "surface": [[0.0, 8.0], [20.0, 8.0]], "base": {"elevation": 0.0},
+    "strata": [layer("crust", bottom={"depth": 2.0}), layer("sand")],
+})  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -135,17 +142,43 @@ def test_what_liquefied_soil_keeps(start: DiscModel, ground: Ground) -> None:
     assert both[1].kn == pytest.approx(0.5 * SAND.kn)
 
 
-def test_a_residual_strength_is_the_least_friction_of_soil_discs(start: DiscModel) -> None:
+def test_a_residual_share_is_the_least_friction_of_soil_discs(start: DiscModel, ground: Ground) -> None:
     case = Case(residual=0.3)
-    kept = residual_friction(start, [1], case)
-    assert kept == {1: strength_map().residual_friction(0.3)}
+    kept = residual_contacts(start, ground, [1], case)
+    assert kept == {1: Strength(strength_map().residual_friction(0.3))}
     for share in (0.2, 1.0):
         friction = liquefied([SAND, SAND], [1], case, share, kept)[1].friction
-        assert friction == pytest.approx(max(SAND.friction * 1e-12**share, kept[1]))
-    assert liquefied([SAND, SAND], [1], Case(residual=0.3, friction=0.9), 1.0, kept)[1].friction > kept[1]
+        assert friction == pytest.approx(max(SAND.friction * 1e-12**share, kept[1].friction))
+    assert liquefied([SAND, SAND], [1], Case(residual=0.3, friction=0.9), 1.0, kept)[1].friction > kept[1].friction
     paper = start.copy()
     paper.law = "paper"
-    assert residual_friction(paper, [1], case) == {}
+    assert residual_contacts(paper, ground, [1], case) == {}
+
+
+def test_a_residual_strength_is_the_same_at_every_pressure(start: DiscModel, ground: Ground) -> None:
+    """25 kPa at a quarter, a half and all of the stratum's stress, within a tenth; on the way there half of both."""
+    case = Case(residual_strength={start.springs.layers[1].name: "25 kPa"})
+    kept = residual_contacts(start, replace(ground, section=LEVEL), [1], case)[1]
+    stress = mean_effective_stress(LEVEL, 1)
+    found = strength_map().strength(kept.friction, kept.cohesion / (2.0 * RADIUS), np.array([0.25, 0.5, 1.0]) * stress)
+    assert found == pytest.approx([25e3] * 3, rel=0.1)
+    half, whole = (liquefied([SAND, SAND], [1], case, share, {1: kept})[1] for share in (0.5, 1.0))
+    assert (whole.friction, whole.contact_cohesion) == (kept.friction, kept.cohesion)
+    assert half.friction == pytest.approx(0.5 * (SAND.friction + kept.friction))
+    assert half.contact_cohesion == pytest.approx(0.5 * kept.cohesion)
+
+
+def test_discs_that_keep_more_than_the_case_are_told(start: DiscModel, ground: Ground) -> None:
+    """Under 99 kPa the geometry of discs alone holds more than 5 kPa, and 25 kPa is what they can have."""
+    place = replace(ground, section=LEVEL)
+    (told,) = stronger_than_asked(start, place, [1], Case(residual_strength="5 kPa"))
+    assert "in the middle of its stress discs keep 7 kPa for 5 kPa" in told
+    assert stronger_than_asked(start, place, [1], Case(residual_strength="25 kPa")) == []
+
+
+def test_a_case_has_one_residual() -> None:
+    with pytest.raises(ValueError, match="residual and residual_strength: expected one of them"):
+        Case(residual=0.1, residual_strength="4 kPa")
 
 
 def test_a_layer_that_is_weaker_than_discs_can_be_is_told(start: DiscModel) -> None:

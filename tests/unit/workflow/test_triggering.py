@@ -159,7 +159,7 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     }  # fmt: skip
     given = Input.parse(data)
     assert [bool(stratum.liquefies_in) for stratum in given.strata] == [True, False]
-    assert 0.03 < given.cases[3].residual_of("loose") < 0.2
+    assert 1e3 < given.cases[3].strength_of("loose") < 10e3
     path = tmp_path / "cone.toml"
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 0
@@ -193,6 +193,21 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     assert Input.parse(data).strata[1].excess_pore_pressure_ratio == 0.77
 
 
+def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
+    """`noshiro check` did not miss vs30, nor a magnitude out of range, where no stratum is left to the blow counts."""
+    data = bored()
+    data.pop("triggering")
+    data["strata"] = [{key: value for key, value in one.items() if key != "liquefies_in"} for one in data["strata"]]
+    data["earthquake"] = {"magnitude": 7.0, "distance": "20 km", "relation": "boore"}
+    assert 'earthquake, relation = "boore": expected vs30' in "\n".join(problems(data, Input))
+    data["earthquake"] |= {"vs30": 270.0, "magnitude": 9.2}
+    assert "magnitude = 9.2: outside the range of Boore et al. (2014)" in "\n".join(problems(data, Input))
+    data["earthquake"] |= {"peak_acceleration": "0.2 g"}
+    motion = Input.parse(data).earthquake.motion()
+    assert motion is not None
+    assert motion.relation == "as given"
+
+
 def test_bad_input_ends_with_exit_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     data = bored()
     data["earthquake"] = {"magnitude": 7.5, "distance": "500 km"}
@@ -210,10 +225,15 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     assert tuple(given.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
     median, low, high = given.cases[3:]
     assert [case.name for case in given.cases] == ["", "", "", "median", "low strength", "high strength"]
-    assert 0.02 < low.residual_of("loose") < median.residual_of("loose") < high.residual_of("loose") < 0.2
-    assert median.residual_of("dense") == 0.0
+    strengths = [case.strength_of("loose") for case in (low, median, high)]
+    assert 1e3 < strengths[0] < strengths[1] < strengths[2] < 10e3
+    assert median.strength_of("dense") == median.residual_of("loose") == 0.0
     assert 0.01 < median.volumetric_strain < 0.06
     assert Input.parse(given.model_dump(mode="json", by_alias=True, exclude_none=True)).cases == given.cases
+    data["triggering"] |= {"residual": "ratio"}
+    ratios = [case.residual_of("loose") for case in Input.parse(data).cases[3:]]
+    assert 0.02 < ratios[1] < ratios[0] < ratios[2] < 0.2
+    assert all(not case.residual_strength for case in Input.parse(data).cases)
 
 
 def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:

@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workflow.triggering.residual import (
+    IDRISS_BOULANGER,
+    KRAMER_WANG,
+    OLSON_STARK,
     RELATIONS,
     Penetration,
     fines_addition,
-    idriss_boulanger,
-    kramer_wang,
-    olson_stark,
 )
 from workflow.triggering.strains import (
     limiting_factor,
@@ -30,22 +30,31 @@ from workflow.triggering.strains import (
 
 def test_olson_stark() -> None:
     """0.03 + 0.0075 · 8 = 0.09; at 12 it is 0.12, the end of their data."""
-    assert olson_stark(Penetration(8.0, 0.0, 50.0)) == pytest.approx(0.09)
-    assert olson_stark(Penetration(12.0, 0.0, 50.0)) == pytest.approx(0.12)
-    assert olson_stark(Penetration(12.1, 0.0, 50.0)) is None
+    assert OLSON_STARK.ratio(Penetration(8.0, 0.0, 50.0)) == pytest.approx(0.09)
+    assert OLSON_STARK.ratio(Penetration(12.0, 0.0, 50.0)) == pytest.approx(0.12)
+    assert OLSON_STARK.ratio(Penetration(12.1, 0.0, 50.0)) is None
+    assert OLSON_STARK.least_ratio(Penetration(14.0, 0.0, 50.0)) == pytest.approx(0.12)
 
 
 def test_idriss_boulanger_meets_its_sibling_of_the_cone() -> None:
     """Their relation for cones, exp(q/24.5 - (q/61.7)² + (q/106)³ - 4.42), at q = 100, which their CRR curves set equal
     to (N1)60cs = 14: 0.119 from both."""
     of_the_cone = math.exp(100.0 / 24.5 - (100.0 / 61.7) ** 2 + (100.0 / 106.0) ** 3 - 4.42)
-    assert idriss_boulanger(Penetration(14.0, 0.0, 80.0)) == pytest.approx(of_the_cone, abs=0.001)
+    assert IDRISS_BOULANGER.ratio(Penetration(14.0, 0.0, 80.0)) == pytest.approx(of_the_cone, abs=0.001)
+
+
+def test_without_a_tighter_layer_above_it_idriss_boulanger_leave_more() -> None:
+    """N = 16: exp(1 - 3) = 0.1353, times 1 + exp(16/2.4 - 6.6) = 2.069 where water flows off."""
+    gathers, flows = (IDRISS_BOULANGER.ratio(Penetration(16.0, 0.0, 80.0, w)) or 0.0 for w in (True, False))
+    assert (gathers, flows / gathers) == pytest.approx((0.1353, 2.0689), abs=1e-4)
+    loose = [IDRISS_BOULANGER.ratio(Penetration(6.0, 0.0, 80.0, w)) or 0.0 for w in (True, False)]
+    assert loose[1] == pytest.approx(loose[0], rel=0.02)
 
 
 def test_kramer_wang_by_hand() -> None:
     """(N1)60 = 8 at one atmosphere: exp(-8.444 + 0.872 + 5.379) = 0.1116; the ratio falls with the stress."""
-    assert kramer_wang(Penetration(8.0, 0.0, 101.325)) == pytest.approx(0.1116, abs=1e-4)
-    ratios = [kramer_wang(Penetration(8.0, 0.0, stress)) or 0.0 for stress in (50.0, 100.0, 200.0)]
+    assert KRAMER_WANG.ratio(Penetration(8.0, 0.0, 101.325)) == pytest.approx(0.1116, abs=1e-4)
+    ratios = [KRAMER_WANG.ratio(Penetration(8.0, 0.0, stress)) or 0.0 for stress in (50.0, 100.0, 200.0)]
     assert ratios == sorted(ratios, reverse=True)
 
 
