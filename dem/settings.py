@@ -192,8 +192,7 @@ class SlideSettings(Model):
 
     cases: tuple[Case, ...] = Field(
         default=(Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01)),
-        min_length=1,
-        description="one table [[slide.cases]] for each, numbered from 1",
+        description="one table [[slide.cases]] for each, numbered from 1; [] for those of [triggering] alone",
     )
     kh: float = Field(
         default=0.1,

@@ -155,6 +155,8 @@ class Input(Section):
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
         count = len(self.slide.cases) + len(self.triggering.cases)
+        if not count:
+            problems.append("slide, cases = []: expected one at least, here or in [triggering]")
         problems += [
             f'strata {k} "{s.name}", liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, '
             "which there are in [slide] and [triggering]"

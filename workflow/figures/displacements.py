@@ -1,74 +1,129 @@
 """Displacements by all methods in one picture: other methods, the discs, and what was measured."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from workflow.estimates.comparison import estimates
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
+from workflow.results.cases import CaseAnswer
 from workflow.results.results import Results
 
 SMALLEST = 0.005  # m: what is less is drawn here
 ROW = 0.024  # height of a row over the width of the picture
-PAPER = (("paper, case 2", 3.3), ("paper, case 3", 4.9))  # m, Sec. 4(3)
+PAPER = (("the paper, case 2", 3.3), ("the paper, case 3", 4.9))  # m, Sec. 4(3)
 # Colours, and marks that tell them apart on paper without colours.
-OTHERS, SLIDES, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (INK, "x")
+OTHERS, SLIDES, PRINTED, PAPERS = (CONTINUUM, "o"), (DISCS, "D"), (DISCS, "s"), (INK, "x")
+GREY = "#6b757c"
+BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A method, how it is drawn, and its displacement (m); None, and why, where it gives none."""
+
+    words: str
+    look: tuple[str, str]
+    value: float | None
+    why_not: str = ""
 
 
 def displacements(results: Results, name: str) -> bool:
     """A point for each method, discs and estimates, on a logarithmic axis; false where there are less than two."""
-    others = estimates(results.given, results.kc, results.slip_surface)
-    rows = [(one.method, one.displacement_m, OTHERS) for one in others if one.displacement_m is not None]
-    rows += list(_slides(results))
-    observed = results.given.report.observed
-    is_s13 = results.given.name == "s13"
-    if is_s13:
-        rows += [(words, value, PAPERS) for words, value in PAPER]
-    if len(rows) < 2:
+    rows = [*_others(results), *slides(results)]
+    known = [row for row in rows if row.value is not None]
+    if len(known) < 2:
         return False
     title = f"{results.given.title or results.given.name}: displacement by all methods"
-    sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.given), legend_rows=1)
+    sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.given), legend_rows=2)
     axes = sheet.plot(0, "displacement (m)", "")
-    for number, (_, value, (colour, marker)) in enumerate(rows):
-        # an arrow where the point lies off the axis
-        axes.plot(max(value, SMALLEST), -number, marker if value >= SMALLEST else "<", color=colour, markersize=5)
+    for number, row in enumerate(rows):
+        _draw(axes, row, -number)
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-    axes.set_yticks([-number for number in range(len(rows))], [words for words, _, _ in rows], fontsize=6.5)
+    axes.set_yticks([-number for number in range(len(rows))], [row.words for row in rows], fontsize=6.5)
+    observed = results.given.report.observed
+    most = max([SMALLEST, *(row.value or 0.0 for row in known), *(one.displacement for one in observed)])
+    axes.set_xlim(0.8 * SMALLEST, 2.5 * most)  # so that the number beside the last point stands in the frame
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
-    handles = [_handle(OTHERS, "by other methods")]
-    if results.case_set()[1]:
-        handles.append(_handle(SLIDES, "discs"))
-    if any(value < SMALLEST for _, value, _ in rows):
-        handles.append(Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing"))
-    if is_s13:
-        handles.append(_handle(PAPERS, "the paper"))
     for one in observed:
         axes.axvline(one.displacement, color=CRITICAL, linewidth=1.2)
-    if observed:
-        words = ", ".join(f"{one.name}: {one.displacement:.3g} m" for one in observed)
-        handles.append(Line2D([], [], color=CRITICAL, label=words))
-    sheet.legend(handles, 5)
+    sheet.legend([*_handles(known), *_measured(results)], 4)
     with results.store.writing(name) as path:
         sheet.save(path)
     return True
 
 
-def _slides(results: Results) -> Iterator[tuple[str, float, tuple[str, str]]]:
+def _draw(axes: Axes, row: Row, at: int) -> None:
+    """A point with its number beside it, an arrow where it lies off the axis, or the reason why there is none."""
+    if row.value is None:
+        axes.annotate(row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY)
+        return
+    colour, marker = row.look
+    place = max(row.value, SMALLEST)
+    axes.plot(place, at, marker if row.value >= SMALLEST else "<", color=colour, markersize=5)
+    told = f"{row.value:.2g} m" if row.value >= SMALLEST else "0 m"
+    axes.annotate(told, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
+
+
+def _others(results: Results) -> Iterator[Row]:
+    """The methods that the discs are compared with."""
+    for one in estimates(results.given, results.kc, results.slip_surface):
+        if one.displacement_m is not None:
+            yield Row(one.method, OTHERS, one.displacement_m)
+        elif one.kind != "smooth block":  # which never gives one
+            yield Row(one.method, OTHERS, None, _why_not(one.words))
+
+
+def slides(results: Results) -> Iterator[Row]:
+    """What slides in every case: the discs that count, the paper's discs, and what the paper printed of S-13."""
+    first, cases = results.case_set()
+    yield from _of_discs(results, cases)
+    printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
+    for number, case in sorted(printed.items()):
+        yield Row(f"the paper's discs, {results.given.called(number)}", PRINTED, case.slide_max_m)
+    if results.given.name == "s13":
+        for words, value in PAPER:
+            yield Row(words, PAPERS, value)
+
+
+def _why_not(words: str) -> str:
+    """The reason within the words of an estimate that gives no displacement."""
+    for sign in ("outside its range: ", "not computed: "):
+        _, found, reason = words.partition(sign)
+        if found:
+            return f"{sign}{reason}"
+    return words
+
+
+def _of_discs(results: Results, cases: dict[int, CaseAnswer]) -> Iterator[Row]:
     """The discs of each case: at every place where something was measured, and at most."""
-    _, cases = results.case_set()
     places = dict.fromkeys(one.x for one in results.given.report.observed if results.slides_at(one.x) is not None)
     for number, case in sorted(cases.items()):
         name = f"discs, {results.given.called(number)}"
         for x in places:
-            yield f"{name}, at x = {x:g} m", (results.slides_at(x) or {})[number], SLIDES
-        yield f"{name}, at most" if places else name, case.slide_max_m, SLIDES
+            yield Row(f"{name}, at x = {x:g} m", SLIDES, (results.slides_at(x) or {})[number])
+        yield Row(f"{name}, at most" if places else name, SLIDES, case.slide_max_m)
 
 
-def _handle(look: tuple[str, str], label: str) -> Line2D:
-    return Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)
+def _handles(rows: list[Row]) -> Iterator[Line2D]:
+    named = {OTHERS: "by other methods", SLIDES: "discs", PRINTED: "the paper's discs, here", PAPERS: "the paper"}
+    for look, label in named.items():
+        if any(row.look == look for row in rows):
+            yield Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)
+    if any(row.value is not None and row.value < SMALLEST for row in rows):
+        yield Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing")
+
+
+def _measured(results: Results) -> Iterator[Line2D]:
+    observed = results.given.report.observed
+    if observed:
+        words = ", ".join(f"{one.name}: {one.displacement:.3g} m" for one in observed)
+        yield Line2D([], [], color=CRITICAL, label=words)

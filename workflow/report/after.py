@@ -1,21 +1,112 @@
 """Whether the ground still stands after liquefaction, in sentences."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from workflow.report.numbers import coefficient, listed, number
-from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase
+from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.results.results import Results
+
+FLOWS = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat
 
 
-def in_short(answer: LiquefiedAnswer | None) -> Iterator[str]:
-    """One sentence for each strength that is left; nothing where this was not asked."""
-    for one in answer.cases if answer is not None else ():
-        which = f"case{'s' if len(one.cases) > 1 else ''} {listed([str(case) for case in one.cases])}"
+def in_short(results: Results) -> Iterator[str]:
+    """One sentence for each strength that is left, the strength that would do, and what the field says to it; nothing
+    where this was not asked."""
+    answer = results.liquefied
+    if answer is None:
+        return
+    for one in answer.cases:
         if one.stands == "flows":
-            yield f"After liquefaction, in {which}, the continuum does not stand without shaking: {one.reason}."
+            yield f"After liquefaction, in {_which(one)}, the continuum does not stand without shaking: {one.reason}."
         else:
             most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
             bears = f", and bears Kh of about {coefficient(most)}" if most is not None else ""
-            yield f"After liquefaction, in {which}, the continuum still stands without shaking{bears}: {one.reason}."
+            yield (
+                f"After liquefaction, in {_which(one)}, the continuum still stands without shaking{bears}: "
+                f"{one.reason}."
+            )
+    enough = just_enough(answer.cases)
+    if enough is not None:
+        yield f"{enough.words}."
+    yield from _field(results, answer)
+
+
+def _which(case: LiquefiedCase) -> str:
+    names = f" ({listed(list(case.names))})" if case.names else ""
+    return f"case{'s' if len(case.cases) > 1 else ''} {listed([str(number) for number in case.cases])}{names}"
+
+
+@dataclass(frozen=True)
+class Enough:
+    """The residual strength (kPa) of each stratum with which the ground just stands, and how sure that is."""
+
+    how: str
+    strata: tuple[LiquefiedStratum, ...]
+
+    @property
+    def words(self) -> str:
+        """It in a sentence without its end."""
+        told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its effective stress)'
+                for s in self.strata]  # fmt: skip
+        return f"It just stands with {self.how} {listed(told)}"
+
+
+def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
+    """The residual strength with which the ground just stands without shaking; None without a factor of safety.
+
+    Between two cases of which one flows it is found from their factors F, straight between them. All strengths over F
+    are those with which it just stands, so that the residual ones alone have to be more than that where it flows
+    (F below 1), and may be less where it stands: a bound on one side where all cases lie on one side.
+    """
+    known = [(0.5 * (one.factor_lower + one.factor_upper), one) for one in cases
+             if one.factor_lower is not None and one.factor_upper is not None
+             and not any(s.friction_deg for s in one.strata)]  # fmt: skip
+    flowing = max(((f, one) for f, one in known if f < 1.0), key=_first, default=None)
+    standing = min(((f, one) for f, one in known if f >= 1.0), key=_first, default=None)
+    if flowing and standing and [s.name for s in flowing[1].strata] == [s.name for s in standing[1].strata]:
+        part = (1.0 - flowing[0]) / (standing[0] - flowing[0])
+        pairs = zip(flowing[1].strata, standing[1].strata, strict=True)
+        return Enough(
+            "about", tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
+        )
+    for how, found in (("more than", flowing), ("at most", standing)):
+        if found is not None:
+            return Enough(how, tuple(_scaled(s, 1.0 / found[0]) for s in found[1].strata))
+    return None
+
+
+def _first(pair: tuple[float, LiquefiedCase]) -> float:
+    return pair[0]
+
+
+def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
+    change = {"cohesion_kPa": by * stratum.cohesion_kPa, "over_effective": by * stratum.over_effective}
+    return stratum.model_copy(update=change)
+
+
+def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
+    """What a displacement that was measured says of the cases: ground that flows does not stop at so little."""
+    measured = [float(one.displacement) for one in results.given.report.observed]
+    relief = float(results.given.ground[:, 1].max() - results.given.ground[:, 1].min())
+    if not measured or max(measured) >= FLOWS * relief:
+        return
+    flow = [one for one in answer.cases if one.stands == "flows" and one.factor_upper is not None]
+    stand = [one for one in answer.cases if one.stands == "stands"]
+    far = f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height: this ground did not flow"
+    if not flow:
+        yield f"{far}, and in no case does it."
+        return
+    times = listed([f"{1.0 / one.factor_upper:.2f}" for one in flow if one.factor_upper])
+    names, one_flows = listed([_which(one) for one in flow]), len(flow) == 1
+    yield (
+        f"{far}. Either it is not as the section has it, or it kept more strength than {names} "
+        f"leave{'s' if one_flows else ''} it, at least {times} times as much: how far the discs slide "
+        f"{'then' if one_flows else 'in these cases'} says little of this ground."
+    )
+    if stand:
+        agree = "agrees" if len(stand) == 1 else "agree"
+        yield f"With what was measured {listed([_which(one) for one in stand])} {agree}."
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
@@ -32,6 +123,9 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    It still bears Kh = {one.kc:.3f}{proven}."
         for note in one.notes:
             yield f"    Mind: {note}."
+    enough = just_enough(answer.cases)
+    if enough is not None:
+        yield f"{enough.words}."
 
 
 def factors(case: LiquefiedCase) -> str:

@@ -36,7 +36,7 @@ def springs_of(results: Results) -> dict[str, str]:
 def findings(results: Results) -> list[str]:
     """Paragraphs: what was asked, where the section fails, how far it slides, and what of this is doubtful."""
     paragraphs = (
-        _asked(results), _failure(results), in_short(results.liquefied), _slides(results), _disagreement(results),
+        _asked(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
         _measured(results), _doubtful(results),
     )  # fmt: skip
     return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]

@@ -11,8 +11,10 @@ from markupsafe import Markup
 from meshes.errors import InputError
 from workflow.estimates.comparison import estimates
 from workflow.figures import fonts
+from workflow.figures.displacements import slides
 from workflow.figures.fem import conditions
 from workflow.report import tables
+from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.findings import lies_still, springs_of
@@ -70,7 +72,9 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),
+        "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "estimates": estimates(given, results.kc, results.slip_surface),
+        "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(given),
         "pictures": _pictures(results),

@@ -1,0 +1,50 @@
+"""Whether the ground stands after liquefaction, in sentences: what strength would do, and what the field says to it."""
+
+import pytest
+
+from tests.support.answers import results
+from tests.support.sections import slope
+from workflow.report.after import just_enough
+from workflow.report.findings import findings
+from workflow.results.answer import SectionLabel
+from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.settings import Input
+
+
+def after_liquefaction(number: int, strength: float, factor: float) -> LiquefiedCase:
+    """A case that leaves "upper" a strength (kPa) with a factor of safety, known within 2 %."""
+    stratum = LiquefiedStratum(name="upper", cohesion_kPa=strength, friction_deg=0.0, over_effective=strength / 40.0)
+    flows = factor < 1.0
+    return LiquefiedCase(
+        cases=(number,), names=(f"case with {strength:g} kPa",), strata=(stratum,),
+        stands="flows" if flows else "stands", reason="of a test", notes=(),
+        kc=None if flows else 0.05, kc_lower=None, kc_upper=None,
+        factor=factor, factor_lower=0.99 * factor, factor_upper=1.01 * factor,
+    )  # fmt: skip
+
+
+def test_the_strength_with_which_it_just_stands() -> None:
+    """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the factor."""
+    flows, stands = after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3)
+    for cases, how, expected in (((flows, stands), "about", 6.0), ((flows,), "more than", 5.0),
+                                 ((stands,), "at most", 9.0 / 1.3)):  # fmt: skip
+        enough = just_enough(cases)
+        assert enough is not None
+        assert (enough.how, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
+        assert enough.strata[0].over_effective == pytest.approx(expected / 40.0)
+    assert just_enough(()) is None
+
+
+def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_means() -> None:
+    """0.2 m on 10 m of height: at least 1 / (1.01 · 0.8) = 1.24 times what the case that flows has; 3 m: silence."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1, 2]
+    for far, said in (("0.2 m", True), ("3 m", False)):
+        given = Input.parse({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
+        cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
+        found = LiquefiedAnswer(section=SectionLabel.of(given), sides="roller", cases=cases)
+        told = "\n".join(findings(results(given, liquefied=found)))
+        assert 'It just stands with about 6 kPa in "upper" (0.15 of its effective stress).' in told
+        assert ("At most 0.2 m were measured, on 10 m of height: this ground did not flow." in told) == said
+        assert ("at least 1.24 times as much" in told) == said
+        assert ("With what was measured case 2 (case with 9 kPa) agrees." in told) == said
