@@ -205,10 +205,14 @@ class Input(Section):
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
         """The input from what a TOML file holds; raises InputError with every problem found.
 
-        Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none.
+        Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none; cases that follow
+        from the blow counts take the place of the default ones.
         """
-        above = data.get("slide", {}).get("kh") if isinstance(data.get("slide"), Mapping) else None
-        if above == K_MAX:
+        slide = data.get("slide", {}) if isinstance(data.get("slide", {}), Mapping) else {}
+        triggering = data.get("triggering")
+        if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
+            return cls.parse(merged(data, {"slide": {"cases": []}}), source)  # not the paper's three beside them
+        if slide.get("kh") == K_MAX:
             return cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure
@@ -242,7 +246,7 @@ class Input(Section):
         """
         if not self.triggering.cases:
             return self.slide.cases
-        remains = left(self.assessment(), self.triggering)
+        remains = [one for one in left(self.assessment(), self.triggering) if self.strata[one.stratum].liquefies_in]
         found = []
         for name in self.triggering.cases:
             try:
@@ -277,7 +281,7 @@ class Input(Section):
         if untested:
             told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
             raise InputError(self.name, [f'strata "{name}", {told}' for name in untested])
-        numbers = range(1, len(self.cases) + 1)
+        numbers = range(1, len(self.slide.cases) + len(self.triggering.cases) + 1)
         strata = [
             own.model_copy(update={"liquefies_in": Cases(numbers if its.liquefies else (), triggered=True)})
             if own.liquefies_in.triggered
@@ -292,7 +296,9 @@ class Input(Section):
                 for own, ratio in zip(strata, pore_pressures(found, len(strata)), strict=True)
             ]
         changed = self.model_copy(update={"strata": tuple(strata)})
-        changed.__dict__.pop("water_pressure", None)  # it was made of the strata before
+        for name in ("water_pressure", "cases"):  # they were made of the strata before
+            changed.__dict__.pop(name, None)
+        _ = changed.cases  # raises where no relation of residual strength holds
         return changed
 
     @classmethod

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from meshes.borings.ags4_cone import cones_of
 from meshes.borings.boring import Sample
-from meshes.borings.log import Log, LogLayer, cone_problems, layer_problems
+from meshes.borings.log import Log, LogLayer, cone_problems, joined, layer_problems
 from meshes.errors import InputError
 
 
@@ -73,24 +73,13 @@ def _log(row: dict[str, str], groups: dict[str, list[dict[str, str]]], problems:
             problems.append(f"boring {name}: the layer at {one.get('GEOL_TOP', '?')} m has no GEOL_GEOL, no name")
         top, bottom = _number(one, "GEOL_TOP", name, problems), _number(one, "GEOL_BASE", name, problems)
         layers.append(LogLayer(label, top, bottom, "", one.get("GEOL_DESC", "")))
-    layers = _joined(sorted(layers, key=lambda layer: layer.top))
+    layers = joined(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups.get("ISPT", []), problems)
     if len(problems) == before and mine:
         problems += layer_problems(name, layers)
     if len(problems) > before:
         return None
     return Log(name, place, ground, tuple(layers), samples, cones=cones)
-
-
-def _joined(layers: list[LogLayer]) -> list[LogLayer]:
-    """Neighbours with the same name as one layer."""
-    found: list[LogLayer] = []
-    for layer in layers:
-        if found and found[-1].name == layer.name and abs(found[-1].bottom - layer.top) < 1e-6:
-            last = found.pop()
-            layer = LogLayer(layer.name, last.top, layer.bottom, last.unit_weight, last.description)
-        found.append(layer)
-    return found
 
 
 def _samples(name: str, rows: list[dict[str, str]], problems: list[str]) -> tuple[Sample, ...]:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from meshes.borings.boring import Sample
 from meshes.borings.cone_file import read_cones
-from meshes.borings.log import Log, LogLayer, layer_problems
+from meshes.borings.log import Log, LogLayer, joined, layer_problems
 from meshes.borings.table import PLACE, Table, columns_of, read_table, with_unit, written
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
@@ -18,7 +18,9 @@ KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "unit_weight", "water_level")
 
 
 def read_csv(path: Path) -> list[Log]:
-    """The borings of a file, in its order; N stands in the middle of its layer. Raises InputError with all problems.
+    """The borings of a file, in its order. Raises InputError with all problems.
+
+    A layer may have several lines, one for each of its tests; N stands in the middle of its line.
 
     A file with a column qc holds cone penetration tests.
     """
@@ -57,7 +59,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
         table.problems.extend(layer_problems(name, layers))
     if len(table.problems) > before:
         return None
-    return Log(name, place, ground, tuple(layers), tuple(samples), water)
+    return Log(name, place, ground, tuple(joined(layers)), tuple(samples), water)
 
 
 def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -> Sample | None:

@@ -63,6 +63,17 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     return told
 
 
+def joined(layers: list[LogLayer]) -> list[LogLayer]:
+    """Neighbours with the same name as one layer: a file may have a line for each test, or each description."""
+    found: list[LogLayer] = []
+    for layer in layers:
+        if found and found[-1].name == layer.name and abs(found[-1].bottom - layer.top) < 1e-6:
+            last = found.pop()
+            layer = LogLayer(layer.name, last.top, layer.bottom, last.unit_weight, last.description)
+        found.append(layer)
+    return found
+
+
 def cone_problems(name: str, cones: Sequence[Cone]) -> list[str]:
     """Depths of a sounding that do not rise."""
     return [f"sounding {name}: {b.depth:g} m follows {a.depth:g} m; expected every depth below the one before"

@@ -12,6 +12,7 @@ from meshes.borings.log import Log
 
 CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
 STEEPEST = 45.0  # degrees
+WIDER = 1.5  # heights of the section that it goes on past the borings: its sides are meant to be far from a slide
 
 
 def text_of(found: Connected, name: str) -> str:
@@ -31,7 +32,8 @@ def _head(found: Connected, name: str) -> Iterator[str]:
     yield f"surface = {_points(found.x[::2], found.ground[::2])}"
     base = min(min(log.bottom for log in logs), float(found.bottoms[-1].min()) - 1.0)
     yield f"base = {{ elevation = {math.floor(base * 10.0) / 10.0:g} }}     # the deepest boring; firm ground is better"
-    yield '# beyond = "50 m"                 # ground, layers and water go on so far past the first and the last boring'
+    wide = 10.0 * math.ceil(WIDER * (max(log.ground_level for log in logs) - base) / 10.0)
+    yield f'beyond = "{wide:g} m"                 # ground, layers and water go on so far past the borings, level'
     yield ""
     water = [(one.x, one.log.water_level) for one in found.borings if one.log.water_level is not None]
     yield "[water]"
@@ -86,7 +88,7 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
         yield 'cohesion = "0 kPa"'
         angle = min(STEEPEST, 15.0 + math.sqrt(15.0 * blows))
         yield f'friction_angle = "{angle:.1f} deg"      # a guess: 15 + √(15 N), at most 45 (highway code)'
-    yield '# liquefies_in = "triggered"      # with a table [earthquake]'
+        yield '# liquefies_in = "triggered"      # with a table [earthquake]'
 
 
 def _borings(found: Connected) -> Iterator[str]:

@@ -27,7 +27,8 @@ def draw(found: Connected, title: str, path: Path) -> None:
     for one in found.borings:
         log = one.log
         axes.plot([one.x, one.x], [log.bottom, log.ground_level], color=INK, linewidth=2.0)
-        axes.annotate(log.name, (one.x, log.ground_level), (0, 4), textcoords="offset points", ha="center", fontsize=8)
+        top = max(log.ground_level, log.ground_level if log.water_level is None else log.water_level)
+        axes.annotate(log.name, (one.x, top), (0, 6), textcoords="offset points", ha="center", fontsize=8)
         for sample in log.samples:
             place = (one.x, log.ground_level - sample.depth)
             axes.plot(*place, "o", color=INK, markersize=3)

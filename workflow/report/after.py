@@ -62,6 +62,9 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     known = [(0.5 * (one.factor_lower + one.factor_upper), one) for one in cases
              if one.factor_lower is not None and one.factor_upper is not None
              and not any(s.friction_deg for s in one.strata)]  # fmt: skip
+    at_one = next((one for _, one in known if (one.factor_lower or 0.0) <= 1.0 <= (one.factor_upper or 0.0)), None)
+    if at_one is not None:
+        return Enough("about", at_one.strata)
     flowing = max(((f, one) for f, one in known if f < 1.0), key=_first, default=None)
     standing = min(((f, one) for f, one in known if f >= 1.0), key=_first, default=None)
     if flowing and standing and [s.name for s in flowing[1].strata] == [s.name for s in standing[1].strata]:
@@ -93,16 +96,18 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
         return
     flow = [one for one in answer.cases if one.stands == "flows" and one.factor_upper is not None]
     stand = [one for one in answer.cases if one.stands == "stands"]
-    far = f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height: this ground did not flow"
+    far = (
+        f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height, where a flow would not have stopped"
+    )
     if not flow:
-        yield f"{far}, and in no case does it."
+        yield f"{far}, and in no case does it flow."
         return
     times = listed([f"{1.0 / one.factor_upper:.2f}" for one in flow if one.factor_upper])
-    names, one_flows = listed([_which(one) for one in flow]), len(flow) == 1
+    names = listed([_which(one) for one in flow])
     yield (
         f"{far}. Either it is not as the section has it, or it kept more strength than {names} "
-        f"leave{'s' if one_flows else ''} it, at least {times} times as much: how far the discs slide "
-        f"{'then' if one_flows else 'in these cases'} says little of this ground."
+        f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: so far these strengths are on the "
+        "safe side."
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"

@@ -1,7 +1,8 @@
 """What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
@@ -216,9 +217,8 @@ def _cases_are(given: Input) -> Iterator[str]:
     told, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
-        values = [factor(case[name], name) for case in cases]
-        if set(values) != {"0"}:
-            shown = listed(values if len(set(values)) > 1 else values[:1])
+        shown = _shown(name, [case[name] for case in cases])
+        if shown != "0":
             told.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
         elif name not in APART:
             lost.append(name.replace("_", " "))
@@ -228,6 +228,17 @@ def _cases_are(given: Input) -> Iterator[str]:
     if given.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the paper's own discs keep no residual strength"
     yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
+
+
+def _shown(name: str, values: Sequence[Any]) -> str:
+    """What cases leave of one thing, one after the other; stratum by stratum where these differ."""
+    strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
+    each = []
+    for stratum in strata or [""]:
+        told = [factor(value.get(stratum, 0.0) if isinstance(value, dict) else value, name) for value in values]
+        where = f" in {stratum}" if len(strata) > 1 else ""
+        each.append(listed(told if len(set(told)) > 1 else told[:1]) + where)
+    return ", ".join(each)
 
 
 def _interval(results: Results) -> str:

@@ -40,8 +40,8 @@ class TriggeringSettings(Model):
     )
     cases: tuple[CaseName, ...] = Field(
         default=(),
-        description='cases of the slide that follow from the blow counts, after those of [slide]: "median", '
-        '"low strength", "high strength", by the residual strengths of three relations',
+        description="cases of the slide that follow from the blow counts, after those that [slide] gives, in place of "
+        'its default ones: "median", "low strength", "high strength", by the residual strengths of three relations',
     )
     residual: Residual = Field(
         default="strength",

@@ -215,6 +215,16 @@ def test_bad_cones_of_an_ags4_file(line: str, told: str, tmp_path: Path) -> None
         read_ags4(written(tmp_path, SOUNDED + line + "\n", "cones.ags"))
 
 
+def test_a_layer_may_have_a_line_for_each_of_its_tests(tmp_path: Path) -> None:
+    """Two lines of one layer are that layer with two blow counts; the section made of them goes on past the borings."""
+    lines = "A,0,5,0,2,sand,4\nA,0,5,2,4,sand,6\nA,0,5,4,8,clay,3\nB,40,4,0,3,sand,5\nB,40,4,3,8,clay,2\n"
+    path = written(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines)
+    first, _ = read_csv(path)
+    assert [(one.name, one.top, one.bottom) for one in first.layers] == [("sand", 0.0, 4.0), ("clay", 4.0, 8.0)]
+    assert [(one.depth, one.N) for one in first.samples] == [(1.0, 4.0), (3.0, 6.0), (6.0, 3.0)]
+    assert 'beyond = "20 m"' in text_of(connected(read_csv(path)), "two")
+
+
 def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Beside a file of borings; what is wrong has its line, and a sounding beyond the borings its x."""
     borings = written(tmp_path, HEAD + "\n" + LINES)

@@ -159,7 +159,7 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     }  # fmt: skip
     given = Input.parse(data)
     assert [bool(stratum.liquefies_in) for stratum in given.strata] == [True, False]
-    assert 1e3 < given.cases[3].strength_of("loose") < 10e3
+    assert 1e3 < given.cases[0].strength_of("loose") < 10e3
     path = tmp_path / "cone.toml"
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("liquefaction", path, "--out", tmp_path / "run") == 0
@@ -221,6 +221,8 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     """The three relations at two tests: the median lies between the low and the high strength, and sand drains."""
     data = bored()
     data["triggering"] |= {"share": 0.3, "cases": ["median", "low strength", "high strength"]}
+    assert [case.name for case in Input.parse(data).cases] == data["triggering"]["cases"]  # not the paper's as well
+    data["slide"] = {"cases": [{"stiffness": 0.1}, {"stiffness": 0.02}, {"stiffness": 0.01}]}
     given = Input.parse(data)
     assert tuple(given.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
     median, low, high = given.cases[3:]

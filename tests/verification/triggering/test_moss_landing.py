@@ -29,6 +29,26 @@ def test_what_liquefied_is_found_to_liquefy() -> None:
     }  # fmt: skip
 
 
+def test_what_the_sand_keeps() -> None:
+    """In kPa where it was tested, by hand from (N1)60 and σ'v of the four tests that liquefy: Olson & Stark, whose
+    cases end at 12, Idriss & Boulanger without a tighter layer above, Kramer & Wang.
+
+    The continuum just stands with 8.2 kPa in it, F from 0.98 to 1.01 by strict bounds; 700 discs slide 0.33, 0.19 and
+    0.14 m where 0.26 m were measured."""
+    n1, effective, thick = np.array([(7.0, 42.4, 0.8), (9.3, 50.5, 0.75), (11.4, 57.6, 0.75), (13.3, 65.8, 0.75)]).T
+    fine = n1 + np.array([0.2, 0.1, 0.1, 0.1])  # 2 and 1 % of fines
+    stress = effective / 101.325
+    by_hand = [
+        (0.03 + 0.0075 * np.minimum(n1, 12.0)) * effective,
+        np.exp(fine / 16.0 + ((fine - 16.0) / 21.2) ** 3 - 3.0) * (1.0 + np.exp(fine / 2.4 - 6.6)) * effective,
+        np.exp(-8.444 + 0.109 * n1 + 5.379 * stress**0.1) * 101.325,
+    ]
+    assert [case.name for case in GIVEN.cases] == ["low strength", "median", "high strength"]
+    for case, strengths in zip(GIVEN.cases, by_hand, strict=True):
+        found = case.strength_of("Loose sand, below water") / 1e3
+        assert found == pytest.approx(float(np.average(strengths, weights=thick)), rel=0.01)
+
+
 # M, R (km), W (%), T15 (m), F15 (%), D50 (mm) of Youd et al. (2002), and what was measured (m).
 INCLINOMETERS = [
     (Spreading(7.0, 27.2, 29.73, 3.4, 1.0, 0.6, True), 0.26),
