@@ -6,6 +6,7 @@ Areas stand for volumes per metre (m2).
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import Delaunay
 
 from dem.ground import Ground
 from dem.model import DiscModel
@@ -14,6 +15,7 @@ from dem.slides.surface import Surface
 LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
 NEAR = 2.0  # diameters from a side
+LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
 PILED = 2.0  # mean radii that the surface at a side rises
 
 
@@ -48,6 +50,34 @@ def asked_for(start: DiscModel, model: DiscModel, strata: Sequence[int], area: f
     drained = (disc_area(start, strata) - disc_area(model, strata)) * area / discs
     gave_way = 2.0 * (shortening(model, strata) - shortening(start, strata)) * disc_area(start, strata) * area / discs
     return drained + max(0.0, gave_way)
+
+
+def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
+    """By how much the ground of each stratum has grown, in shares of its area (n,); below 0 where it got denser.
+
+    The area of a stratum is that of the triangles (Delaunay) whose corners were neighbours at the start, voids and all.
+    A triangle between two strata counts to the lower one.
+    """
+    corners = Delaunay(np.column_stack([start.x, start.z])).simplices
+    sides = np.array([_side(start, corners, k) for k in range(3)])
+    corners = corners[np.hypot(*sides.swapaxes(0, 1)).max(axis=0) < LONG * float(start.radius.mean())]
+    layer = start.layer[corners].max(axis=1)
+    of_all = layer >= 0
+    count = len(start.springs.layers)
+    before, after = (np.bincount(layer[of_all], _triangle_areas(one, corners)[of_all], count) for one in (start, model))
+    return np.divide(after - before, before, out=np.zeros(count), where=before > 0.0)
+
+
+def _side(model: DiscModel, corners: np.ndarray, number: int) -> np.ndarray:
+    """From one corner of triangles to the next (2, n), in m."""
+    first, second = corners[:, number], corners[:, (number + 1) % 3]
+    return np.array([model.x[second] - model.x[first], model.z[second] - model.z[first]])
+
+
+def _triangle_areas(model: DiscModel, corners: np.ndarray) -> np.ndarray:
+    """Areas of triangles of discs (n,), below 0 where one has been turned over (m2)."""
+    (ax, az), (bx, bz) = _side(model, corners, 0), _side(model, corners, 1)
+    return 0.5 * (ax * bz - az * bx)
 
 
 def pressed_through(model: DiscModel) -> int:

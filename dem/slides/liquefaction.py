@@ -26,6 +26,7 @@ from dem.slides.balance import (
     ground_area,
     pressed_through,
     thin_layers,
+    volume_change,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
@@ -332,9 +333,12 @@ class Slider:
         asked = asked_for(start, model, self.strata, before)
         slide.area_lost_share = (before - after - asked) / before
         if slide.area_lost_share > LOST:
+            change = 100.0 * volume_change(start, model)
+            most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
             told.append(
                 f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone, beyond {asked:.3g} m2 that were "
-                "to drain or to give way with softer springs: discs lie deeper in each other, or left the section"
+                f"to drain or to give way with softer springs: loose discs get denser as they shear "
+                f"({', '.join(most)}), {slide.escaped} have left the box"
             )
         if (through := pressed_through(model)) > 0:
             told.append(

@@ -18,6 +18,7 @@ from dem.slides.balance import (
     ground_area,
     pressed_through,
     thin_layers,
+    volume_change,
 )
 from dem.slides.liquefaction import Slider
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
@@ -74,6 +75,19 @@ def test_areas(start: DiscModel, ground: Ground) -> None:
     lowered.z[top] -= 0.3
     width = np.ptp(start.x[top])
     assert ground_area(start, ground) - ground_area(lowered, ground) == pytest.approx(0.3 * width, rel=0.1)
+
+
+def test_volume_change_is_told_by_stratum(start: DiscModel, ground: Ground) -> None:
+    """Ground that is 2 % lower has lost 2 % of its area, in every stratum; ground that is carried away and turned over
+    on its side, none."""
+    lower, turned = start.copy(), start.copy()
+    lower.z *= 0.98
+    assert volume_change(start, lower) == pytest.approx(-0.02, rel=1e-9)
+    turned.x, turned.z = 7.0 - start.z, start.x.copy()
+    assert volume_change(start, turned) == pytest.approx(0.0, abs=1e-12)
+    slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
+    slider.model = lower
+    assert any("get denser as they shear" in note and "-2.0 %" in note for note in slider._notes())
 
 
 def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground) -> None:

@@ -15,6 +15,7 @@ from tests.support import dem_fixture
 from tests.support.sections import slope
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import PathStep, displacement_at
 from workflow.results.discs import DiscsAnswer
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.results.journal import Journal
@@ -115,3 +116,18 @@ def test_the_journal_gives_back_the_searches_it_was_given(store: Store) -> None:
         file.write('\n{"parameter": "stiffness", "fac')
     journal.add("", 1.0, found)
     assert journal.known() == {("stiffness", 0.5): found, ("", 1.0): found}
+
+
+def test_a_path_that_ends_before_kc_is_taken_to_go_on() -> None:
+    """What is left to kc halves in every centimetre, from 2 cm on: 1/8 at 5 cm, where the path ends, a hundredth
+    after log2(12.5) more of them. A path that came to it is read off."""
+    path = [step(0.01 * k, 0.3 * (1.0 - 0.5 ** (k - 2))) for k in range(2, 12)]
+    assert displacement_at(path[:4], 0.3, 0.99) == pytest.approx(0.01 * (5.0 + math.log2(12.5)))
+    assert displacement_at(path, 0.3, 0.99) == pytest.approx(0.09)
+
+
+def step(displacement: float, kh: float) -> PathStep:
+    return PathStep(
+        length=0.0, displacement=displacement, factor=kh, iterations=1, residual=0.0, plastic_share=0.0, cutbacks=0,
+        at_rest=True, balanced=True,
+    )  # fmt: skip
