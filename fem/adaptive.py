@@ -7,7 +7,7 @@ takes a tenth of the time of a path.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -17,7 +17,7 @@ from fem.at_once import AtOnce, asked_again, critical_at_once
 from fem.fields import State, touched_sides
 from fem.loads import Direction
 from fem.settings import FemSettings
-from fem.skin import Skin
+from fem.skin import Skin, faces_at, strengthened, without_strips
 from fem.strength import is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
@@ -139,16 +139,33 @@ def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, setting
     return settings.accuracy > 0.0 and not chosen and associated
 
 
-def next_mesh(section: Section, meshing: MeshSettings, mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
+def next_mesh(
+    section: Section,
+    meshing: MeshSettings,
+    mesh: QuadMesh,
+    strain: np.ndarray,
+    cells: int,
+    strong: Section | None = None,
+) -> QuadMesh:
     """A mesh of about so many ``cells`` for a mechanism of plastic shear ``strain`` (len(mesh.cells),).
 
     Where a mapped mesh was asked for, that one with more columns and rows where the mechanism is; else a free one. Its
     cells go by the shear displacement of the cells before: along a band of shear that is the same however narrow they
-    were, where strains would draw all new cells to the narrowest. Raises what ``adapted`` does.
+    were, where strains would draw all new cells to the narrowest. They follow the strips of the ``strong`` section,
+    too, which has its cohesionless faces strengthened: sand with half of its points in a strip would be neither.
+    Raises what ``adapted`` does.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
-    return adapted(section, meshing, mesh, strain * np.sqrt(areas(mesh.points, mesh.cells)), cells)
+    moved = strain * np.sqrt(areas(mesh.points, mesh.cells))
+    if strong is None:
+        return adapted(section, meshing, mesh, moved, cells)
+    return without_strips(adapted(strong, meshing, mesh, moved, cells), section)
+
+
+def strong_below(section: Section, faces: Sequence[Skin], settings: FemSettings) -> Section | None:
+    """The section with the ground below ``faces`` strengthened; None without any."""
+    return strengthened(section, faces, settings) if faces else None
 
 
 def adapted_answer(
@@ -176,8 +193,11 @@ def adapted_answer(
             faces = found.ground.faces
             return found
 
+        def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
+            return next_mesh(section, meshing, mesh, strain, cells, strong_below(section, faces or (), wish))
+
         most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-        return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most, other))
+        return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most, other))
 
     if settings.direction != "both":
         return towards(settings.direction, math.inf)
@@ -207,10 +227,12 @@ def answer_beside(
     first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
     if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
         return first
+    faces, strain = found.result.ground.faces, same.mechanism.plastic_shear_strain
     try:
-        mesh = next_mesh(section, meshing, found.mesh, same.mechanism.plastic_shear_strain, len(found.mesh.cells))
+        strong = strong_below(section, faces, other)
+        mesh = next_mesh(section, meshing, found.mesh, strain, len(found.mesh.cells), strong)
         listener(f"limit load of {len(mesh.cells)} cells")
-        own = critical_at_once(section, mesh, other, comm, found.result.ground.faces)
+        own = critical_at_once(section, mesh, other, comm, faces)
     except NoAnswerError:
         return first
     if own.kc > same.kc:
@@ -258,6 +280,7 @@ def adapted_safety(
     """The factor of safety at ``kh`` on meshes made for it; raises what ``safety_at_once`` does on the first mesh."""
 
     guess = 1.0
+    strong = strong_below(section, faces_at(section, settings, kh), settings)
 
     def solve(mesh: QuadMesh) -> SafetyFactor:
         nonlocal guess
@@ -266,8 +289,11 @@ def adapted_safety(
         guess = found.factor
         return found
 
+    def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
+        return next_mesh(section, meshing, mesh, strain, cells, strong)
+
     most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-    return solve_adaptively(section, meshing, first, solve, Wish(settings.accuracy, most))
+    return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most))
 
 
 @dataclass(frozen=True)
@@ -290,13 +316,12 @@ class Wish:
 
 
 def solve_adaptively(
-    section: Section,
-    settings: MeshSettings,
     first: QuadMesh,
+    remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh],
     solve: Callable[[QuadMesh], F],
     wish: Wish,
 ) -> AdaptiveResult[F]:
-    """Solve on ``first``, then on meshes adapted to the plastic shear strain of the last answer.
+    """Solve on ``first``, then on meshes ``remade`` for the plastic shear strain of the last answer, of so many cells.
 
     Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
     on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
@@ -313,7 +338,7 @@ def solve_adaptively(
         if not reason:
             assert result.mechanism is not None
             try:
-                finer = next_mesh(section, settings, mesh, result.mechanism.plastic_shear_strain, wanted)
+                finer = remade(mesh, result.mechanism.plastic_shear_strain, wanted)
                 answer = solve(finer)
                 if answer.mechanism is None:
                     reason = f"there is no answer on the next mesh: {answer.reason}"

@@ -13,10 +13,13 @@ import numpy as np
 
 from fem.loads import push
 from fem.settings import FemSettings
+from meshes.quad_mesh import QuadMesh
 from meshes.section.layering import CENTIMETRE
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
+# What the name of a strip has behind that of its stratum, before the x at which it begins.
+STRIP = ", skin at x = "
 # Pressures (Pa) that differ by less are the same.
 UNLIKE = 1.0
 
@@ -140,6 +143,13 @@ def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings)
     return Section.parse(data, section.name)
 
 
+def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
+    """A mesh of the ``section`` strengthened, with the strata that the section had before."""
+    names = [stratum.name for stratum in section.strata]
+    own = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
+    return replace(mesh, stratum=np.array(own)[mesh.stratum], strata=tuple(names))
+
+
 def _number(section: Section, face: Skin) -> int:
     return next(k for k, stratum in enumerate(section.strata) if stratum.name == face.stratum)
 
@@ -173,5 +183,5 @@ def _strip(section: Section, face: Skin, settings: FemSettings) -> Stratum:
     weight = GRAVITY * (soil.density_ordinary - settings.vertical * soil.density_seismic) - light
     cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
     data = soil.model_dump(mode="python", exclude_none=True, by_alias=True)
-    name = f"{soil.name}, skin at x = {face.start:g} m"
+    name = f"{soil.name}{STRIP}{face.start:g} m"
     return Stratum.model_validate({**data, "name": name, "bottom": {"elevation": points}, "cohesion": f"{cohesion} Pa"})

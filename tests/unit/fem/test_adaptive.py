@@ -1,14 +1,17 @@
 """The sequence of meshes: when it ends, what it says of the answer, on a solver whose error is known."""
 
 from dataclasses import dataclass, field
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from fem.adaptive import AdaptiveResult, MeshRound, Wish, solve_adaptively
+from fem.adaptive import AdaptiveResult, MeshRound, Wish, next_mesh, solve_adaptively, strong_below
 from fem.errors import UnstableError
+from fem.settings import FemSettings
+from fem.skin import skins
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -41,7 +44,8 @@ def solved(
     solver: Solver, accuracy: float = 0.01, max_cells: int = 5000, other: float = float("inf")
 ) -> AdaptiveResult:
     section, wanted = Section.parse(slope()), MeshSettings(method="free")
-    return solve_adaptively(section, wanted, generate(section, wanted), solver, Wish(accuracy, max_cells, other))
+    remade = partial(next_mesh, section, wanted)
+    return solve_adaptively(generate(section, wanted), remade, solver, Wish(accuracy, max_cells, other))
 
 
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
@@ -96,3 +100,27 @@ def test_no_answer_on_the_first_mesh_is_raised() -> None:
 def test_meshes_that_are_all_but_alike_tell_no_limit_far_away() -> None:
     rounds = [MeshRound(1000, 0.201, float("inf"), float("inf")), MeshRound(1010, 0.2, 0.005, 0.02)]
     assert AdaptiveResult(None, None, rounds).limit == pytest.approx(0.196)  # type: ignore[arg-type]
+
+
+def test_cells_follow_the_strip_below_a_cohesionless_face() -> None:
+    """No cell has ground of the strip and of the sand below it; in the mesh both are one stratum."""
+    data = slope()
+    data["strata"][0]["cohesion"] = 0
+    section = Section.parse(data)
+    settings, meshing = FemSettings(direction="downhill", flow="associated"), MeshSettings(method="free")
+    strong = strong_below(section, skins(section, settings), settings)
+    assert strong is not None
+    first = generate(section, meshing)
+    cut = next_mesh(section, meshing, first, np.ones(len(first.cells)), 800)
+    made = next_mesh(section, meshing, first, np.ones(len(first.cells)), 800, strong)
+    assert made.strata == tuple(stratum.name for stratum in section.strata)
+    assert cells_cut(strong, cut) > 0
+    assert cells_cut(strong, made) == 0
+
+
+def cells_cut(section: Section, mesh: QuadMesh) -> int:
+    """How many cells have points of several strata, a little inside of their corners."""
+    corners = mesh.points[mesh.cells]
+    inside = 0.95 * corners + 0.05 * corners.mean(axis=1, keepdims=True)
+    strata = section.stratum_at(inside[..., 0].ravel(), inside[..., 1].ravel()).reshape(-1, 4)
+    return int((strata != strata[:, :1]).any(axis=1).sum())
