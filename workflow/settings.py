@@ -24,7 +24,7 @@ from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
-from workflow.triggering.assessment import Assessment, assess
+from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.free_face import FreeFaceSettings
 from workflow.triggering.settings import TriggeringSettings
@@ -150,7 +150,7 @@ class Input(Section):
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self) + self.free_face.problems(self.ground)
-        problems += self.earthquake.problems()
+        problems += self.earthquake.problems() + off_the_section(self, self.triggering)
         response = self.site_response
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')

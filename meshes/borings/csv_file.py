@@ -14,7 +14,7 @@ from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
 
 NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
-KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "unit_weight", "water_level")
+KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level")
 
 
 def read_csv(path: Path) -> list[Log]:
@@ -64,8 +64,9 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
 
 def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -> Sample | None:
     data: dict[str, object] = {"depth": depth, "N": cells["N"]}
-    if cells.get("fines"):
-        data["fines"] = cells["fines"].removesuffix("%")
+    for key in ("fines", "plasticity"):
+        if cells.get(key):
+            data[key] = cells[key].removesuffix("%")
     if cells.get("d50"):
         data["d50"] = with_unit(cells["d50"], table.units.get("d50", ""))
     try:

@@ -115,6 +115,7 @@ def _tests(log: Log) -> Iterator[str]:
         yield "spt = ["
         for sample in log.samples:
             more = f", fines = {sample.fines:g}" if sample.fines is not None else ""
+            more += f", plasticity = {sample.plasticity:g}" if sample.plasticity is not None else ""
             more += f', d50 = "{1000.0 * sample.d50:g} mm"' if sample.d50 is not None else ""
             yield f"  {{ depth = {sample.depth:g}, N = {sample.N:g}{more} }},"
         yield "]"

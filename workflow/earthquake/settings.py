@@ -14,6 +14,8 @@ from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
 
+FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
+
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
 
@@ -105,11 +107,16 @@ class SiteResponseSettings(Model):
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:
     """What the relation that is asked for expects of a magnitude at a distance (m)."""
     if settings.relation == "boore":
+        told = []
         if settings.vs30 is None:
-            raise InputError(
-                "earthquake", ['relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)']
-            )
-        return boore(magnitude, distance, settings.vs30, settings.slip)
+            told.append('relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)')
+        try:
+            found = boore(magnitude, distance, settings.vs30 or FIRM, settings.slip)
+        except InputError as error:
+            told += error.problems
+        if told:
+            raise InputError("earthquake", told)
+        return found
     if settings.relation == "si_midorikawa":
         return si_midorikawa(magnitude, distance, settings.depth, settings.mechanism)
     return fukushima_tanaka(magnitude, distance, settings.site)

@@ -17,6 +17,7 @@ from workflow.results.triggering import TestPart, TriggeringAnswer
 ABREAST = 4  # borings in a row of the picture
 MOST_BLOWS, MOST_RESISTANCE, MOST_FACTOR = 50.0, 30.0, 2.0  # MPa is the unit of the second
 ROW = 4.4  # inches
+NAMED = 0.04  # of the depth that is shown: thinner strata have no room for their name
 
 
 def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
@@ -29,6 +30,7 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
     figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
     across = min(len(names), ABREAST)
     frames = figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
+    deepest = 1.15 * max(test.depth_m for test in answer.tests)
     for number in range(rows * across):
         row, column = divmod(number, across)
         pair = (frames[row, 2 * column], frames[row, 2 * column + 1])
@@ -36,18 +38,20 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
             for axes in pair:
                 axes.set_axis_off()
             continue
-        _boring(section, [test for test in answer.tests if test.boring == names[number]], answer, pair)
+        _boring(section, [test for test in answer.tests if test.boring == names[number]], answer, pair, deepest)
     figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
     if note := foot(section):
         figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
     figure.savefig(path, format="png")
 
 
-def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, pair: tuple[Axes, Axes]) -> None:
+def _boring(
+    section: Section, tests: list[TestPart], answer: TriggeringAnswer, pair: tuple[Axes, Axes], deepest: float
+) -> None:
+    """One boring; all are as deep (m), so that they can be compared."""
     x = tests[0].x_m
     levels = section.layering.interfaces(np.array([x]))[0]
     depths = levels[0] - levels
-    deepest = min(float(depths[-1]), 1.15 * max(test.depth_m for test in tests))
     blows, factors = pair
     for axes in pair:
         for k in range(len(section.strata)):
@@ -59,6 +63,7 @@ def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, p
         axes.set_ylim(deepest, 0.0)
         axes.tick_params(labelsize=7, colors=INK)
         axes.grid(color="white", linewidth=0.5)
+    _name_strata(section, depths, deepest, factors)
     at = [test.depth_m for test in tests]
     cone = any(test.qc_Pa is not None for test in tests)
     most = MOST_RESISTANCE if cone else MOST_BLOWS
@@ -79,6 +84,16 @@ def _boring(section: Section, tests: list[TestPart], answer: TriggeringAnswer, p
     factors.set_xlim(0.0, MOST_FACTOR + 0.1)
     factors.set_xlabel("F_L", fontsize=8, color=INK, parse_math=False)
     factors.set_yticklabels([])
+
+
+def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axes) -> None:
+    """What the strata are called, where they are thick enough for it."""
+    for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
+        if min(bottom, deepest) - top > NAMED * deepest:
+            axes.annotate(
+                stratum.name, (0.04, top), (0, -2), xycoords=("axes fraction", "data"), textcoords="offset points",
+                fontsize=6, va="top", color=INK, parse_math=False, annotation_clip=False,
+            )  # fmt: skip
 
 
 def _handles() -> list[Line2D]:

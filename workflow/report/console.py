@@ -174,9 +174,10 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
             word = "liquefies" if stratum.liquefies else "does not liquefy"
             yield f'"{stratum.name}" {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}.'
     for one in answer.left:
-        ratios = ", ".join(f"{ratio:.3f} ({title})" for title, ratio in one.residual.items()) or "outside all relations"
+        told = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
+                for title, pascals in one.strength_Pa.items()]  # fmt: skip
         drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
-        yield f'"{one.stratum}" keeps a strength over σ\'v of {ratios}; {drains}.'
+        yield f'"{one.stratum}" keeps a strength of {", ".join(told) or "outside all relations"}; {drains}.'
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 

@@ -124,6 +124,7 @@ class LeftPart(Part):
 
     stratum: str
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
+    strength_Pa: dict[str, float] = Field(description="residual strength where it was tested, by relation")  # noqa: N815
     volumetric_strain: float = Field(description="what drains away after the earthquake")
 
 
@@ -175,6 +176,7 @@ class TriggeringAnswer(Answer):
                 LeftPart(
                     stratum=given.strata[one.stratum].name,
                     residual=one.ratios,
+                    strength_Pa=one.strengths,
                     volumetric_strain=one.volumetric_strain,
                 )
                 for one in left(found, given.triggering)

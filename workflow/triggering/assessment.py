@@ -97,7 +97,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     """Judge every test of every boring. Raises InputError with every problem found."""
     relation = RELATIONS[settings.method]
     problems = _missing(section, earthquake, settings)
-    problems += [text for boring in settings.borings for text in _outside(section, boring)]
+    problems += off_the_section(section, settings)
     motion = None if problems else earthquake.motion()
     if motion is None:
         raise InputError(section.name, problems)
@@ -150,6 +150,11 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
         told = Range("earthquake, magnitude", *relation.magnitudes).problem(earthquake.magnitude, relation.title)
         problems += [told] if told else []
     return problems
+
+
+def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]:
+    """Borings, or tests of them, that lie outside of the section."""
+    return [text for boring in settings.borings for text in _outside(section, boring)]
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:

@@ -198,8 +198,13 @@ def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
     data = bored()
     data.pop("triggering")
     data["strata"] = [{key: value for key, value in one.items() if key != "liquefies_in"} for one in data["strata"]]
-    data["earthquake"] = {"magnitude": 7.0, "distance": "20 km", "relation": "boore"}
-    assert 'earthquake, relation = "boore": expected vs30' in "\n".join(problems(data, Input))
+    data["earthquake"] = {"magnitude": 9.0, "distance": "20 km", "relation": "boore"}
+    data["triggering"] = {"borings": [{"name": "B-1", "x": 400.0, "spt": [test(3.0, 5)]}]}
+    said = "\n".join(problems(data, Input))
+    assert 'earthquake, relation = "boore": expected vs30' in said
+    assert "earthquake, magnitude = 9: outside the range" in said
+    assert "boring B-1: x = 400 m is off the section" in said
+    data.pop("triggering")
     data["earthquake"] |= {"vs30": 270.0, "magnitude": 9.2}
     assert "magnitude = 9.2: outside the range of Boore et al. (2014)" in "\n".join(problems(data, Input))
     data["earthquake"] |= {"peak_acceleration": "0.2 g"}
