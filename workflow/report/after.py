@@ -47,7 +47,7 @@ class Enough:
     @property
     def words(self) -> str:
         """It in a sentence without its end."""
-        told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its effective stress)'
+        told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
         return f"It just stands with {self.how} {listed(told)}"
 
