@@ -25,6 +25,7 @@ SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24,
 POROSITY = (
     0.23  # of soil discs: between dense ones, which lose a third of their peak, and loose ones, slow to be strong
 )
+VOID_RATIO = POROSITY / (1.0 - POROSITY)
 # of a random patch before it is confined: the first that its seed can do
 POROSITIES: dict[Law, tuple[float, ...]] = {"paper": (0.2, 0.21, 0.22, 0.24), "soil": (POROSITY, 0.235, 0.24, 0.25)}
 DASHPOTS = 0.2  # of sqrt(m k)

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.errors import DemError
 from dem.laboratory.compression import PatchStrength, compress
-from dem.laboratory.patch import Sample
+from dem.laboratory.patch import VOID_RATIO, Sample
 from dem.laboratory.soil_layers import SoilLayer
 from dem.laboratory.strength import from_principal
 from dem.springs import LayerSprings
@@ -62,17 +62,12 @@ class LayerCheck:
     notes: tuple[str, ...]
 
 
-def soil_checks(
-    layers: Sequence[SoilLayer],
-    springs: Sequence[LayerSprings],
-    radius: float,
-    *,
-    team: Team = alone,
-) -> list[LayerCheck]:
-    """All layers, each by several patches.
+def soil_checks(layers: Sequence[SoilLayer], radius: float, *, team: Team = alone) -> list[LayerCheck]:
+    """All layers as discs of a mean ``radius`` (m), each by several patches.
 
     Patches that differ by nothing but their scale, as those of all sands with one angle of friction do, count once.
     """
+    springs = [layer.springs(radius, VOID_RATIO) for layer in layers]
     wanted = [(spring, float(p)) for layer, spring in zip(layers, springs, strict=True) for p in layer.pressures]
     likes = [_alike(spring, pressure) for spring, pressure in wanted]
     first: dict[Likeness, tuple[LayerSprings, float]] = {}

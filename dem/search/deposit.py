@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dem.ground import Ground, downhill, in_stratum
-from dem.laboratory.patch import POROSITY
+from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel
 from dem.packing import Packing, random_packing
 from dem.search.equilibrium import settle
@@ -28,7 +28,6 @@ RIM = 2.4  # mean radii beyond base and sides that are filled as well, and held:
 CUT = (
     0.35  # mean radii below the surface: discs whose centre is higher go, so that the tops are level with it on average
 )
-FIRST_VOIDS = POROSITY / (1.0 - POROSITY)
 LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, where walls leave no room for less
 
 LayersOf = Callable[[float, float], Sequence[LayerSprings]]  # mean radius (m) and void ratio to springs
@@ -64,7 +63,7 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
     """
     radius = settings.mean_radius(section)
     ground = _filled(section, settings, radius)
-    layers = list(layers_of(radius, FIRST_VOIDS))
+    layers = list(layers_of(radius, VOID_RATIO))
     settled = settle(ground, layers, settings, shaken=False)
     for left in reversed(range(ROUNDS)):
         ground = replace(ground, packing=cut(section, settled, ground))

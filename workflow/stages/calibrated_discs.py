@@ -4,13 +4,16 @@ It leaves dem/settled.h5 and calibrated.h5 (discs at rest before and after), tri
 a critical Kh, from which a stopped run goes on), critical.json, calibration.json and the states that are drawn.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import soil_checks
+from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
@@ -18,7 +21,7 @@ from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
-from dem.team import Team, Tell, alone
+from dem.team import Found, Team, Tell, alone
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -52,7 +55,7 @@ NARROWING = 5  # searches that finding the factor takes, more or less
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    found, paper = _searched(given, store, progress, team)
+    found, paper, layers = _searched(given, store, progress, team)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
@@ -67,15 +70,17 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
         "before": Start(discs.settled, discs.ground, found.base, given.dem),
         "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem),
     }
-    told = None
+    papers_own = None
     if paper is not None:
-        told, sets["paper"] = _paper_answer(given, store, paper)
+        papers_own, sets["paper"] = _paper_answer(given, store, paper)
     kept = _keep_states(given, store, sets, team)
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
-    answer.model_copy(update={"paper": told}).write(store)
-    _write_calibration(given, store, progress, team, discs, found.base, found.calibration)
+    answer.model_copy(update={"paper": papers_own}).write(store)
+    calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
+    calibration_told.write(store)
+    calibration_told.model_copy(update=_layer_tests(given, discs, found, progress, team)).write(store)
     calibrate_pictures(given, store)
     calibration = found.calibration
     if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":
@@ -104,10 +109,13 @@ class Searched:
         return {self.calibration.parameter: self.calibration.value} if self.calibration else {}
 
 
-def _searched(given: Input, store: Store, progress: Progress, team: Team) -> tuple[Searched, Search | None]:
-    """The searches of the discs, and beside them that of the paper's own discs where they were asked for."""
-    if given.dem.model != "soil" or not given.dem.paper:
-        return _calibrated(given, store, lambda message: progress(*message), team), None
+def _searched(
+    given: Input, store: Store, progress: Progress, team: Team
+) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
+    """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
+    were asked for, and tests of the soil discs of every layer."""
+    if given.dem.model != "soil":
+        return _calibrated(given, store, lambda message: progress(*message), team), None, ()
     done: float | None = None  # of the searches of the section's own discs, which take longer
 
     def heard(_: int, message: tuple[str, float | None]) -> None:
@@ -116,24 +124,26 @@ def _searched(given: Input, store: Store, progress: Progress, team: Team) -> tup
         done = share if share is not None else done
         progress(words, done)
 
-    found, paper = team(_of_set, [Wanted(given, store, own) for own in (True, False)], heard)
-    assert isinstance(found, Searched)
-    assert isinstance(paper, Search)
-    return found, paper
+    pieces: dict[str, Callable[[Input, Store, Tell], Any]] = {"own": _calibrated}
+    if given.dem.paper:
+        pieces["paper"] = _paper
+    if given.dem.element_tests:
+        pieces["laboratory"] = _tested
+    done_by = dict(zip(pieces, team(_piece, [(piece, given, store) for piece in pieces.values()], heard), strict=True))
+    return done_by["own"], done_by.get("paper"), done_by.get("laboratory", ())
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """A set of discs whose critical Kh is wanted: that of the section's settings, or the paper's."""
-
-    given: Input
-    store: Store
-    own: bool
+def _piece(given: tuple[Callable[[Input, Store, Tell], Found], Input, Store], tell: Tell) -> Found:
+    """One piece of the work, by whoever does it."""
+    work, section, store = given
+    return work(section, store, tell)
 
 
-def _of_set(wanted: Wanted, tell: Tell) -> Searched | Search:
-    """The searches of a set of discs."""
-    return (_calibrated if wanted.own else _paper)(wanted.given, wanted.store, tell)
+def _tested(given: Input, store: Store, tell: Tell) -> tuple[LayerAnswer, ...]:
+    """Patches of the soil discs of every layer, tested as samples are."""
+    tell(("element tests of the discs of every layer", None))
+    checks = soil_checks(soil_layers(given), given.dem.mean_radius(given))
+    return tuple(LayerAnswer.model_validate(check) for check in checks)
 
 
 def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> Searched:
@@ -183,27 +193,15 @@ def _solve(given: Input, calibrator: Calibrator, target: float) -> Calibration |
     return best(calibrator, target, given.dem.parameter, table)
 
 
-def _write_calibration(
-    given: Input, store: Store, progress: Progress, team: Team, discs: Discs, base: Search, found: Calibration | None
-) -> None:
-    """The answer at once, and once more with the element tests when these are through."""
-    answer = (
-        CalibrationAnswer.not_asked_for(base, given.dem.tolerance) if found is None else CalibrationAnswer.of(found)
-    )
-    if given.dem.model == "soil" and found is not None and base.kc is not None:
-        ratio = base.kc / found.target
-        answer = answer.model_copy(update={"predicted_kc": base.kc, "predicted_ratio": ratio})
-    answer.write(store)
-    if not given.dem.element_tests or (found is None and given.dem.model == "paper"):
-        return
-    progress("element tests of the discs of every layer", None)
-    if given.dem.model == "soil":
-        checks = soil_checks(discs.soil, discs.layers, discs.ground.radius, team=team)
-        layers = tuple(LayerAnswer.model_validate(check) for check in checks)
-        answer.model_copy(update={"layers": layers}).write(store)
-    elif found is not None:
-        tests = _layer_tests(given, discs, found.parameter, found.value, team)
-        answer.model_copy(update={"element_tests": tests}).write(store)
+def calibration_answer(given: Input, found: Searched) -> CalibrationAnswer:
+    """How the discs were brought to the critical Kh; of soil discs also what they had without a factor."""
+    base, calibration = found.base, found.calibration
+    if calibration is None:
+        return CalibrationAnswer.not_asked_for(base, given.dem.tolerance)
+    answer = CalibrationAnswer.of(calibration)
+    if given.dem.model == "paper" or base.kc is None:
+        return answer
+    return answer.model_copy(update={"predicted_kc": base.kc, "predicted_ratio": base.kc / calibration.target})
 
 
 def _paper(given: Input, store: Store, tell: Tell) -> Search:
@@ -229,11 +227,16 @@ def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDisc
     return answer, Start(discs.settled, discs.ground, search, dem)
 
 
-def _layer_tests(given: Input, discs: Discs, parameter: str, value: float, team: Team) -> tuple[LayerTest, ...]:
-    """Patches of the calibrated discs of every layer, tested as soil samples are."""
-    springs = changed(discs.layers, parameter, value)
+def _layer_tests(
+    given: Input, discs: Discs, found: Searched, progress: Progress, team: Team
+) -> dict[str, tuple[LayerTest, ...]]:
+    """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
+    if given.dem.model == "soil" or not given.dem.element_tests or found.calibration is None:
+        return {}
+    progress("element tests of the discs of every layer", None)
+    springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
     tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, team=team)
-    return tuple(LayerTest.model_validate(test) for test in tests)
+    return {"element_tests": tuple(LayerTest.model_validate(test) for test in tests)}
 
 
 @dataclass(frozen=True)

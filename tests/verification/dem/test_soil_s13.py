@@ -38,8 +38,8 @@ def ground(run: Input, layers: list[SoilLayer]) -> Deposit:
 
 
 @pytest.fixture(scope="module")
-def checks(layers: list[SoilLayer], ground: Deposit) -> dict[str, LayerCheck]:
-    found = soil_checks(layers, ground.layers, ground.ground.radius)
+def checks(run: Input, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
+    found = soil_checks(layers, run.dem.mean_radius(run))
     return {check.stratum: check for check in found}
 
 
