@@ -92,6 +92,10 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
 
 
 def _borings(found: Connected) -> Iterator[str]:
+    yield "[slide]"
+    yield "kh = 0                            # by weight alone, after the shaking; a Kh that is held pushes on for ever"
+    yield '# accelerogram = "record.AT2"     # or a record, which shakes'
+    yield ""
     yield "# [earthquake]"
     yield "# magnitude = 7.5"
     yield '# peak_acceleration = "250 gal"'

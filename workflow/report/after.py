@@ -49,7 +49,7 @@ class Enough:
         """It in a sentence without its end."""
         told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
-        return f"It just stands with {self.how} {listed(told)}"
+        return f"To stand without shaking it needs {self.how} {listed(told)}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:

@@ -45,7 +45,7 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
         found = LiquefiedAnswer(section=SectionLabel.of(given), sides="roller", cases=cases)
         told = "\n".join(findings(results(given, liquefied=found)))
-        assert 'It just stands with about 6 kPa in "upper" (0.15 of its mean effective stress).' in told
+        assert 'To stand without shaking it needs about 6 kPa in "upper" (0.15 of its mean effective stress).' in told
         assert ("At most 0.2 m were measured, on 10 m of height, where a flow would not have stopped." in told) == said
         assert ("at least 1.24 times as much" in told) == said
         assert ("With what was measured case 2 (case with 9 kPa) agrees." in told) == said
