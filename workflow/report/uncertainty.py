@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from workflow.report.console import meshes_sentences
+from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
@@ -20,6 +21,12 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
     if results.given.notices:
         yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.given.notices)
+    if results.older:
+        yield (
+            "Version of the program",
+            f"Computed by another version of it than wrote this report: {listed(results.older)}. To do: noshiro run "
+            "computes them again.",
+        )
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
         seen = {variant.name: _seen(variant, results.kc) for variant in variants}

@@ -15,7 +15,7 @@ from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
-from workflow.run.plan import changes, made_from
+from workflow.run.plan import changes, is_of_this_input, made_from
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -26,8 +26,8 @@ Found = TypeVar("Found", bound=Answer)
 
 @dataclass(frozen=True)
 class Results:
-    """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show;
-    ``stages`` are those that the report tells of.
+    """What belongs to the input: ``ends`` how stages ended, ``missing`` why others have nothing to show; ``older`` are
+    those that another version of the program computed, ``stages`` those that the report tells of.
 
     The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
     """
@@ -46,17 +46,21 @@ class Results:
     liquefied: LiquefiedAnswer | None = None
     response: SiteResponseAnswer | None = None
     stages: tuple[Stage, ...] = ()
+    older: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, job: Job) -> "Results":
         """Read what the stages left for this input; results of other inputs are not looked at."""
-        record, ends, missing = Record(job.store), {}, {}
+        record, ends, missing, older = Record(job.store), {}, {}, []
         told = tuple(stage for stage in job.stages if not stage.of_all)
         for stage in told:
             prints = made_from(stage, job, record)
             entry, why = record[stage.name], changes(stage, prints, record)
             if entry is not None and (not why or (entry.outcome == "part" and entry.inputs == prints)):
                 ends[stage.name] = entry
+            elif entry is not None and is_of_this_input(stage, job, record):
+                ends[stage.name] = entry
+                older.append(stage.name)
             else:
                 missing[stage.name] = why
 
@@ -81,6 +85,7 @@ class Results:
             liquefied=left("liquefied", LiquefiedAnswer),
             response=left("response", SiteResponseAnswer),
             stages=told,
+            older=tuple(older),
         )
 
     def no_answer(self, stage: str) -> Entry | None:

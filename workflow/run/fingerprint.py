@@ -9,10 +9,12 @@ from workflow.run import source
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 
+PROGRAM = "the program"
+
 
 def inputs(stage: Stage, job: Job) -> dict[str, str]:
     """A fingerprint for all that a stage's results are made from, by names that people know."""
-    prints = {"section": fingerprint_of(section_data(job.given)), "the program": program(stage)}
+    prints = {"section": fingerprint_of(section_data(job.given)), PROGRAM: program(stage)}
     for table in stage.tables:
         prints[f"[{table}]"] = fingerprint_of(_settings(stage, table, job.given))
     for name in stage.heeds:

@@ -13,7 +13,7 @@ from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
 from workflow.run.lock import locked
 from workflow.run.log import Log
-from workflow.run.plan import Choice, Decision, made_from, plan
+from workflow.run.plan import Choice, Decision, is_of_this_input, made_from, plan
 from workflow.run.progress import Progress
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
@@ -212,7 +212,7 @@ def redraw_all(job: Job, listener: Listener) -> list[str]:
         run = Run(job, Record(job.store), Log(job.store), listener)
         for decision in plan(job, run.record, Choice(())):
             stage = decision.stage
-            if decision.action == "off":
+            if decision.action == "off" and not is_of_this_input(stage, job, run.record):
                 told.append(f"{stage.name}: no pictures: {decision.why}")
             elif stage.draw is not None:
                 run.redraw(replace(decision, action="redraw", why="drawn again"), stage.draw)

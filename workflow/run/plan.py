@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from meshes.errors import InputError
 from workflow.run.errors import OtherVersionError
-from workflow.run.fingerprint import drawing, fingerprint_of, inputs
+from workflow.run.fingerprint import PROGRAM, drawing, fingerprint_of, inputs
 from workflow.run.record import Record
 from workflow.run.stage import Job, Stage
 
@@ -99,6 +99,22 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
         prints["the results"] = fingerprint_of(ends)
     return prints
+
+
+def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
+    """Whether what a stage left can be told and drawn: it is of this input, by this version of the program or by
+    another whose answers can be read, and what it needs has not been computed again since."""
+    entry = record[stage.name]
+    if entry is None:
+        return False
+    needed = [(other, record[other.name]) for other in job.stages if other.name in stage.needs]
+    if any(left is None or left.ended > entry.ended for _, left in needed):
+        return False
+    of_the_program = {name: entry.inputs.get(name, "") for name in (PROGRAM, *(other.name for other, _ in needed))}
+    if {**made_from(stage, job, record), **of_the_program} != entry.inputs:
+        return False
+    readable = entry.outcome == "part" or not changes(stage, entry.inputs, record)
+    return readable and all(is_of_this_input(other, job, record) for other, _ in needed)
 
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:

@@ -1,11 +1,13 @@
 """What a folder holds for one input: results of other inputs are not looked at."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tests.support import dem_fixture
 from tests.support.sections import slope
+from tests.support.toy_stages import Toys
 from workflow.results.cases import CasesAnswer
 from workflow.results.results import Results
 from workflow.run.plan import Choice, changes, made_from, plan
@@ -54,3 +56,20 @@ def test_a_file_of_another_version_is_computed_anew(tmp_path: Path) -> None:
     assert found.missing["slide"] == "another version of noshiro made it"
     record = Record(mine.store)
     assert changes(SLIDE, made_from(SLIDE, mine, record), record) == "another version of noshiro made it"
+
+
+def test_answers_of_another_version_of_the_program_are_told_as_such(
+    toys: Toys, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are of the same input; what is computed anew, or of another input, leaves what hangs on it untold."""
+    toys.go(tmp_path)
+    monkeypatch.setattr("workflow.run.source.fingerprint", lambda modules: "another")
+    found = Results.of(toys.job(tmp_path))
+    assert (sorted(found.ends), found.older) == (["fem", "mesh", "slide"], ("mesh", "fem", "slide"))
+    other = Results.of(toys.job(tmp_path, fem={"sides": "fixed"}))
+    assert (sorted(other.ends), other.older) == (["mesh"], ("mesh",))
+    record = Record(Store(tmp_path))
+    mesh = record["mesh"]
+    assert mesh is not None
+    record.put("mesh", replace(mesh, ended="9999-01-01 00:00:00"))  # computed again since
+    assert sorted(Results.of(toys.job(tmp_path)).ends) == ["mesh"]
