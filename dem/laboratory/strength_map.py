@@ -63,8 +63,6 @@ class StrengthMap:
         Standard deviation of `after` from seed to seed.
     modulus : (m, k)
         E of the soil as stiff in plane strain over kn; see `normal_stiffness`.
-    seeds : int
-        How many patches each mean stands for.
     """
 
     friction: np.ndarray
@@ -73,7 +71,6 @@ class StrengthMap:
     peak: np.ndarray
     scatter: np.ndarray
     modulus: np.ndarray
-    seeds: int
 
     def strongest(self, cohesive: bool) -> float:
         """The largest half deviator over the pressure in the map, with or without cohesion of contacts."""
@@ -163,6 +160,4 @@ def strength_map() -> StrengthMap:
     def table(key: str) -> np.ndarray:
         return np.array([[by_place[mu, c][key] for c in cohesion] for mu in friction])
 
-    return StrengthMap(
-        friction, cohesion, table("after"), table("peak"), table("scatter"), table("modulus"), int(rows[0]["seeds"])
-    )
+    return StrengthMap(friction, cohesion, table("after"), table("peak"), table("scatter"), table("modulus"))

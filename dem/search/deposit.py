@@ -99,9 +99,11 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
     """How far the ground stands above the section's surface, column by column of two diameters (m).
 
-    The top of the ground in a column is the highest rim of a disc in it.
+    The top of the ground in a column is the highest rim of a disc in it. Discs that have come to lie among those of the
+    sides are left out.
     """
-    free = ~model.fixed
+    left, right = section.surface[0][0], section.surface[-1][0]
+    free = ~model.fixed & (model.x >= left) & (model.x <= right)
     x, top = model.x[free], (model.z + model.radius)[free]
     column = ((x - x.min()) / (4.0 * radius)).astype(int)
     highest = np.full(column.max() + 1, -np.inf)

@@ -55,16 +55,19 @@ def asked_for(start: DiscModel, model: DiscModel, strata: Sequence[int], area: f
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
     """By how much the ground of each stratum has grown, in shares of its area (n,); below 0 where it got denser.
 
-    The area of a stratum is that of the triangles (Delaunay) whose corners were neighbours at the start, voids and all.
-    A triangle between two strata counts to the lower one.
+    The area of a stratum is that of the triangles (Delaunay) whose corners were neighbours at the start and are so
+    still, voids and all: ground that has come apart is left out. A triangle between two strata counts to the lower one.
     """
     corners = Delaunay(np.column_stack([start.x, start.z])).simplices
-    sides = np.array([_side(start, corners, k) for k in range(3)])
-    corners = corners[np.hypot(*sides.swapaxes(0, 1)).max(axis=0) < LONG * float(start.radius.mean())]
+    longest = LONG * float(start.radius.mean())
+    for one in (start, model):
+        sides = np.array([_side(one, corners, k) for k in range(3)])
+        corners = corners[np.hypot(*sides.swapaxes(0, 1)).max(axis=0) < longest]
+    areas = np.array([_triangle_areas(one, corners) for one in (start, model)])
     layer = start.layer[corners].max(axis=1)
-    of_all = layer >= 0
+    whole = (layer >= 0) & (areas[0] * areas[1] > 0.0)
     count = len(start.springs.layers)
-    before, after = (np.bincount(layer[of_all], _triangle_areas(one, corners)[of_all], count) for one in (start, model))
+    before, after = (np.bincount(layer[whole], np.abs(one[whole]), count) for one in areas)
     return np.divide(after - before, before, out=np.zeros(count), where=before > 0.0)
 
 
