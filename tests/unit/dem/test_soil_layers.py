@@ -45,6 +45,7 @@ def test_the_map_rises_with_friction_and_with_cohesion() -> None:
     assert 0.57 < table.modulus[table.friction > 0.0].min() < table.modulus[table.friction > 0.0].max() < 0.63
 
 
+@settings(deadline=None)
 @given(st.floats(22.0, 45.0))
 def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
     phi = np.radians(degrees)
