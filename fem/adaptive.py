@@ -36,6 +36,9 @@ FEWER_CELLS = 1.25
 FEWEST_CELLS = 500
 # Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
 LEAST_GAIN = 0.25
+# A finer mesh bears less. Where it bears more, cells of the one before were cut by something that these follow, and so
+# many times what the two tell may be left.
+RISEN = 3.0
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.05
 # What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
@@ -347,7 +350,8 @@ def solve_adaptively(
         if reason:
             return AdaptiveResult(result, mesh, rounds, rounds[-1].rest <= wish.accuracy, reason)
         mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
-        rest = abs(left_of_error(rounds[-1], len(mesh.cells), result.value)) / size
+        left = left_of_error(rounds[-1], len(mesh.cells), result.value)
+        rest = (left if left >= 0.0 else -RISEN * left) / size
         rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
 
 

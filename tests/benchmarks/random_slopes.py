@@ -25,8 +25,8 @@ BOUNDS = BoundsSettings(gap=0.02)
 # Seconds on the clock of two cores in which the gap of a bracket is to be closed.
 SECONDS = 60.0
 # How far the elements may lie above the strict upper bound; how far below the lower one, since between their points
-# they ask for nothing (2.7 % in 31, a skin of bare sand one row of cells thick); by how much in Kh where that is more.
-ABOVE, BELOW, SMALL = 1.02, 0.97, 0.002
+# they ask for nothing; by how much in Kh where that is more.
+ABOVE, BELOW, SMALL = 1.02, 0.99, 0.002
 
 
 def measure(number: int, refine: int = 1) -> dict[str, Any]:

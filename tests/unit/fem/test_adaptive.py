@@ -59,6 +59,12 @@ def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
     assert found.limit == pytest.approx(EXACT, rel=1e-9)  # the error is what the limit supposes
 
 
+def test_a_finer_mesh_that_bears_more_is_trusted_less() -> None:
+    fallen, risen = (solved(Solver(error=error), accuracy=0.02).rounds for error in (5.0, -5.0))
+    assert risen[1].rest == pytest.approx(3.0 * fallen[1].rest, rel=0.1)
+    assert len(risen) > len(fallen)
+
+
 def test_it_ends_at_the_limit_of_cells_and_says_so() -> None:
     solver = Solver(error=100.0)
     found = solved(solver, max_cells=2000)
