@@ -26,10 +26,28 @@ def in_short(results: Results) -> Iterator[str]:
                 f"After liquefaction, in {_which(one)}, the continuum still stands without shaking{bears}: "
                 f"{one.reason}."
             )
+            yield from _slides_though_it_stands(results, one)
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."
     yield from _field(results, answer)
+
+
+def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
+    """That the discs slide by their weight alone where the continuum stands: the two contradict each other."""
+    _, cases = results.case_set()
+    far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
+    slide = results.given.slide
+    if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
+        yield (
+            f"The discs contradict that: they slide {far:.2g} m by their weight alone. They are too coarse for the "
+            "layers that liquefy, or get denser as they go; noshiro converge tells what smaller ones do."
+        )
+
+
+def _relief(results: Results) -> float:
+    """Height of the ground (m), from its lowest point to its highest."""
+    return float(results.given.ground[:, 1].max() - results.given.ground[:, 1].min())
 
 
 def _which(case: LiquefiedCase) -> str:
@@ -91,7 +109,7 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     """What a displacement that was measured says of the cases: ground that flows does not stop at so little."""
     measured = [float(one.displacement) for one in results.given.report.observed]
-    relief = float(results.given.ground[:, 1].max() - results.given.ground[:, 1].min())
+    relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:
         return
     flow = [one for one in answer.cases if one.stands == "flows" and one.factor_upper is not None]

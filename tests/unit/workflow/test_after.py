@@ -2,11 +2,13 @@
 
 import pytest
 
+from tests.support import dem_fixture
 from tests.support.answers import results
 from tests.support.sections import slope
 from workflow.report.after import just_enough
 from workflow.report.findings import findings
 from workflow.results.answer import SectionLabel
+from workflow.results.cases import CasesAnswer
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.settings import Input
 
@@ -49,3 +51,17 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         assert ("At most 0.2 m were measured, on 10 m of height, where a flow would not have stopped." in told) == said
         assert ("at least 1.24 times as much" in told) == said
         assert ("With what was measured case 2 (case with 9 kPa) agrees." in told) == said
+
+
+def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
+    """By their weight alone, 3 m on 10 m of height; 0.5 m is little, and under a Kh that is held they may slide."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    for kh, far, said in ((0.0, 3.0, True), (0.0, 0.5, False), (0.1, 3.0, False)):
+        given = Input.parse({**data, "slide": {"kh": kh}})
+        found = LiquefiedAnswer(
+            section=SectionLabel.of(given), sides="roller", cases=(after_liquefaction(1, 9.0, 1.3),)
+        )
+        slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, far)}}, random=None)
+        told = "\n".join(findings(results(given, liquefied=found, cases=slides)))
+        assert ("The discs contradict that: they slide 3 m by their weight alone." in told) == said
