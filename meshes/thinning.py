@@ -14,28 +14,28 @@ from meshes.section.layering import Layering
 
 # Wedges blunter than this (deg) are left as they are.
 SHARP = 20.0
-# A tip that holds more than this share of its stratum is the stratum, and stays.
-MOST = 0.5
+# A tip that holds more than this share of its stratum is the stratum: the step then has a smaller one of these shares
+# of the thickness wished for, or the tip stays.
+MOST, SMALLER = 0.5, (1.0, 0.5, 0.25)
 
 
 def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
     """The layers with the sharp tips of strata cut off where they are ``least`` (m) thick, and a sentence for each.
 
-    A piece of a stratum that is nowhere as thick as that keeps its tips.
+    They are cut nearer to their ends where they would hold too much of their stratum, or it is nowhere as thick.
     """
     notices: list[str] = []
     for k in (None, *range(layers.strata)):
         for tip in _tips(layers, k):
-            cut = _cut_of(layers, k, *tip, least)
-            whole = layers.areas().sum() if k is None else layers.areas()[k]
-            if cut is None or cut[1] > MOST * whole:
+            cut = _step_of(layers, k, *tip, least)
+            if cut is None:
                 continue
-            x_tip, (at, area) = tip[0], cut
+            x_tip, (thick, at, area) = tip[0], cut
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
             what = "the section" if k is None else f'stratum "{names[k]}"'
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
-                f"{least:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
+                f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
             )
     return _without_empty_ends(layers), notices
 
@@ -58,6 +58,16 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
         if right <= 0.0 < left and sharp:
             found.append((float(layers.x[i + 1]), -1))
     return found
+
+
+def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float, float] | None:
+    """The thickness (m) of the step in which a stratum ends, its x (m), and the area (m²) cut off; None without one."""
+    whole = layers.areas().sum() if k is None else layers.areas()[k]
+    for thick in (share * least for share in SMALLER):
+        cut = _cut_of(layers, k, tip, way, thick)
+        if cut is not None and cut[1] <= MOST * whole:
+            return thick, *cut
+    return None
 
 
 def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float] | None:

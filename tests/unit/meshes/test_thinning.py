@@ -35,6 +35,15 @@ def test_a_wedge_on_the_ground_ends_in_a_step_and_the_layer_below_takes_its_tip(
     ]
 
 
+@pytest.mark.parametrize(("thick", "step", "end"), [(0.6, 0.25, 35.0), (0.3, 0.125, 35.0)])
+def test_a_thin_wedge_ends_in_a_smaller_step_rather_than_lose_most_of_itself(
+    thick: float, step: float, end: float
+) -> None:
+    layers, notices = cut(ground({"elevation": 0}, {"depth": [[0, thick], [60, 0]]}, None), 0.5)
+    assert layers.x[1] == pytest.approx(end)
+    assert f"a step of {step:.2g} m at x = {end:.4g} m" in notices[0]
+
+
 def test_a_lens_loses_both_tips() -> None:
     lens = {"depth": [[20, 4], [40, 7], [60, 4]]}
     layers, notices = cut(ground({"elevation": 0}, {"depth": 4}, lens, None), 0.6)
@@ -59,7 +68,7 @@ def test_where_the_base_comes_out_of_the_ground_the_section_ends() -> None:
     "bottom",
     [
         {"depth": [[0, 4], [5, 0]]},  # 39 deg at its tip
-        {"depth": [[0, 0.3], [60, 0]]},  # nowhere half a metre thick
+        {"depth": [[0, 0.1], [60, 0]]},  # nowhere a quarter of half a metre thick
         {"depth": [[0, 4], [60, 3], [60, 0], [100, 0]]},  # a step already
     ],
 )
