@@ -62,30 +62,66 @@ class LayerCheck:
     notes: tuple[str, ...]
 
 
-def soil_checks(layers: Sequence[SoilLayer], radius: float, *, team: Team = alone) -> list[LayerCheck]:
-    """All layers as discs of a mean ``radius`` (m), each by several patches.
+@dataclass(frozen=True)
+class Programme:
+    """The tests of some layers, as discs of one mean radius, each by several patches at three confining pressures.
 
     Patches that differ by nothing but their scale, as those of all sands with one angle of friction do, count once.
+
+    Attributes
+    ----------
+    layers : sequence of SoilLayer
+        What is tested.
+    wanted : list of (LayerSprings, float)
+        Springs and confining pressure (Pa) of every test, layer by layer.
+    first : dict
+        Those of them that are carried out, by what patches are told by.
+    radius : float
+        Mean of the discs (m).
     """
-    springs = [layer.springs(radius, VOID_RATIO) for layer in layers]
-    wanted = [(spring, float(p)) for layer, spring in zip(layers, springs, strict=True) for p in layer.pressures]
-    likes = [_alike(spring, pressure) for spring, pressure in wanted]
-    first: dict[Likeness, tuple[LayerSprings, float]] = {}
-    for like, one in zip(likes, wanted, strict=True):
-        first.setdefault(like, one)
-    patches = [
-        (Sample(spring, "random", radius, seed, law="soil"), p) for spring, p in first.values() for seed in SEEDS
-    ]
-    done = team(_compressed, patches)
-    by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(first)}
-    found = [
-        [_scaled(one, first[like], itself) for one in by_kind[like]] for like, itself in zip(likes, wanted, strict=True)
-    ]
-    each = len(found) // max(1, len(layers))
-    return [
-        _check(layer, spring, [one for ones in found[k * each : (k + 1) * each] for one in ones])
-        for k, (layer, spring) in enumerate(zip(layers, springs, strict=True))
-    ]
+
+    layers: Sequence[SoilLayer]
+    wanted: list[tuple[LayerSprings, float]]
+    first: dict[Likeness, tuple[LayerSprings, float]]
+    radius: float
+
+    @classmethod
+    def of(cls, layers: Sequence[SoilLayer], radius: float) -> "Programme":
+        """The tests of discs of a mean ``radius`` (m)."""
+        wanted = [(layer.springs(radius, VOID_RATIO), float(p)) for layer in layers for p in layer.pressures]
+        first: dict[Likeness, tuple[LayerSprings, float]] = {}
+        for one in wanted:
+            first.setdefault(_alike(*one), one)
+        return cls(layers, wanted, first, radius)
+
+    @property
+    def patches(self) -> list[tuple[Sample, float]]:
+        """What is to be ``compressed``, each with its confining pressure (Pa)."""
+        return [
+            (Sample(spring, "random", self.radius, seed, law="soil"), p)
+            for spring, p in self.first.values()
+            for seed in SEEDS
+        ]
+
+    def checks(self, done: Sequence[PatchStrength | str]) -> list[LayerCheck]:
+        """All layers, by what became of the ``patches``, in their order."""
+        by_kind = {like: done[k * len(SEEDS) : (k + 1) * len(SEEDS)] for k, like in enumerate(self.first)}
+        found = [
+            [_scaled(one, self.first[like], itself) for one in by_kind[like]]
+            for itself in self.wanted
+            for like in [_alike(*itself)]
+        ]
+        each = len(found) // max(1, len(self.layers))
+        return [
+            _check(layer, self.wanted[k * each][0], [one for ones in found[k * each : (k + 1) * each] for one in ones])
+            for k, layer in enumerate(self.layers)
+        ]
+
+
+def soil_checks(layers: Sequence[SoilLayer], radius: float, *, team: Team = alone) -> list[LayerCheck]:
+    """All layers as discs of a mean ``radius`` (m), each by several patches."""
+    programme = Programme.of(layers, radius)
+    return programme.checks(team(compressed, programme.patches))
 
 
 def _alike(spring: LayerSprings, pressure: float) -> Likeness:
@@ -108,7 +144,7 @@ def _scaled(
     )  # fmt: skip
 
 
-def _compressed(given: tuple[Sample, float], _: Tell) -> PatchStrength | str:
+def compressed(given: tuple[Sample, float], _: Tell) -> PatchStrength | str:
     """One patch, or why it has no strength."""
     sample, pressure = given
     try:

@@ -12,7 +12,7 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
-from dem.laboratory.soil_check import soil_checks
+from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
@@ -21,7 +21,7 @@ from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
-from dem.team import Found, Team, Tell, alone
+from dem.team import Team, Tell, alone
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel, line
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -124,26 +124,21 @@ def _searched(
         done = share if share is not None else done
         progress(words, done)
 
-    pieces: dict[str, Callable[[Input, Store, Tell], Any]] = {"own": _calibrated}
-    if given.dem.paper:
-        pieces["paper"] = _paper
-    if given.dem.element_tests:
-        pieces["laboratory"] = _tested
-    done_by = dict(zip(pieces, team(_piece, [(piece, given, store) for piece in pieces.values()], heard), strict=True))
-    return done_by["own"], done_by.get("paper"), done_by.get("laboratory", ())
+    programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
+    searches: list[Piece] = [(_calibrated, (given, store)), *([(_paper, (given, store))] if given.dem.paper else [])]
+    tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
+    found = team(_done, [*searches, *tests], heard)
+    layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(found[len(searches) :]))
+    return found[0], found[1] if given.dem.paper else None, layers
 
 
-def _piece(given: tuple[Callable[[Input, Store, Tell], Found], Input, Store], tell: Tell) -> Found:
+Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
+
+
+def _done(piece: Piece, tell: Tell) -> Any:
     """One piece of the work, by whoever does it."""
-    work, section, store = given
-    return work(section, store, tell)
-
-
-def _tested(given: Input, store: Store, tell: Tell) -> tuple[LayerAnswer, ...]:
-    """Patches of the soil discs of every layer, tested as samples are."""
-    tell(("element tests of the discs of every layer", None))
-    checks = soil_checks(soil_layers(given), given.dem.mean_radius(given))
-    return tuple(LayerAnswer.model_validate(check) for check in checks)
+    work, given = piece
+    return work(*given, tell)
 
 
 def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> Searched:
