@@ -144,7 +144,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
     """What the cases are, and how far each of them slides, from dem/cases.json."""
-    names = [name for name, _ in case_heads()]
+    names = [name for name, _ in case_heads(given)]
     told = [
         f"case {number}, {layers}: {', '.join(map(' '.join, zip(names, factors, strict=True)))}"
         for number, layers, *factors in case_rows(given)

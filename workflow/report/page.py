@@ -67,7 +67,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
         "strata": list(tables.strata_rows(given)),
         "cases": list(tables.case_rows(given)),
-        "case_heads": tables.case_heads(),
+        "case_heads": tables.case_heads(given),
         "springs": springs_of(results),
         "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
         "doubts": list(doubts(results)),

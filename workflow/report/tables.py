@@ -62,9 +62,18 @@ def texts(section: Section) -> list[str]:
     return own + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 
 
-def case_heads() -> list[tuple[str, str]]:
-    """What a case of liquefaction changes: the name of each factor, and what it is a factor on."""
-    return [(name.replace("_", " "), str(field.description)) for name, field in Case.model_fields.items()]
+# What a case need not have: a column where one has it.
+OPTIONAL = ("name", "residual", "residual_strength", "volumetric_strain")
+
+
+def case_heads(given: Input) -> list[tuple[str, str]]:
+    """What the cases of liquefaction change: the name of each factor, and what it is a factor on."""
+    return [(name.replace("_", " "), str(Case.model_fields[name].description)) for name in _changed(given)]
+
+
+def _changed(given: Input) -> list[str]:
+    """The fields of a case that are told."""
+    return [name for name in Case.model_fields if name not in OPTIONAL or any(getattr(c, name) for c in given.cases)]
 
 
 def case_rows(given: Input) -> Iterator[list[str]]:
@@ -72,7 +81,7 @@ def case_rows(given: Input) -> Iterator[list[str]]:
     for number, case in enumerate(given.cases, start=1):
         names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
-            yield [str(number), ", ".join(names), *(factor(value, name) for name, value in case)]
+            yield [str(number), ", ".join(names), *(factor(getattr(case, name), name) for name in _changed(given))]
 
 
 def factor(value: Any, name: str = "") -> str:
