@@ -77,9 +77,9 @@ def _starts(given: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
 
 
 def _tasks(given: Input, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
-    """The cases on every set of springs, the last ones first since they take longest, and Kh alone."""
+    """The cases on every set of springs, and Kh alone: first those of the paper's discs, which take longest."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
-    return [task(given, springs, number, *start) for number in numbers for springs, start in starts.items()]
+    return [task(given, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
 
 def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
