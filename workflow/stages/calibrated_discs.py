@@ -127,7 +127,15 @@ def _searched(
     programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
     searches: list[Piece] = [(_calibrated, (given, store)), *([(_paper, (given, store))] if given.dem.paper else [])]
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
-    found = team(_done, [*searches, *tests], heard)
+    ended = 0
+
+    def one_more(place: int, _: Any) -> None:
+        nonlocal ended
+        if place >= len(searches):
+            ended += 1
+            progress(f"element tests of the discs of every layer: {ended} of {len(tests)}", done)
+
+    found = team(_done, [*searches, *tests], heard, one_more)
     layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(found[len(searches) :]))
     return found[0], found[1] if given.dem.paper else None, layers
 
