@@ -80,7 +80,8 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     answer.model_copy(update={"paper": papers_own}).write(store)
     calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
     calibration_told.write(store)
-    calibration_told.model_copy(update=_layer_tests(given, discs, found, progress, team)).write(store)
+    if tests := _layer_tests(given, discs, found, progress, team):
+        calibration_told.model_copy(update=tests).write(store)
     calibrate_pictures(given, store)
     calibration = found.calibration
     if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":

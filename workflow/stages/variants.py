@@ -31,11 +31,14 @@ FLOWS = {
 
 def work(job: Job) -> None:
     """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
+    from workflow.results.stored_mesh import fem_mesh
+
     given, store, progress = job.given, job.store, job.progress
     answer = FemAnswer.read(store)
     one_way = _with(given, "fem", direction=answer.direction)
+    last = fem_mesh(given, store, answer.mesh.method)
     asked = [
-        on_a_mesh(change, given, store, answer)
+        on_a_mesh(change, given, store, answer, last)
         for name in given.variants.which
         if (change := changed(one_way, name, answer.element))
     ]
@@ -69,17 +72,19 @@ class Change:
     kc_without: float | None = None
 
 
-def on_a_mesh(change: tuple[str, str, Input], given: Input, store: Store, answer: FemAnswer) -> Change:
-    """The change on the mesh of the answer, or where that has too many cells for a path on the one it began with."""
+def on_a_mesh(
+    change: tuple[str, str, Input], given: Input, store: Store, answer: FemAnswer, last: "QuadMesh"
+) -> Change:
+    """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first."""
     from fem.at_once import is_unique
-    from workflow.results.stored_mesh import fem_mesh, stored_mesh
+    from workflow.results.stored_mesh import stored_mesh
 
     name, words, with_it = change
     first = answer.meshes[0] if answer.meshes else None
     many = answer.mesh.quadrilaterals > PATH_CELLS and not is_unique(with_it, with_it.fem)
     if first is None or not many:
         halved = with_it.mesh != given.mesh
-        return Change(name, words, with_it, fem_mesh(given, store, answer.mesh.method), halved)
+        return Change(name, words, with_it, last, halved)
     words = f"{words}, on the first mesh of {first.cells} cells"
     return Change(name, words, with_it, stored_mesh(given, store), False, first.kc)
 

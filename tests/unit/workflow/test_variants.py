@@ -1,7 +1,10 @@
 """What is changed to see on what the critical Kh hangs."""
 
+from typing import cast
+
 import pytest
 
+from meshes.quad_mesh import QuadMesh
 from tests.support.answers import fem, variant
 from tests.support.sections import slope
 from workflow.results import stored_mesh
@@ -54,7 +57,6 @@ def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
     cells: int, first: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = Input.parse(slope())
-    monkeypatch.setattr(stored_mesh, "fem_mesh", lambda *_: "the last mesh")
     monkeypatch.setattr(stored_mesh, "stored_mesh", lambda *_: "the first mesh")
     answer = fem(run).model_copy(
         update={
@@ -66,7 +68,7 @@ def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
     def of(name: str, element: str = "reduced") -> tuple[object, float | None]:
         change = changed(run, name, element)
         assert change is not None
-        found = on_a_mesh(change, run, Store("nowhere"), answer)
+        found = on_a_mesh(change, run, Store("nowhere"), answer, cast(QuadMesh, "the last mesh"))
         assert found.words.endswith("the first mesh of 600 cells") == (found.kc_without is not None)
         return found.mesh, found.kc_without
 
