@@ -214,6 +214,7 @@ class Run:
         self.pool = ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
         self.layout: Layout | None = None  # while there is one, the model has no pairs
+        self.springs = springs_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.pack()
         self.begin_ledger()
@@ -228,7 +229,7 @@ class Run:
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout = pack(self.model, keep_pairs=False)
+            self.layout, self.springs = pack(self.model, keep_pairs=False), springs_of(self.model)
         return self.layout
 
     def update(self) -> None:
@@ -306,7 +307,7 @@ class Run:
         stops = np.zeros((2, self.threads), np.int64)
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time)
-        springs, law = springs_of(model), engine.law_of(model)
+        springs, law = self.springs, engine.law_of(model)
         loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
         entries = Entries(engine.ledger, model.energy_sums)
 

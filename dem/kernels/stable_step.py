@@ -21,6 +21,7 @@ from numba import njit
 
 from dem.kernels.arguments import Springs
 from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
+from dem.kernels.layout import INVMASS, LANES, LENGTH, LINK, RADII, RIM, ROLL_LINK, SHARE, Layout, X, Z, entry, place
 from dem.kernels.period import Period, image
 
 
@@ -97,6 +98,65 @@ def bound(block: np.ndarray, invmass: float, rim: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def add_pair(
+    stiffness: np.ndarray,
+    dashpots: np.ndarray,
+    a: int,
+    b: int,
+    way: tuple[float, float],
+    radii: float,
+    parts: tuple[float, float],
+    length: float,
+    kind: int,
+    skin: float,
+    table: np.ndarray,
+) -> None:
+    """Adds a pair to the blocks of its discs a and b.
+
+    way: from a to b (m); radii: their sum (m), parts: the share of each in it; length: of the pore spring (m).
+    """
+    dx, dz = way
+    d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
+    if length <= 0.0 and d > max(radii, -length) + skin:
+        return
+    nx, nz = dx / d, dz / d
+    # overlap only shortens the lever
+    lever = max(d / radii, 1.0)
+    kn, ks = table[KN, kind] + table[STOP, kind], table[KS, kind]
+    if length != 0.0:
+        kn, ks = kn + table[KPN, kind], ks + table[KPS, kind]
+    add_block(stiffness[a], nx, nz, lever, kn, ks)
+    add_block(stiffness[b], -nx, -nz, lever, kn, ks)
+    add_block(dashpots[a], nx, nz, lever, table[CN, kind], table[CT, kind])
+    add_block(dashpots[b], -nx, -nz, lever, table[CN, kind], table[CT, kind])
+    if table[MU_ROLLING, kind] > 0.0:
+        stiffness[a, 5] += table[KS, kind] * parts[1] ** 2
+        dashpots[a, 5] += table[CT, kind] * parts[1] ** 2
+        stiffness[b, 5] += table[KS, kind] * parts[0] ** 2
+        dashpots[b, 5] += table[CT, kind] * parts[0] ** 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_line(stiffness: np.ndarray, dashpots: np.ndarray, line: int, kind: int, springs: Springs) -> None:
+    """Adds a rigid line to the block of a disc."""
+    nx, nz = springs.walls[line, 2], springs.walls[line, 3]
+    table = springs.lines
+    add_block(stiffness, -nx, -nz, 1.0, table[KN, kind], table[KS, kind])
+    add_block(dashpots, -nx, -nz, 1.0, table[CN, kind], table[CT, kind])
+    if table[MU_ROLLING, kind] > 0.0:
+        stiffness[5] += table[KS, kind]
+        dashpots[5] += table[CT, kind]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def step_of(stiffness: np.ndarray, dashpots: np.ndarray, invmass: float, rim: float) -> float:
+    """Largest stable time step (s) of a disc with these blocks; inf if it moves nothing."""
+    k2 = 2.0 * bound(stiffness, invmass, rim)
+    c2 = 2.0 * bound(dashpots, invmass, rim)
+    return 2.0 / (c2 + np.sqrt(c2 * c2 + k2)) if k2 > 0.0 else np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def stable_step(
     bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
 ) -> tuple[float, int]:
@@ -105,46 +165,54 @@ def stable_step(
     skin (m): how much nearer a pair may come before the list is made anew.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
-    table, line_table = springs.pairs, springs.lines
     stiffness = np.zeros((len(x), 6))
     dashpots = np.zeros((len(x), 6))
     for c in range(len(pairs.i)):
-        a, b, k, length = pairs.i[c], pairs.j[c], pairs.kind[c], pairs.length[c]
-        dx, dz = image(x[b] - x[a], z[b] - z[a], period)
-        d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
+        a, b = pairs.i[c], pairs.j[c]
         radii = radius[a] + radius[b]
-        if length <= 0.0 and d > max(radii, -length) + skin:
-            continue
-        nx, nz = dx / d, dz / d
-        # overlap only shortens the lever
-        lever = max(d / radii, 1.0)
-        kn, ks = table[KN, k] + table[STOP, k], table[KS, k]
-        if length != 0.0:
-            kn, ks = kn + table[KPN, k], ks + table[KPS, k]
-        add_block(stiffness[a], nx, nz, lever, kn, ks)
-        add_block(stiffness[b], -nx, -nz, lever, kn, ks)
-        add_block(dashpots[a], nx, nz, lever, table[CN, k], table[CT, k])
-        add_block(dashpots[b], -nx, -nz, lever, table[CN, k], table[CT, k])
-        if table[MU_ROLLING, k] > 0.0:
-            for disc, other in ((a, b), (b, a)):
-                share = (radius[other] / radii) ** 2
-                stiffness[disc, 5] += table[KS, k] * share
-                dashpots[disc, 5] += table[CT, k] * share
+        add_pair(
+            stiffness, dashpots, a, b, image(x[b] - x[a], z[b] - z[a], period), radii,
+            (radius[a] / radii, radius[b] / radii), pairs.length[c], pairs.kind[c], skin, springs.pairs,
+        )  # fmt: skip
     for e in range(len(at_lines.disc)):
-        a, k, line = at_lines.disc[e], at_lines.kind[e], at_lines.line[e]
-        nx, nz = springs.walls[line, 2], springs.walls[line, 3]
-        add_block(stiffness[a], -nx, -nz, 1.0, line_table[KN, k], line_table[KS, k])
-        add_block(dashpots[a], -nx, -nz, 1.0, line_table[CN, k], line_table[CT, k])
-        if line_table[MU_ROLLING, k] > 0.0:
-            stiffness[a, 5] += line_table[KS, k]
-            dashpots[a, 5] += line_table[CT, k]
+        a = at_lines.disc[e]
+        add_line(stiffness[a], dashpots[a], at_lines.line[e], at_lines.kind[e], springs)
     least = np.inf
     which = -1
     for a in range(len(x)):
-        k2 = 2.0 * bound(stiffness[a], bodies.invmass[a], bodies.rim[a])
-        c2 = 2.0 * bound(dashpots[a], bodies.invmass[a], bodies.rim[a])
-        if k2 > 0.0:
-            step = 2.0 / (c2 + np.sqrt(c2 * c2 + k2))
-            if step < least:
-                least, which = step, a
+        step = step_of(stiffness[a], dashpots[a], bodies.invmass[a], bodies.rim[a])
+        if step < least:
+            least, which = step, a
     return least, which
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
+    """The same step (s), to rounding, from where the kernels keep the contacts; discs: how many there are."""
+    stiffness = np.zeros((discs, 6))
+    dashpots = np.zeros((discs, 6))
+    shared, links = layout.shared, layout.links
+    for p in range(len(layout.chunk_start) - 1):
+        for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
+            for lane in range(LANES):
+                a, b = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
+                if a >= discs or b >= discs:
+                    continue
+                at = np.uint64(chunk) * LINK + np.uint64(lane)
+                part = 0.5
+                if len(layout.rolling) > 0:
+                    part = layout.rolling[np.uint64(chunk) * ROLL_LINK + SHARE + np.uint64(lane)]
+                dx = shared[entry(b, X)] - shared[entry(a, X)]
+                dz = shared[entry(b, Z)] - shared[entry(a, Z)]
+                add_pair(
+                    stiffness, dashpots, a, b, image(dx, dz, period), links[at + RADII], (part, 1.0 - part),
+                    links[at + LENGTH], np.int64(layout.kinds[chunk * LANES + lane]), skin, springs.pairs,
+                )  # fmt: skip
+    for e in range(len(layout.line_disc)):
+        a = layout.line_disc[e]
+        add_line(stiffness[a], dashpots[a], layout.line_id[e], layout.line_kind[e], springs)
+    least = np.inf
+    for a in range(discs):
+        invmass, rim = layout.discs[place(a, INVMASS)], layout.discs[place(a, RIM)]
+        least = min(least, step_of(stiffness[a], dashpots[a], invmass, rim))
+    return least

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from dem.errors import ConfinementError, DemError
-from dem.laboratory.patch import Patch, Press
+from dem.laboratory.patch import Carried, Patch, Press
 from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 
 Kind = Literal["biaxial", "simple shear"]
@@ -96,19 +96,19 @@ def confine(patch: Patch, pressure: float) -> None:
     unit = patch.time_unit
     with Press(patch) as press:
         for _ in range(int(PATIENCE / 3.0)):
-            stress = patch.stress()
-            error = 0.5 * (stress + stress.T) + pressure * np.eye(2)
-            if np.abs(error).max() < AT_REST * pressure and patch.unbalanced() < AT_REST:
+            now = patch.carried()
+            error = 0.5 * (now.stress + now.stress.T) + pressure * np.eye(2)
+            if np.abs(error).max() < AT_REST * pressure and now.unbalanced < AT_REST:
                 break
             limit = FASTEST / unit
             press.strain(np.clip(-error / (3.0 * unit * modulus), -limit, limit), 3.0 * unit)
         else:
             raise ConfinementError(
                 f"the patch does not come to rest at {pressure:g} Pa: largest error of its stress "
-                f"{np.abs(error).max():.3g} Pa, unbalanced ratio {patch.unbalanced():.3g}. Take another seed "
+                f"{np.abs(error).max():.3g} Pa, unbalanced ratio {now.unbalanced:.3g}. Take another seed "
                 "or a larger patch."
             )
-        patch.turn_to(np.zeros((2, 2)))
+        press.turn_to(np.zeros((2, 2)))
 
 
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
@@ -127,7 +127,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
         with Press(probed) as press:
             press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
-        found[name] = probed.stress() / size
+        found[name] = probed.carried().stress / size
     x, z, shear = (found[name] - found["none"] for name in ("x", "z", "shear"))
     stiffness = PlaneElastic(
         M=-0.5 * float(x[0, 0] + z[1, 1]), lame=-0.5 * float(x[1, 1] + z[0, 0]),
@@ -165,16 +165,16 @@ def load(
     bonds = max(1, int((patch.model.pore_length != 0.0).sum()))
     rows: list[np.ndarray] = []
     stopped = ""
-    stress = patch.stress()
     with Press(patch) as press:
         try:
+            now = patch.carried()
             for interval in lengths:
-                wanted = -(stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
+                wanted = -(now.stress[held, held] + pressure) / (stiffness.M * REACTION * interval)
                 steady += wanted / MEMORY
                 drive[held, held] = np.clip(wanted + steady, -LATERAL * per_second, LATERAL * per_second)
                 press.strain(drive, interval)
-                stress = patch.stress()
-                rows.append(_record(patch, kind, stress, bonds))
+                now = patch.carried()
+                rows.append(_record(patch.deformation, kind, now, bonds))
                 if not to_the_end and _is_over(rows, kind):
                     break
         except DemError as error:
@@ -198,8 +198,6 @@ def _is_over(rows: list[np.ndarray], kind: Kind) -> bool:
     return bool(means[-1, 0] > strain * means[at, 0] and resistance[-1] < left * resistance[at])
 
 
-def _record(patch: Patch, kind: Kind, stress: np.ndarray, bonds: int) -> np.ndarray:
-    f = patch.deformation
+def _record(f: np.ndarray, kind: Kind, now: Carried, bonds: int) -> np.ndarray:
     strain = -np.log(f[1, 1]) if kind == "biaxial" else f[0, 1] / f[1, 1]
-    cracked = (patch.model.pore_length < 0.0).sum() / bonds
-    return np.array([strain, *stress.ravel(), np.log(np.linalg.det(f)), patch.unbalanced(), cracked])
+    return np.array([strain, *now.stress.ravel(), np.log(np.linalg.det(f)), now.unbalanced, now.cracked / bonds])

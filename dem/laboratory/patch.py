@@ -13,7 +13,11 @@ from typing import Literal
 import numpy as np
 
 from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.packer import pack
 from dem.errors import EscapeError
+from dem.kernels.layout import Layout
+from dem.kernels.patch import outside, pair_forces, turn
+from dem.kernels.stable_step import stable_step_of_layout
 from dem.model import DiscModel
 from dem.packing import ROW, Packing, random_packing
 from dem.springs import Law, LayerSprings
@@ -104,6 +108,8 @@ class Patch:
         F, so far.
     rates : (2, 2)
         Velocity gradient of the frame (1/s).
+    run : Run or None
+        Of the press that it is in.
     """
 
     model: DiscModel
@@ -113,6 +119,7 @@ class Patch:
     watch: Watch = no_watch
     deformation: np.ndarray = field(default_factory=lambda: np.eye(2))
     rates: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
+    run: Run | None = None
 
     @property
     def time_unit(self) -> float:
@@ -130,66 +137,56 @@ class Patch:
         """Another patch in the same state."""
         return replace(self, model=self.model.copy(), deformation=self.deformation.copy(), rates=self.rates.copy())
 
-    def turn_to(self, rates: np.ndarray) -> None:
-        """The frame's velocity gradient (2, 2) from now on (1/s).
+    @property
+    def layout(self) -> Layout:
+        """Its discs and contacts where a press keeps them, or as the model has them."""
+        return pack(self.model) if self.run is None else self.run.pack()
 
-        Free discs get the change as well, so that no wave runs inwards from the frame. The velocities of the step under
-        way are changed in place: `set_velocity` would make the contacts forget its slip.
-        """
-        model = self.model
-        change = rates - self.rates
-        vx, vz = change @ np.array([model.x, model.z])
-        vr = 0.5 * (change[1, 0] - change[0, 1]) * model.radius
-        for name, value in (("vx", vx), ("vz", vz), ("vr", vr)):
-            getattr(model, name)[:] += value
-            getattr(model, name + "_half")[:] += value
-        frame = self.frame
-        exact = rates @ np.array([model.x[frame], model.z[frame]])
-        for name, value in (("vx", exact[0]), ("vz", exact[1])):
-            getattr(model, name)[frame] = value
-            getattr(model, name + "_half")[frame] = value
-        self.rates = rates.copy()
-
-    def stress(self) -> np.ndarray:
-        """Mean stress (2, 2) in the region (Pa): the sum of pair force times the part of the branch that lies inside.
-
-        Forces are those of the last step, dashpots included.
-        """
-        model = self.model
-        ends = [np.array([model.x[k], model.z[k]]) for k in (model.pair_i, model.pair_j)]
+    def carried(self) -> "Carried":
+        """What its contacts carry, by the forces of the last step, dashpots included."""
         back = np.linalg.inv(self.deformation)
-        first, second = (back @ end for end in ends)
-        share = share_inside(first, second, self.region)
-        forces = np.array([model.force_x, model.force_z])
+        sums, unbalanced, cracked = pair_forces(self.layout, len(self.model), back, self.region)
         area = float(np.prod(self.region[1] - self.region[0]) * np.linalg.det(self.deformation))
-        return -np.einsum("c,ac,bc->ab", share, forces, ends[1] - ends[0]) / area
+        return Carried(sums / area, unbalanced, cracked)
 
     def check_frame(self) -> None:
-        """Raises EscapeError if a free disc has slipped out through the frame."""
-        at = np.abs(np.linalg.inv(self.deformation) @ np.array([self.model.x, self.model.z]))
-        gone = (at > at[:, self.frame].max(axis=1)[:, None]).any(axis=0) & ~self.frame
-        if gone.any():
-            disc = int(np.argmax(gone))
+        """Raises EscapeError if a free disc has slipped out through the frame, NotFiniteError if it is nowhere."""
+        model = self.model
+        gone = outside(self.layout, len(model), np.linalg.inv(self.deformation))
+        if gone >= 0:
+            if self.run is not None:
+                self.run.show()
             raise EscapeError(
-                f"disc {disc} has slipped out through the frame at t = {self.model.time:.6g} s, through a gap in it. "
-                "Test to a smaller strain, or take another seed."
+                f"disc {model.order[gone]} has slipped out through the frame at t = {model.time:.6g} s, through a gap "
+                "in it. Test to a smaller strain, or take another seed."
             )
 
-    def unbalanced(self) -> float:
-        """Mean force on a free disc that its contacts leave unbalanced, over the mean force of those that carry any."""
-        model = self.model
-        n = len(model)
-        total = [np.bincount(model.pair_j, f, n) - np.bincount(model.pair_i, f, n)
-                 for f in (model.force_x, model.force_z)]  # fmt: skip
-        forces = np.hypot(model.force_x, model.force_z)
-        carrying = forces > 0.0
-        if not carrying.any():
-            return 0.0
-        return float(np.hypot(*total)[~self.frame].mean() / forces[carrying].mean())
+
+@dataclass(frozen=True)
+class Carried:
+    """What the contacts of a patch carry.
+
+    Attributes
+    ----------
+    stress : (2, 2)
+        Mean over the region (Pa): the sum of pair force times the part of the branch that lies inside, over its area.
+    unbalanced : float
+        Mean force on a free disc that its contacts leave unbalanced, over the mean force of those that carry any.
+    cracked : int
+        Pore springs that are cracked.
+    """
+
+    stress: np.ndarray
+    unbalanced: float
+    cracked: int
 
 
 class Press:
-    """Strains a patch: steps of the engine between changes of the frame's velocity."""
+    """Strains a patch: steps of the engine between changes of the frame's velocity.
+
+    Inside the block the contacts stay where the kernels keep them, since to bring them back takes longer than most
+    intervals; the patch is read there, and its model is whole again after the block.
+    """
 
     def __init__(self, patch: Patch) -> None:
         self.patch = patch
@@ -197,11 +194,27 @@ class Press:
         self.run = Run(engine, patch.model, engine.step_of(patch.model))
 
     def __enter__(self) -> "Press":
-        self.run.update()  # a run that has begun keeps the contacts to itself
+        self.patch.run = self.run
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.patch.run = None
         self.run.close()
+
+    def turn_to(self, rates: np.ndarray) -> None:
+        """The frame's velocity gradient (2, 2) from now on (1/s).
+
+        Free discs get the change as well, so that no wave runs inwards from the frame. The velocities of the step under
+        way are changed in place: `set_velocity` would make the contacts forget its slip.
+        """
+        patch, model = self.patch, self.patch.model
+        turn(self.run.pack(), model.radius[model.order], rates - patch.rates, rates)
+        patch.rates = rates.copy()
+
+    def stable_step(self) -> float:
+        """The largest stable step as the discs are now (s)."""
+        model, layout = self.patch.model, self.run.pack()
+        return float(stable_step_of_layout(layout, len(model), model.skin, self.run.springs, model.repeats))
 
     def strain(self, rates: np.ndarray, duration: float) -> None:
         """Takes the patch `duration` (s) on at this velocity gradient (1/s).
@@ -210,28 +223,13 @@ class Press:
         """
         patch, run = self.patch, self.run
         patch.watch()
-        patch.turn_to(rates)
+        self.turn_to(rates)
         # contacts come and go, and the stable step with them
-        steps = int(np.ceil(duration / (STEP * largest_step(patch.model).seconds)))
+        steps = int(np.ceil(duration / (STEP * self.stable_step())))
         run.dt = duration / steps
-        run.advance(steps)
+        run.go(steps)
         patch.deformation = (np.eye(2) + rates * duration) @ patch.deformation
         patch.check_frame()
-
-
-def share_inside(first: np.ndarray, second: np.ndarray, region: np.ndarray) -> np.ndarray:
-    """Share of each segment between points (2, n) that lies in the rectangle `region` (Liang-Barsky)."""
-    along = second - first
-    start, end = np.zeros(first.shape[1]), np.ones(first.shape[1])
-    for axis in range(2):
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            a = (region[0, axis] - first[axis]) / along[axis]
-            b = (region[1, axis] - first[axis]) / along[axis]
-        parallel = along[axis] == 0.0
-        inside = (first[axis] >= region[0, axis]) & (first[axis] <= region[1, axis])
-        start = np.maximum(start, np.where(parallel, 0.0, np.minimum(a, b)))
-        end = np.minimum(end, np.where(parallel, np.where(inside, 1.0, 0.0), np.maximum(a, b)))
-    return np.maximum(end - start, 0.0)
 
 
 def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:

@@ -8,17 +8,21 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dem.engine.engine import largest_step
 from dem.engine.forces import contact_forces, stress
+from dem.engine.packer import unpack
 from dem.errors import EscapeError, OverlapError
+from dem.kernels.patch import share_inside
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.element_test import ElementTest, element_test
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import Sample, lattice_patch, random_patch, share_inside
+from dem.laboratory.patch import Patch, Press, Sample, lattice_patch, random_patch
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import dilation, from_plane, from_principal, verdict
+from dem.model import DiscModel
 from meshes.section.section import Section, Stratum
 from tests.support import SECTIONS
 from tests.support.dem_cases import KN, RADIUS, SOIL
@@ -40,12 +44,14 @@ point = st.tuples(coordinate, coordinate)
 REGION = np.array([[-1.0, -2.0], [1.0, 2.0]])
 
 
+@settings(deadline=None)  # the first call compiles
 @given(point, point)
 def test_share_of_a_segment_in_a_region(first: tuple[float, float], second: tuple[float, float]) -> None:
     a, b = np.array([first]).T, np.array([second]).T
-    share = share_inside(a, b, REGION)[0]
+    there, back = (*first, *(b - a).ravel()), (*second, *(a - b).ravel())
+    share = share_inside(*there, REGION)
     assert 0.0 <= share <= 1.0
-    assert share == pytest.approx(share_inside(b, a, REGION)[0], abs=1e-9)
+    assert share == pytest.approx(share_inside(*back, REGION), abs=1e-9)
     # counted point by point
     along = a + (b - a) * (np.arange(2000) + 0.5) / 2000
     inside = np.all((along >= REGION[0][:, None]) & (along <= REGION[1][:, None]), axis=0)
@@ -113,14 +119,49 @@ def test_dilation_of_a_curve_that_grows_at_a_known_angle(psi: float) -> None:
 def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
     patch = make(SOIL, RADIUS)
     confine(patch, 2e5)
-    assert patch.stress() == pytest.approx(-2e5 * np.eye(2), abs=1.01e-3 * 2e5)
-    assert patch.unbalanced() < 1e-3
+    now = patch.carried()
+    assert now.stress == pytest.approx(-2e5 * np.eye(2), abs=1.01e-3 * 2e5)
+    assert now.unbalanced < 1e-3
     if make is lattice_patch:
         # disc by disc instead of by clipping: the mean over discs that have all their neighbours
         model = patch.model
         inner = np.all(np.abs(np.array([model.x, model.z]).T) < patch.region[1], axis=1)
         area = inner.sum() * 2.0 * np.sqrt(3.0) * RADIUS**2 * np.linalg.det(patch.deformation)
-        assert stress(model, contact_forces(model), area, inner) == pytest.approx(patch.stress(), rel=1e-3, abs=10.0)
+        assert stress(model, contact_forces(model), area, inner) == pytest.approx(now.stress, rel=1e-3, abs=10.0)
+
+
+def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
+    made = Sample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
+    confine(made, 1e6)
+    kept, renewed = made.copy(), made.copy()
+    per_second = 1e-3 / made.time_unit
+    drive = np.array([[0.2, 0.5], [0.0, -1.0]]) * per_second
+    with Press(kept) as press:
+        for k in range(1, 6):
+            press.strain(k * drive, 0.002 / per_second)
+            inside = kept.carried()
+            assert press.stable_step() == pytest.approx(largest_step(whole(kept)).seconds, rel=1e-12)
+    with Press(renewed) as press:
+        for k in range(1, 6):
+            press.strain(k * drive, 0.002 / per_second)
+            press.run.update()  # the contacts go back to the model, and a new layout is made of it
+    for name in ("x", "z", "vx", "vz", "roll", "shear", "force_x", "force_z", "pair_i"):
+        assert np.array_equal(getattr(kept.model, name), getattr(renewed.model, name)), name
+    model, after = kept.model, kept.carried()
+    assert np.array_equal(after.stress, inside.stress)
+    assert after.unbalanced == inside.unbalanced
+    total = [np.bincount(model.pair_j, f, len(model)) - np.bincount(model.pair_i, f, len(model))
+             for f in (model.force_x, model.force_z)]  # fmt: skip
+    forces = np.hypot(model.force_x, model.force_z)
+    unbalanced = np.hypot(*total)[~kept.frame].mean() / forces[forces > 0.0].mean()
+    assert after.unbalanced == pytest.approx(unbalanced, rel=1e-12)
+
+
+def whole(patch: Patch) -> DiscModel:
+    """The model of a patch in a press, with its contacts, as a copy."""
+    model = patch.model.copy()
+    unpack(patch.layout, model)
+    return model
 
 
 def test_frame_follows_its_affine_motion_to_rounding() -> None:

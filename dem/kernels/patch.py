@@ -1,0 +1,141 @@
+"""Kernel: a patch of discs in a frame, read and driven where the stepping kernel keeps it.
+
+What a test looks at between two short runs would take longer to be brought back into the model than to be looked at.
+"""
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.layout import (
+    FX,
+    FZ,
+    INVMASS,
+    LANES,
+    LENGTH,
+    LINK,
+    VR,
+    VRS,
+    VX,
+    VXS,
+    VZ,
+    VZS,
+    Layout,
+    X,
+    Z,
+    entry,
+    place,
+)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.ndarray) -> float:
+    """Share of the way from (x, z) along (along_x, along_z) that lies in a rectangle (Liang-Barsky).
+
+    region: (2, 2), its low and high corner.
+    """
+    start, end = 0.0, 1.0
+    for axis in range(2):
+        first, along = (x, along_x) if axis == 0 else (z, along_z)
+        if along == 0.0:
+            if first < region[0, axis] or first > region[1, axis]:
+                return 0.0
+            continue
+        a, b = (region[0, axis] - first) / along, (region[1, axis] - first) / along
+        start, end = max(start, min(a, b)), min(end, max(a, b))
+    return max(end - start, 0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
+    """What the contacts of a patch carry, by the forces of the last step, dashpots included.
+
+    discs: how many there are; back: (2, 2), the inverse of the deformation, so that `region` is that before any.
+    Returns (sum of pair force times that part of the branch which lies in the region (N m, 2 x 2: tension positive),
+    mean force that is left unbalanced on a free disc over the mean of the pair forces, number of cracked pore springs).
+    """
+    shared, links = layout.shared, layout.links
+    carried = np.zeros((2, 2))
+    total = np.zeros((discs, 2))
+    sum_of_forces, carrying, cracked = 0.0, 0, 0
+    for p in range(len(layout.chunk_start) - 1):
+        for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
+            for lane in range(LANES):
+                i, j = p * LANES + lane, np.int64(layout.partner[chunk * LANES + lane])
+                if i >= discs or j >= discs:
+                    continue
+                at = np.uint64(chunk) * LINK + np.uint64(lane)
+                cracked += links[at + LENGTH] < 0.0
+                fx, fz = links[at + FX], links[at + FZ]
+                if fx == 0.0 and fz == 0.0:
+                    continue
+                sum_of_forces += np.hypot(fx, fz)
+                carrying += 1
+                total[i, 0] -= fx
+                total[i, 1] -= fz
+                total[j, 0] += fx
+                total[j, 1] += fz
+                x, z = shared[entry(i, X)], shared[entry(i, Z)]
+                dx, dz = shared[entry(j, X)] - x, shared[entry(j, Z)] - z
+                share = share_inside(
+                    back[0, 0] * x + back[0, 1] * z, back[1, 0] * x + back[1, 1] * z,
+                    back[0, 0] * dx + back[0, 1] * dz, back[1, 0] * dx + back[1, 1] * dz, region,
+                )  # fmt: skip
+                carried[0, 0] -= share * fx * dx
+                carried[0, 1] -= share * fx * dz
+                carried[1, 0] -= share * fz * dx
+                carried[1, 1] -= share * fz * dz
+    if carrying == 0:
+        return carried, 0.0, cracked
+    left, free = 0.0, 0
+    for i in range(discs):
+        if layout.discs[place(i, INVMASS)] > 0.0:
+            left += np.hypot(total[i, 0], total[i, 1])
+            free += 1
+    return carried, (left / free) / (sum_of_forces / carrying), cracked
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
+    """Number in spatial order of a free disc that is not within the frame, -1 if there is none; see `pair_forces`.
+
+    A disc whose place is no number is not within it either.
+    """
+    shared = layout.shared
+    most_x, most_z = 0.0, 0.0
+    for i in range(discs):
+        if layout.discs[place(i, INVMASS)] == 0.0:
+            x, z = shared[entry(i, X)], shared[entry(i, Z)]
+            most_x = max(most_x, abs(back[0, 0] * x + back[0, 1] * z))
+            most_z = max(most_z, abs(back[1, 0] * x + back[1, 1] * z))
+    for i in range(discs):
+        x, z = shared[entry(i, X)], shared[entry(i, Z)]
+        across, up = abs(back[0, 0] * x + back[0, 1] * z), abs(back[1, 0] * x + back[1, 1] * z)
+        if layout.discs[place(i, INVMASS)] > 0.0 and not (across <= most_x and up <= most_z):
+            return i
+    return -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarray) -> None:
+    """Gives all discs the `change` of a velocity gradient (2, 2), and those of the frame exactly `rates` (1/s).
+
+    radius: of every disc (m), in spatial order.
+    """
+    shared = layout.shared
+    spin = 0.5 * (change[1, 0] - change[0, 1])
+    for i in range(len(radius)):
+        x, z = shared[entry(i, X)], shared[entry(i, Z)]
+        vx, vz = change[0, 0] * x + change[0, 1] * z, change[1, 0] * x + change[1, 1] * z
+        shared[entry(i, VR)] += spin * radius[i]
+        shared[entry(i, VRS)] += spin * radius[i]
+        if layout.discs[place(i, INVMASS)] > 0.0:
+            shared[entry(i, VX)] += vx
+            shared[entry(i, VXS)] += vx
+            shared[entry(i, VZ)] += vz
+            shared[entry(i, VZS)] += vz
+        else:
+            vx, vz = rates[0, 0] * x + rates[0, 1] * z, rates[1, 0] * x + rates[1, 1] * z
+            shared[entry(i, VX)] = vx
+            shared[entry(i, VXS)] = vx
+            shared[entry(i, VZ)] = vz
+            shared[entry(i, VZS)] = vz
