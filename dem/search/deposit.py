@@ -3,7 +3,8 @@
 Random packings sink by some per cent of their height as they settle. So that surface and interfaces stand where the
 section has them when anything begins, the box is filled above the surface; what stands above it after settling is
 taken away, and every disc that remains is given the stratum in which it has come to lie. Weight and mass follow from
-the void ratio that is measured then: section over discs. Both are done `ROUNDS` times.
+the void ratio that is measured then: section over discs. Both are done `ROUNDS` times, the last time with the hollows
+at the surface filled, and that is repeated where a column is still off (`dem.search.levelling`).
 """
 
 from collections.abc import Callable, Sequence
@@ -15,13 +16,16 @@ from dem.ground import Ground, downhill, in_stratum
 from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel
 from dem.packing import Packing, random_packing
-from dem.search.equilibrium import settle
+from dem.search.equilibrium import settle, shake
+from dem.search.levelling import levelled, misfit
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
 from meshes.section.section import Section
 
 ROUNDS = 2
+MORE = 3  # rounds at most beyond these, while a column is further off than
+OFF = 0.5  # mean radii
 SINKS = 0.01  # of the section's height, in settling
 MARGIN = 2.0  # mean radii that the fill is higher still
 RIM = 2.4  # mean radii beyond base and sides that are filled as well, and held: discs on a row of equal ones slide
@@ -65,10 +69,16 @@ def deposit(section: Section, settings: DemSettings, layers_of: LayersOf) -> Dep
     ground = _filled(section, settings, radius)
     layers = list(layers_of(radius, VOID_RATIO))
     settled = settle(ground, layers, settings, shaken=False)
-    for left in reversed(range(ROUNDS)):
-        ground = replace(ground, packing=cut(section, settled, ground))
+    for done in range(ROUNDS + MORE):
+        packing = cut(section, settled, ground)
+        if done >= ROUNDS - 1:
+            packing = levelled(section, packing, radius, settings.spread)
+        ground = replace(ground, packing=_in_strata(section, packing))
         layers = list(layers_of(radius, void_ratio(section, ground.packing)))
-        settled = settle(ground, layers, settings, shaken=left == 0)
+        settled = settle(ground, layers, settings, shaken=False)
+        if done >= ROUNDS - 1 and np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
+            break
+    shake(settled, ground)
     return Deposit(ground, layers, settled, void_ratio(section, ground.packing))
 
 
@@ -79,14 +89,18 @@ def void_ratio(section: Section, packing: Packing) -> float:
 
 
 def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
-    """The discs where they lie now, without those above the surface, each in the stratum where it is."""
+    """The discs where they lie now, without those above the surface."""
     free = ~settled.fixed
     level = np.interp(settled.x, *np.array(section.surface, float).T)
     keep = ~free | (settled.z <= level - CUT * ground.radius)
-    x, z, layer = settled.x[keep], settled.z[keep], settled.layer[keep].copy()
-    inside = layer >= 0
-    layer[inside] = in_stratum(section, x[inside], z[inside])
-    return Packing(x, z, settled.radius[keep], layer, settled.lines)
+    return Packing(settled.x[keep], settled.z[keep], settled.radius[keep], settled.layer[keep], settled.lines)
+
+
+def _in_strata(section: Section, packing: Packing) -> Packing:
+    """Every disc that can move in the stratum in which it lies."""
+    layer, inside = packing.layer.copy(), packing.free
+    layer[inside] = in_stratum(section, packing.x[inside], packing.z[inside])
+    return replace(packing, layer=layer)
 
 
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
@@ -94,23 +108,6 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     packing = Packing(settled.x, settled.z, settled.radius, settled.layer, settled.lines)
     radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section), section)
-
-
-def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
-    """How far the ground stands above the section's surface, column by column of two diameters (m).
-
-    The top of the ground in a column is the highest rim of a disc in it. Discs that have come to lie among those of the
-    sides are left out.
-    """
-    left, right = section.surface[0][0], section.surface[-1][0]
-    free = ~model.fixed & (model.x >= left) & (model.x <= right)
-    x, top = model.x[free], (model.z + model.radius)[free]
-    column = ((x - x.min()) / (4.0 * radius)).astype(int)
-    highest = np.full(column.max() + 1, -np.inf)
-    np.maximum.at(highest, column, top)
-    middle = x.min() + 4.0 * radius * (np.arange(len(highest)) + 0.5)
-    filled = np.isfinite(highest)
-    return np.asarray((highest - np.interp(middle, *np.array(section.surface, float).T))[filled])
 
 
 def _filled(section: Section, settings: DemSettings, radius: float) -> Ground:

@@ -166,9 +166,15 @@ def settle(
     _rest(model, ground, "under its weight")
     if any(layer.kpn > 0.0 for layer in layers):  # soil discs have no pore springs
         model.set_pore_springs()
-    if fresh and shaken and ground.weaken(model):
-        _rest(model, ground, "once shaking has added its pore pressure")
+    if fresh and shaken:
+        shake(model, ground)
     return model
+
+
+def shake(model: DiscModel, ground: Ground) -> None:
+    """Adds the pore pressure that shaking adds to discs at rest, if it adds any, and takes them to rest again."""
+    if ground.weaken(model):
+        _rest(model, ground, "once shaking has added its pore pressure")
 
 
 def _rest(model: DiscModel, ground: Ground, under: str) -> None:

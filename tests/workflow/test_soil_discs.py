@@ -9,7 +9,7 @@ import pytest
 import tomli_w
 
 from dem.model import DiscModel
-from dem.search.deposit import misfit
+from dem.search.levelling import misfit
 from dem.settings import SlideSettings
 from meshes.section.section import Section
 from tests.support.command_line import run
@@ -60,7 +60,7 @@ def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
 
 
 def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
-    """Surface within half a radius on average; weight and horizontal force of the soil; no disc turns."""
+    """Surface within half a radius in every column; weight and horizontal force of the soil; no disc turns."""
     section = Input.load(whole / "section.toml")
     discs = answer(whole, "dem/critical.json")["model"]
     settled = DiscModel.load(whole / "dem/settled.h5")
@@ -68,8 +68,7 @@ def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
     assert settled.law == "soil"
     assert not settled.inertia_ratio.any()
     away = misfit(section, settled, discs["radius_m"])
-    assert abs(away.mean()) < 0.5 * discs["radius_m"]
-    assert np.abs(away).max() < 2.0 * discs["radius_m"]
+    assert np.abs(away).max() <= 0.5 * discs["radius_m"]
     areas = section.layering.areas()
     mass = sum(area * s.density_seismic for area, s in zip(areas, section.strata, strict=True))
     weight = sum(area * s.density_ordinary for area, s in zip(areas, section.strata, strict=True))

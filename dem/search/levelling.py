@@ -1,0 +1,156 @@
+"""The surface of soil discs, brought to the section's: what stands out of it goes, and hollows are filled.
+
+Where a disc that stood too high has gone, a hollow of its size is left, and what lies beside it slides in. So new discs
+are laid in wherever there is room for one that rests on two others, with whichever radius of the packing's spread
+brings its top nearest to the surface. Where there is no such room in a column, one disc in it is exchanged for others.
+Places, sizes and order follow from the discs alone, not from random numbers.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from dem.model import DiscModel
+from dem.packing import Packing
+from meshes.section.section import Section
+
+STANDS_OUT = 0.4  # mean radii above the surface: discs whose top is higher go, and none is laid in that would be
+FAR = 0.3  # mean radii: columns further off have a disc exchanged; half a radius is what they are allowed at rest
+DEEP = 4.0  # mean radii below the surface, down to which discs are looked for that can carry one
+SIZES = 9  # radii that are tried for each place
+NEAREST = 8  # discs that are looked at round a place
+TOUCHES = 0.02  # mean radii that a disc may overlap others as it is laid in, as those at rest under weight do
+
+
+def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
+    """How far the ground stands above the section's surface, column by column of two diameters or a little less (m).
+
+    Of a column it is the top of that disc which reaches farthest above the surface there, or stays least below it, each
+    held against the elevation of the surface straight below its own top: across a column a face falls by more than what
+    is asked. Discs that have come to lie among those of the sides are left out.
+    """
+    left, right = section.extent
+    free = ~model.fixed & (model.x >= left) & (model.x <= right)
+    above = _columns(section, np.column_stack([model.x, model.z, model.radius])[free], radius)
+    return above[np.isfinite(above)]
+
+
+def levelled(section: Section, packing: Packing, radius: float, spread: float) -> Packing:
+    """The packing without the discs whose tops stand out of the surface, and with its hollows filled.
+
+    Its discs that can move have no stratum yet (number 0): whoever asks for this gives each that in which it lies.
+    """
+    discs = np.column_stack([packing.x, packing.z, packing.radius])
+    held, discs = discs[~packing.free], discs[packing.free]
+    discs = discs[_above(section, discs) <= STANDS_OUT * radius]
+    laid = _fillings(section, np.vstack([held, discs]), section.extent, radius, spread)
+    discs = _exchanged(section, held, np.vstack([discs, laid]), radius, spread)
+    layer = np.append(np.full(len(held), -1, np.int32), np.zeros(len(discs), np.int32))
+    x, z, size = np.vstack([held, discs]).T
+    return Packing(x.copy(), z.copy(), size.copy(), layer, packing.lines)
+
+
+def _exchanged(section: Section, held: np.ndarray, discs: np.ndarray, radius: float, spread: float) -> np.ndarray:
+    """The discs with one of each column that is off taken away and its room filled anew.
+
+    Taken is the one for which the column and those beside it come nearest to the surface; none if none is nearer.
+    """
+    left, right = section.extent
+    above = _columns(section, discs, radius)
+    width = (right - left) / len(above)
+    for column in np.flatnonzero(np.abs(above) > FAR * radius):
+        sides = slice(max(0, column - 1), column + 2)
+        begin, end = left + column * width, left + (column + 1) * width
+        ends = max(left, begin - width), min(right, end + width)
+        near, around = (
+            np.flatnonzero((some[:, 0] > begin - 4.0 * width) & (some[:, 0] < end + 4.0 * width))
+            for some in (discs, held)
+        )
+        high = _above(section, discs[near]) > -0.5 * DEEP * radius
+        inside = (discs[near, 0] > begin - radius) & (discs[near, 0] < end + radius)
+        least, best = np.abs(_columns(section, discs, radius)[sides]).max(), discs
+        for gone in near[high & inside]:
+            rest = discs[near[near != gone]]
+            laid = _fillings(section, np.vstack([held[around], rest]), ends, radius, spread)
+            off = np.abs(_columns(section, np.vstack([rest, laid]), radius)[sides]).max()
+            if off < least - 1e-9:
+                least, best = off, np.vstack([np.delete(discs, gone, axis=0), laid])
+        discs = best
+    return discs
+
+
+def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
+    """How far the discs (x, z, radius) of each column reach above the surface (m), minus infinity where none are."""
+    left, right = section.extent
+    count = max(1, int(np.ceil((right - left) / (4.0 * radius))))
+    column = np.floor((discs[:, 0] - left) / (right - left) * count).astype(int)
+    highest = np.full(count, -np.inf)
+    np.maximum.at(highest, np.clip(column, 0, count - 1), _above(section, discs))
+    return highest
+
+
+def _fillings(
+    section: Section, discs: np.ndarray, ends: tuple[float, float], radius: float, spread: float
+) -> np.ndarray:
+    """Discs (n, 3: centre and radius) that lie on two others each, those with tops nearest to the surface first.
+
+    Their centres lie between two ends (m).
+    """
+    there = discs[discs[:, 1] > _level(section, discs[:, 0]) - DEEP * radius]
+    sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, SIZES) if spread > 0.0 else np.ones(1))
+    laid = np.zeros((0, 3))
+    places = _places(there, np.arange(len(there)), sizes)
+    while True:
+        at_surface = np.abs(_above(section, places)) <= STANDS_OUT * radius
+        places = places[at_surface & (places[:, 0] >= ends[0]) & (places[:, 0] <= ends[1])]
+        places = places[_fits(places, there, radius)]
+        if not len(places):
+            return laid
+        away = np.round(np.abs(_above(section, places)), 9)
+        best = places[np.lexsort((places[:, 0], away))[:1]]
+        laid, there = np.vstack([laid, best]), np.vstack([there, best])
+        places = np.vstack([places, _places(there, np.array([len(there) - 1]), sizes)])
+
+
+def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Where discs of some sizes would rest on one of some discs and on another one, a centre on either side."""
+    tree = cKDTree(discs[:, :2])
+    reach = 2.0 * sizes.max() + 2.0 * discs[:, 2].max()
+    pairs = {
+        (min(a, b), max(a, b))
+        for a, others in zip(of.tolist(), tree.query_ball_point(discs[of, :2], reach), strict=True)
+        for b in others
+        if a != b
+    }
+    if not pairs:
+        return np.zeros((0, 3))
+    first, second = np.array(sorted(pairs)).T
+    swap = discs[first, 0] > discs[second, 0]
+    first, second = np.where(swap, second, first), np.where(swap, first, second)
+    a, b = discs[first][:, None, :], discs[second][:, None, :]
+    size = np.broadcast_to(sizes, (len(first), len(sizes)))
+    along = b[..., :2] - a[..., :2]
+    apart = np.maximum(np.hypot(along[..., 0], along[..., 1]), 1e-9)
+    from_a, from_b = a[..., 2] + size, b[..., 2] + size
+    share = (apart**2 + from_a**2 - from_b**2) / (2.0 * apart)
+    square = from_a**2 - share**2
+    ex, ez = along[..., 0] / apart, along[..., 1] / apart
+    height = np.sqrt(np.maximum(square, 0.0))
+    x, z = a[..., 0] + share * ex - height * ez, a[..., 1] + share * ez + height * ex
+    rests = (square > 0.0) & (x > a[..., 0]) & (x < b[..., 0])
+    return np.column_stack([x[rests], z[rests], size[rests]])
+
+
+def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
+    """Whether discs at some places would overlap none of those that there are."""
+    apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEAREST, len(discs)) + 1))
+    gap = apart - places[:, 2:] - discs[near, 2]
+    return np.asarray(gap.min(axis=1) >= -TOUCHES * radius)
+
+
+def _above(section: Section, discs: np.ndarray) -> np.ndarray:
+    """How far the tops of discs (x, z, radius) stand above the surface straight below or above them (m)."""
+    return np.asarray(discs[:, 1] + discs[:, 2] - _level(section, discs[:, 0]))
+
+
+def _level(section: Section, x: np.ndarray) -> np.ndarray:
+    return np.interp(x, *np.array(section.surface, float).T)

@@ -1,0 +1,93 @@
+"""The surface of discs brought to the section's: what stands out goes, hollows are filled, nothing overlaps."""
+
+import numpy as np
+import pytest
+
+from dem.packing import Packing
+from dem.search.levelling import STANDS_OUT, TOUCHES, levelled, misfit
+from meshes.section.section import Section
+from tests.support.dem_cases import SOIL
+from tests.support.sections import layer
+
+RADIUS = 0.5
+SPREAD = 0.2
+TOP = 6.0
+FACE = [[0.0, TOP + 6.0], [18.0, TOP], [36.0, TOP]]  # 1:3, and a level bank
+LEVEL = [[0.0, TOP], [36.0, TOP]]
+
+
+def section(surface: list[list[float]]) -> Section:
+    return Section.parse({
+        "name": "bank", "surface": surface, "base": {"elevation": 0.0},
+        "strata": [layer("sand", cohesion="0 kPa", friction_angle="33 deg")],
+    })  # fmt: skip
+
+
+def rows(given: Section, shift: float = 0.0) -> Packing:
+    """Rows of equal discs whose tops touch the surface, with discs held on either side."""
+    x = np.arange(-0.5, 37.0, 2.0 * RADIUS)
+    depth = RADIUS + 2.0 * RADIUS * np.arange(4)
+    xs, down = (grid.ravel() for grid in np.meshgrid(x, depth))
+    z = np.interp(xs, *np.array(given.surface, float).T) - down + shift
+    layer_of = np.where((xs < 0.0) | (xs > 36.0), -1, 0).astype(np.int32)
+    return Packing(xs, z, np.full(len(xs), RADIUS), layer_of, np.zeros((0, 6)))
+
+
+def without(packing: Packing, gone: np.ndarray) -> Packing:
+    return Packing(packing.x[~gone], packing.z[~gone], packing.radius[~gone], packing.layer[~gone], packing.lines)
+
+
+def off(given: Section, packing: Packing) -> np.ndarray:
+    return misfit(given, packing.discs([SOIL], law="soil"), RADIUS)
+
+
+@pytest.mark.parametrize("surface", [LEVEL, FACE])
+def test_rows_that_touch_the_surface_are_level(surface: list[list[float]]) -> None:
+    """On a face, too, where the surface falls by two thirds of a metre across one column."""
+    given = section(surface)
+    assert off(given, rows(given)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_hollow_is_filled() -> None:
+    given = section(LEVEL)
+    packing = rows(given)
+    hollow = (np.abs(packing.x - 18.0) < 1.8) & (packing.z > TOP - 2.0 * RADIUS)
+    before, after = without(packing, hollow), levelled(given, without(packing, hollow), RADIUS, SPREAD)
+    assert off(given, before).min() < -1.9 * RADIUS
+    assert np.abs(off(given, after)).max() <= STANDS_OUT * RADIUS
+    assert (after.radius >= (1.0 - SPREAD) * RADIUS - 1e-9).all()
+    assert (after.radius <= (1.0 + SPREAD) * RADIUS + 1e-9).all()
+
+
+def test_what_stands_out_goes() -> None:
+    """And nothing that does is laid in."""
+    given = section(LEVEL)
+    packing = rows(given)
+    packing.z[(np.abs(packing.x - 18.0) < 1.8) & packing.free] += 0.5 * RADIUS
+    after = levelled(given, packing, RADIUS, SPREAD)
+    assert (after.z + after.radius)[after.free].max() <= TOP + STANDS_OUT * RADIUS + 1e-9
+
+
+@pytest.mark.parametrize("surface", [LEVEL, FACE])
+def test_new_discs_overlap_none_and_rest_on_two(surface: list[list[float]]) -> None:
+    given = section(surface)
+    packing = rows(given)
+    rng = np.random.default_rng(1)
+    before = without(packing, packing.free & (rng.uniform(size=len(packing.x)) < 0.15))
+    after = levelled(given, before, RADIUS, SPREAD)
+    known = {(x, z) for x, z in zip(before.x, before.z, strict=True)}
+    new = np.array([(x, z) not in known for x, z in zip(after.x, after.z, strict=True)])
+    assert new.sum() >= 3
+    gap = np.hypot(after.x[new, None] - after.x, after.z[new, None] - after.z) - after.radius[new, None] - after.radius
+    gap[gap == -2.0 * after.radius[new, None]] = np.inf  # itself
+    assert gap.min() >= -TOUCHES * RADIUS - 1e-9
+    assert ((gap < 1e-9).sum(axis=1) >= 2).all()
+
+
+def test_the_same_discs_give_the_same_surface() -> None:
+    given = section(FACE)
+    packing = rows(given)
+    before = without(packing, packing.free & (np.arange(len(packing.x)) % 7 == 0))
+    one, two = (levelled(given, before, RADIUS, SPREAD) for _ in range(2))
+    assert np.array_equal(one.x, two.x)
+    assert np.array_equal(one.radius, two.radius)
