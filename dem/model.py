@@ -10,7 +10,7 @@ import numpy as np
 
 from dem import checkpoint
 from dem.acceleration import Acceleration
-from dem.kernels.contact import DEPTH, KN, KPN, KPS, KS, STOP
+from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.neighbours import find_lines, find_pairs, share_out, spatial_order
 from dem.kernels.period import folded
 from dem.springs import Law, LayerSprings, Mean, pair_table
@@ -227,13 +227,20 @@ class DiscModel(DiscState):
         self._change_forces(before)
         self.make_list()
 
+    def bond_energy(self) -> float:
+        """What it takes to part all discs that touch or attract each other from where no spring carries any force
+        (J per metre); 0 where no soil is cohesive."""
+        constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
+        over = self.radius[self.pair_i] + self.radius[self.pair_j] - self.distance()
+        return float(np.sum(np.where(over > -constants[GAP], 0.5 * constants[KN] * constants[GAP] ** 2, 0.0)))
+
     def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
         constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
         distance = self.distance()
         radii = self.radius[self.pair_i] + self.radius[self.pair_j]
         over = radii - distance
-        element = constants[KN] * np.maximum(over, 0.0)
+        element = np.where(over > -constants[GAP], constants[KN] * over, 0.0)
         element += constants[STOP] * np.maximum(over - constants[DEPTH] * radii, 0.0)
         pore = constants[KPN] * (np.abs(self.pore_length) - distance)
         pore = np.where(self.pore_length > 0.0, pore, np.maximum(pore, 0.0))

@@ -23,6 +23,7 @@ from dem.kernels.contact import (
     DEPTH,
     FKPS,
     FKS,
+    GAP,
     KN,
     KPN,
     KPS,
@@ -41,6 +42,7 @@ VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular 
 WATER_DENSITY = 1000.0  # kg/m3
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
+ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
 SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
@@ -77,6 +79,8 @@ class LayerSprings:
         As a share of the mean radius of the pair, deeper ones stop the run.
     contact_cohesion : float
         C of soil discs: what a touching contact holds of slip without any normal force (N).
+    attraction : float
+        Of soil discs: pull that a contact bears, over its contact cohesion.
     rolling_friction : float
         mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for discs that do not turn.
     stop : float
@@ -101,6 +105,7 @@ class LayerSprings:
     pore_friction: float | None = None
     allowed_overlap: float = 0.5
     contact_cohesion: float = 0.0
+    attraction: float = 0.0
     rolling_friction: float = 0.0
     stop: float = 0.0
     boundary: float = 0.0
@@ -111,7 +116,7 @@ class LayerSprings:
                 raise ValueError(f"layer {self.name}: {key} must be positive, is {getattr(self, key)}")
         for key in (
             "ks", "cn", "ct", "kpn", "kps", "effective_density", "cohesion", "contact_cohesion", "rolling_friction",
-            "stop",
+            "stop", "attraction",
         ):  # fmt: skip
             if not getattr(self, key) >= 0.0:
                 raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")
@@ -233,7 +238,7 @@ def soil_discs(
         cn=float(damping_ratio * np.sqrt(mass * kn)), ct=float(damping_ratio * np.sqrt(mass * ks)), kpn=0.0, kps=0.0,
         density=density * (1.0 + void_ratio), effective_density=effective_density * (1.0 + void_ratio),
         friction=strength.friction, cohesion=0.0, contact_cohesion=strength.cohesion,
-        rolling_friction=strength.rolling_friction, stop=kn, allowed_overlap=allowed_overlap,
+        attraction=ATTRACTION, rolling_friction=strength.rolling_friction, stop=kn, allowed_overlap=allowed_overlap,
     )  # fmt: skip
 
 
@@ -318,6 +323,7 @@ def pair_table(layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: L
     pairs = _square(values, mean)
     held = np.maximum(values[KN], [layer.boundary for layer in layers])
     pairs[KN, :n, n] = pairs[KN, n, :n] = held
+    np.divide(_attraction(layers), pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
     lines = np.zeros((CONSTANTS, n + 1))
     lines[:, :n] = values
     lines[KN] = (values[KN] + values[STOP]).max()
@@ -338,6 +344,14 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
         pairs[row], pairs[second] = own[row], other[row]
     pairs[MU_ROLLING] = np.minimum(own[MU_ROLLING], other[MU_ROLLING])
+
+
+def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
+    """What pairs of layers bear of pull (n + 1, n + 1), the lesser of both (N); the boundary as much as its partner."""
+    own = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
+    pull = np.minimum(own[:, None], own[None, :])
+    pull[-1, -1] = 0.0
+    return pull
 
 
 def _square(values: np.ndarray, mean: Mean) -> np.ndarray:

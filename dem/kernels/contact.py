@@ -13,8 +13,8 @@ from numba import njit
 # of all discs, then those that soil discs have besides.
 FKPS, KPN, KPS, TAN, BC, BETA = range(6)
 KN, KS, CN, CT, MU, ALLOWED, FKS = range(6, 13)
-COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH = range(13, 19)
-CONSTANTS = 19
+COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH, GAP = range(13, 20)
+CONSTANTS = 20
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -25,9 +25,19 @@ def clamp(value: float, limit: float) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def spring(over: float, kn: float) -> float:
-    """Push (N) of the element's normal spring at an overlap (m)."""
-    return kn * over if over > 0.0 else 0.0
+def spring(over: float, kn: float, gap: float) -> float:
+    """Push (N) of the element's normal spring at an overlap (m).
+
+    gap: how far apart discs of cohesive soil still attract each other (m), 0 for all others. The spring pulls there, up
+    to kn times the gap, and is gone beyond: no memory, so that soil which has been sheared attracts as before.
+    """
+    return kn * over if over > -gap else 0.0
+
+
+@njit(forceinline=True, error_model="numpy")
+def spring_energy(over: float, kn: float, gap: float) -> float:
+    """Energy (J) of that spring: zero where it is gone, so that less than nothing is stored in one that attracts."""
+    return 0.5 * kn * (over * over - gap * gap) if over > -gap else 0.0
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -41,15 +51,15 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def normal_force(over: float, vn: float, floor: float, spring: float, cn: float) -> float:
+def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
     """Element spring and dashpot, eqs. (1)-(2): normal force (N), nothing where the discs do not touch.
 
-    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N).
+    over: overlap (m); vn: speed of separation (m/s); spring: push of the springs there (N); gap: see `spring` (m).
     floor: least total normal force (N), 0 for contacts that never pull, -inf for dashpots that may.
     """
     normal = spring - cn * vn
     normal = normal if normal > floor else floor
-    return normal if over > 0.0 else 0.0
+    return normal if over > -gap else 0.0
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -60,7 +70,7 @@ def friction_limit(normal: float, mu: float) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float) -> float:
+def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float, gap: float) -> float:
     """Largest tangential force of a contact of soil discs (N), as long as they touch: mu Fn + C of the weaker material.
 
     The cohesion C (N) is there again when discs touch again: clay that has been sheared is clay still. Its mu may be
@@ -70,7 +80,7 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
     other = mu_other * normal + c_other
     limit = other if other < limit else limit
     limit = limit if limit > 0.0 else 0.0
-    return limit if over > 0.0 else 0.0
+    return limit if over > -gap else 0.0
 
 
 @njit(forceinline=True, error_model="numpy")

@@ -21,6 +21,7 @@ from dem.kernels.contact import (
     DEPTH,
     FKPS,
     FKS,
+    GAP,
     KN,
     KPN,
     KPS,
@@ -35,6 +36,7 @@ from dem.kernels.contact import (
     normal_force,
     pore,
     spring,
+    spring_energy,
     stop,
     strength,
 )
@@ -235,19 +237,20 @@ def between_discs(
     kn, ks = scratch[constant(KN) + q], scratch[constant(KS) + q]
     ct, fks = scratch[constant(CT) + q], scratch[constant(FKS) + q]
     mu = scratch[constant(MU) + q]
-    push = spring(over, kn)
-    elements = 0.5 * push * push / kn
+    gap = scratch[constant(GAP) + q] if soil else 0.0
+    push = spring(over, kn, gap)
+    elements = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
         stiffness, depth = scratch[constant(STOP) + q], scratch[constant(DEPTH) + q] * radii
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
         push += more
-    normal = normal_force(over, m.vn, law.floor, push, scratch[constant(CN) + q])
+    normal = normal_force(over, m.vn, law.floor - kn * gap, push, scratch[constant(CN) + q], gap)
     if soil:
         limit = strength(
             over, normal, mu, scratch[constant(COHESION) + q], scratch[constant(MU_OTHER) + q],
-            scratch[constant(COHESION_OTHER) + q],
+            scratch[constant(COHESION_OTHER) + q], gap,
         )  # fmt: skip
     else:
         limit = friction_limit(normal, mu)
@@ -277,7 +280,7 @@ def between_discs(
     if booked:
         # dashpots in the last step: all the force there was, less that of springs
         over_then = over + m.stretch
-        push_then = spring(over_then, kn)
+        push_then = spring(over_then, kn, gap)
         if soil:
             push_then += stop(over_then, stiffness, depth)
         pull_then = kpn * (abs(length) - m.distance + m.stretch)
@@ -329,12 +332,12 @@ def at_line(
     column = springs.lines[:, layout.line_kind[e]]
     over, m = line_motion(e, layout, springs.walls, slip_time)
     kn, ks, ct, fks = column[KN], column[KS], column[CT], column[FKS]
-    push = spring(over, kn)
-    normal = normal_force(over, m.vn, law.floor, push, column[CN])
+    push = spring(over, kn, 0.0)
+    normal = normal_force(over, m.vn, law.floor, push, column[CN], 0.0)
     limit = friction_limit(normal, column[MU])
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if law.soil:
-        limit = strength(over, normal, column[MU], column[COHESION], column[MU_OTHER], column[COHESION_OTHER])
+        limit = strength(over, normal, column[MU], column[COHESION], column[MU_OTHER], column[COHESION_OTHER], 0.0)
         disc = layout.line_disc[e]
         before, whole = layout.rolling[w + ROLLED], layout.rolling[w + TORQUE]
         roll = -slip_time * layout.shared[entry(disc, VR)]
@@ -344,7 +347,7 @@ def at_line(
         rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
     shear = links[at + SHEAR]
     tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
-    old_n = (links[at + FX] * m.nx + links[at + FZ] * m.nz) - spring(over + m.stretch, kn)
+    old_n = (links[at + FX] * m.nx + links[at + FZ] * m.nz) - spring(over + m.stretch, kn, 0.0)
     old_t = (links[at + FX] * m.nz - links[at + FZ] * m.nx) - shear
     damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
     elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks

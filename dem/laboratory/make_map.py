@@ -11,32 +11,39 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.errors import EscapeError
+from dem.errors import ConfinementError, EscapeError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.patch import Sample
 from dem.laboratory.strength_map import KAPPA, MAP
-from dem.springs import Strength, soil_discs
+from dem.springs import ATTRACTION, Strength, soil_discs
 
 FRICTION = (-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
-COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4)
+COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 25.6)
 PRESSURE = 1e5  # Pa
 RADIUS = 0.75  # m
 DENSITY = 2000.0  # kg/m3
 
 
+def stiffness_of(cohesion_number: float) -> float:
+    """kn (N/m) that is `KAPPA` times what presses contacts together, attraction among it."""
+    return KAPPA * (1.0 + ATTRACTION * cohesion_number) * PRESSURE
+
+
 def patch_strength(place: tuple[float, float, int]) -> PatchStrength | None:
     """One patch by friction, cohesion number and seed, confined and compressed.
 
-    None where a disc slipped out of its frame, as frictionless ones may.
+    None where a disc slipped out of its frame or the patch went on rearranging, as frictionless ones may.
     """
     friction, cohesion_number, seed = place
     if cohesion_number == 0.0:  # what holds nothing without any push cannot hold less with one
         friction = max(friction, 0.0)
     strength = Strength(friction, cohesion_number * 2.0 * RADIUS * PRESSURE)
-    layer = soil_discs("map", KAPPA * PRESSURE, strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0)
+    layer = soil_discs(
+        "map", stiffness_of(cohesion_number), strength, DENSITY, DENSITY, RADIUS, 0.0, allowed_overlap=1.0
+    )
     try:
         return compress(Sample(layer, "random", RADIUS, seed, law="soil"), PRESSURE)
-    except EscapeError:
+    except (ConfinementError, EscapeError):
         return None
 
 
@@ -56,7 +63,7 @@ def main() -> None:
         for k, (mu, c) in enumerate(places):
             seeds = [one for one in found[k * options.seeds : (k + 1) * options.seeds] if one is not None]
             after, peak = (np.array([getattr(one, key) / PRESSURE for one in seeds]) for key in ("after", "peak"))
-            modulus = float(np.mean([one.E for one in seeds])) / (KAPPA * PRESSURE)
+            modulus = float(np.mean([one.E for one in seeds])) / stiffness_of(c)
             dilation = float(np.degrees(np.mean([one.dilation for one in seeds])))
             row = (float(after.mean()), float(peak.mean()), float(after.std(ddof=1)), modulus, dilation)
             table.writerow([mu, c, *(f"{value:.4g}" for value in row), len(seeds)])

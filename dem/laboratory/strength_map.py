@@ -2,9 +2,10 @@
 
 Discs that do not turn, of law "soil", in random packings of porosity `patch.POROSITY`. Once they are stiff for their
 stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the friction mu
-of their contacts, and the cohesion number C / (2 r p) with the cohesion C of a contact (N per metre) and the mean
-radius r. Strength is half the deviator that is left at 8 to 15 % of axial compression, after any peak: the
-continuum is perfectly plastic, and knows no peak.
+of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of a contact (N per
+metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them together as a pressure
+a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 % of axial compression,
+after any peak: the continuum is perfectly plastic, and knows no peak.
 
 Discs without friction at their contacts still have some 8 degrees by their geometry. A clay has none: its contacts have
 a friction below zero beside their cohesion, so that they hold less where they are pressed harder.
@@ -21,8 +22,10 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
+from dem.springs import ATTRACTION
+
 MAP = "strength_map.csv"
-KAPPA = 400.0  # kn over the pressure, at which the map was made
+KAPPA = 400.0  # kn over the pressure and the pull of contacts, at which the map was made
 # E / kn goes with kappa to minus this power, without and with cohesion of contacts: stiffer discs have fewer contacts.
 LOOSENS = 0.22, 0.16
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
@@ -78,10 +81,10 @@ class StrengthMap:
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
         """kn (N/m) with which patches have this Young's modulus (Pa) at this pressure (Pa); cohesion: C over the
-        diameter (Pa)."""
+        diameter (Pa), whose pull presses contacts together as well."""
         power = LOOSENS[cohesion > 0.0]
         modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
-        stiff = youngs_modulus / modulus / (KAPPA * pressure) ** power
+        stiff = youngs_modulus / modulus / (KAPPA * (pressure + ATTRACTION * cohesion)) ** power
         return float(stiff ** (1.0 / (1.0 - power)))
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:

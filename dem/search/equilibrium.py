@@ -117,9 +117,14 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Kinetic over stored energy; `kinetic` (J/m) in place of what there is now."""
+    """Kinetic over stored energy; `kinetic` (J/m) in place of what there is now.
+
+    Discs that attract each other store less than nothing where nothing presses them: what letting them go would take
+    is added.
+    """
     energy = Engine().measure(model)
-    return (energy.kinetic if kinetic is None else kinetic) / energy.stored if energy.stored > 0.0 else float("inf")
+    stored = energy.stored + model.bond_energy()
+    return (energy.kinetic if kinetic is None else kinetic) / stored if stored > 0.0 else float("inf")
 
 
 def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:

@@ -1,8 +1,8 @@
 """How near soil discs come to the continuum by themselves: python -m tests.benchmarks.soil_discs [RUN...] [--seeds N].
 
 RUN is a folder in which `noshiro fem` has left its answer; without any, S-13 is run first. Printed are the critical Kh
-of the finite elements with the sides of the discs' box, and that of the discs without any factor, packing by packing;
-half a minute of CPU for each.
+of the finite elements with the sides of the discs' box, that of the discs without any factor, packing by packing, and
+how far apart the slip surfaces of both lie; half a minute of CPU for each.
 """
 
 import argparse
@@ -15,8 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from dem.laboratory.soil_layers import soil_layers
+from dem.model import DiscModel
 from dem.search.deposit import deposit
+from dem.search.equilibrium import Trial
 from dem.search.pushover import push_over
+from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
 from workflow.results.continuum import FemAnswer
 from workflow.run.store import Store
@@ -39,21 +42,36 @@ def main() -> None:
             predict(Path(folder), options.seeds)
 
 
+class Last:
+    """Keeps the discs as a push left them."""
+
+    model: DiscModel
+
+    def __call__(self, _: Trial, model: DiscModel) -> None:
+        self.model = model
+
+
 def predict(run: Path, seeds: int) -> None:
     """All packings of one section."""
     given = Input.load(run / "section.toml")
-    continuum = continuum_for(given, FemAnswer.read(Store(run)))
+    answer = FemAnswer.read(Store(run))
+    continuum = continuum_for(given, answer)
+    line = np.array(answer.rigid_box.slip_surface if answer.rigid_box else ()).reshape(-1, 2)
     soil = soil_layers(given)
     ratios = []
     for seed in range(seeds):
         begin = time.process_time()
         settings = given.dem.model_copy(update={"seed": seed})
         found = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
-        search = push_over(found.settled, found.ground, settings, continuum)
+        pushed = Last()
+        search = push_over(found.settled, found.ground, settings, continuum, on_trial=pushed)
+        surface = slip_surface(pushed.model, found.settled, found.ground)
+        apart = compare(given, surface, line)
         ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
         print(
             f"{given.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
-            f"{ratios[-1]:.3f} of {continuum.kc:.4f}, {time.process_time() - begin:.0f} s of CPU",
+            f"{ratios[-1]:.3f} of {continuum.kc:.4f}, slip surfaces "
+            f"{apart.mean_distance_m if apart else np.nan:.1f} m apart, {time.process_time() - begin:.0f} s of CPU",
             flush=True,
         )
     print(f"{given.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")

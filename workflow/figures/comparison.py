@@ -21,7 +21,7 @@ CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
 CALIBRATION, BLOCK = "figures/calibration.png", "figures/sliding_block.png"
 DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
-SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 1.5))
+SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
 
 
@@ -116,6 +116,9 @@ def _surfaces(results: Results, name: str) -> bool:
         if end is not None and end.slip_surface:
             label = f"FEM: middle of the shear, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
+    if both is not None and both.given_dilation is not None and both.given_dilation.slip_surface:
+        label = "FEM, the same sides, ψ as given"
+        lines.append(Overlay(np.array(both.given_dilation.slip_surface), CONTINUUM, DOTTED, label))
     if both is not None and both.dem:
         label = "discs: middle of the shear, when they fail"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))

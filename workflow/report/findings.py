@@ -329,8 +329,8 @@ def _doubts(results: Results) -> Iterator[str]:
         if doubt.contradiction:
             yield doubt.what[0].lower() + doubt.what[1:].rstrip(".")
     yield from _doubts_of_calibration(results)
-    if discs is not None and discs.slip_surface.mean_distance_m is not None:
-        apart, heights = discs.slip_surface.mean_distance_m, given.outline()[:, 1]
+    if discs is not None and discs.slip_surface.least_distance_m is not None:
+        apart, heights = discs.slip_surface.least_distance_m, given.outline()[:, 1]
         if apart > SURFACES_APART * float(heights.max() - heights.min()):
             yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
     if discs is not None and discs.model.packing != "random":

@@ -103,6 +103,18 @@ class DiscState(KhTrial):
         return cls(**dict(KhTrial.model_validate(trial)), **more)
 
 
+class GivenDilation(Part):
+    """The continuum with the sides of the discs' box and with ψ as given, on a non-associated path."""
+
+    kc: float = Field(description="the largest Kh at which an equilibrium was found")
+    kc_upper: float = Field(description="what this mesh may bear at most")
+    slip_surface: Line = Field(description="points [x, elevation] in m, of what moves once the ground yields")
+    mean_distance_m: float | None = Field(default=None, description="mean vertical distance of the calibrated discs'")
+    same_stratum_share: float | None = Field(
+        default=None, description="share of the length along which both lie in one stratum"
+    )
+
+
 class SlipSurfaces(Part):
     """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and how far apart they are."""
 
@@ -112,11 +124,21 @@ class SlipSurfaces(Part):
     mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
     same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
     columns: int | None = Field(default=None, description="columns of discs that were compared")
+    given_dilation: GivenDilation | None = Field(
+        default=None, description="the continuum without Davis's substitute, where that is something else"
+    )
     excess_above: float | None = Field(
         default=None,
         description="where that of the discs is the higher one: by which share the continuum bears more Kh if it may "
         "fail no deeper than that",
     )
+
+    @property
+    def least_distance_m(self) -> float | None:
+        """Mean vertical distance (m) of the discs' from that of the continuum that is more like them: with ψ as given
+        where that is known."""
+        other = self.given_dilation
+        return other.mean_distance_m if other and other.mean_distance_m is not None else self.mean_distance_m
 
 
 class PaperDiscs(Part):

@@ -32,6 +32,7 @@ from workflow.results.discs import (
     DiscsAnswer,
     DiscSearch,
     DiscState,
+    GivenDilation,
     PaperDiscs,
     Parameters,
     SetOfSprings,
@@ -43,6 +44,7 @@ from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
+from workflow.stages.given_dilation import given_dilation
 from workflow.stages.slip_surfaces import slip_surfaces
 
 JOURNAL = "dem/trials.jsonl"
@@ -55,7 +57,7 @@ NARROWING = 5  # searches that finding the factor takes, more or less
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    found, paper, layers = _searched(given, store, progress, team)
+    found, paper, layers, dilating = _searched(given, store, progress, team)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
@@ -75,7 +77,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
         papers_own, sets["paper"] = _paper_answer(given, store, paper)
     kept = _keep_states(given, store, sets, team)
     progress("slip surfaces", None)
-    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
+    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem, dilating)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
     answer.model_copy(update={"paper": papers_own}).write(store)
     calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
@@ -112,11 +114,11 @@ class Searched:
 
 def _searched(
     given: Input, store: Store, progress: Progress, team: Team
-) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
+) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...], GivenDilation | None]:
     """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
-    were asked for, and tests of the soil discs of every layer."""
+    were asked for, tests of the soil discs of every layer, and the continuum with ψ as given."""
     if given.dem.model != "soil":
-        return _calibrated(given, store, lambda message: progress(*message), team), None, ()
+        return _calibrated(given, store, lambda message: progress(*message), team), None, (), None
     done: float | None = None  # of the searches of the section's own discs, which take longer
 
     def heard(_: int, message: tuple[str, float | None]) -> None:
@@ -126,7 +128,8 @@ def _searched(
         progress(words, done)
 
     programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
-    searches: list[Piece] = [(_calibrated, (given, store)), *([(_paper, (given, store))] if given.dem.paper else [])]
+    searches: list[Piece] = [(_calibrated, (given, store)), (given_dilation, (given, store))]
+    searches += [(_paper, (given, store))] if given.dem.paper else []
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
     ended = 0
 
@@ -138,7 +141,7 @@ def _searched(
 
     found = team(_done, [*searches, *tests], heard, one_more)
     layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(found[len(searches) :]))
-    return found[0], found[1] if given.dem.paper else None, layers
+    return found[0], found[2] if given.dem.paper else None, layers, found[1]
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given

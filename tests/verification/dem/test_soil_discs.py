@@ -8,8 +8,9 @@ import pytest
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
+from dem.kernels.contact import GAP
 from dem.model import DiscModel
-from dem.springs import STOP_DEPTH, LayerSprings
+from dem.springs import STOP_DEPTH, LayerSprings, pair_table
 from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, trace
 
 WEIGHT = MASS * GRAVITY
@@ -124,6 +125,35 @@ def test_cohesion_is_there_again_when_discs_touch_again_and_pulls_nowhere() -> N
     assert sheared() == pytest.approx(5e4)
 
 
+def test_cohesive_discs_bear_a_pull_and_attract_again() -> None:
+    """F = kn (overlap) down to -a C, where the spring lets go: that costs (a C)^2 / (2 kn), which comes back."""
+    heavy = replace(BARE, density=1e12, effective_density=1e12, contact_cohesion=5e4, attraction=2.0)
+    gap = 2.0 * 5e4 / KN
+    model = DiscModel.create([0.0, 2.0 * RADIUS], [0.0, 0.0], RADIUS, [heavy], law="soil", turns=False)
+    due = [(0.5 * gap, -5e4), (0.99 * gap, -0.99e5), (1.01 * gap, 0.0), (0.99 * gap, -0.99e5), (-gap, 1e5)]
+    for apart, force in due:
+        step = apart - (float(model.distance()[0]) - 2.0 * RADIUS)
+        model.set_velocity(np.array([0.0, step / 0.1]), 0.0)
+        ledger = Engine(dt=1e-4, balance=np.inf).run(model, 0.1)
+        assert contact_forces(model).normal[0] == pytest.approx(force, rel=1e-3)
+        assert ledger is not None
+        stored = 0.5 * KN * (apart**2 - gap**2) if apart < gap else 0.0
+        assert ledger.elements == pytest.approx(stored, rel=1e-3, abs=1e-4)
+
+
+def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
+    clay = replace(BARE, contact_cohesion=5e4, attraction=2.0)
+    sand = replace(BARE, name="sand", friction=0.5)
+    loam = replace(clay, name="loam", kn=3.0 * KN, contact_cohesion=2e4)
+    gap = pair_table([clay, sand, loam], law="soil").pairs[GAP].reshape(4, 4)
+    kept = np.array([1e5, 0.0, 4e4])
+    assert np.diag(gap)[:3] == pytest.approx(kept / [KN, KN, 3.0 * KN])
+    assert gap[0, 1] == gap[1, 2] == 0.0
+    assert gap[0, 2] == gap[2, 0] == pytest.approx(4e4 / (2.0 * KN))
+    assert gap[:3, 3] == pytest.approx(np.diag(gap)[:3])  # the boundary attracts as what touches it does
+    assert np.all(pair_table([replace(clay, contact_cohesion=0.0)], law="soil").pairs[GAP] == 0.0)
+
+
 @pytest.mark.parametrize(("push", "due"), [(5e4, 0.7 * 5e4), (2e5, 6e4 + 0.1 * 2e5)])
 def test_two_materials_are_as_strong_as_the_weaker(push: float, due: float) -> None:
     """Sand (mu 0.7) governs at little normal force, clay (C = 60 kN, mu 0.1) at much."""
@@ -160,11 +190,19 @@ SOIL_DISCS = replace(
 )  # fmt: skip
 
 
-def heap(seed: int) -> DiscModel:
+def heap(seed: int, attraction: float = 0.0) -> DiscModel:
     """Discs of two materials that fall into a box, with velocities and spins of their own."""
     rng = np.random.default_rng(seed)
     x, z = lattice(12, 10, 2.5 * RADIUS)
-    second = replace(SOIL_DISCS, name="second", kn=2.0 * KN, friction=0.1, contact_cohesion=4e4, rolling_friction=0.3)
+    second = replace(
+        SOIL_DISCS,
+        name="second",
+        kn=2.0 * KN,
+        friction=0.1,
+        contact_cohesion=4e4,
+        attraction=attraction,
+        rolling_friction=0.3,
+    )
     box = [[0.0, -RADIUS, 0.0, 1.0], [-RADIUS, 0.0, 1.0, 0.0], [x.max() + RADIUS, 0.0, -1.0, 0.0]]
     discs = DiscModel.create(
         x, z, RADIUS * rng.uniform(0.8, 1.2, 120), [SOIL_DISCS, second], np.arange(120) % 2,
@@ -175,9 +213,9 @@ def heap(seed: int) -> DiscModel:
     return discs
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_ledger_closes_with_every_part_of_the_law(seed: int) -> None:
-    model = heap(seed)
+@pytest.mark.parametrize(("seed", "attraction"), [(1, 0.0), (2, 0.0), (1, 1.0), (2, 2.0)])
+def test_ledger_closes_with_every_part_of_the_law(seed: int, attraction: float) -> None:
+    model = heap(seed, attraction)
     ledger = Engine(dt=0.05 * largest_step(model).seconds, balance=np.inf).run(model, 1.5)
     assert ledger is not None
     for part in (ledger.dashpots, ledger.sliding, ledger.rolling):
@@ -185,7 +223,7 @@ def test_ledger_closes_with_every_part_of_the_law(seed: int) -> None:
     assert abs(ledger.gap) < 5e-4 * ledger.turnover
     # where nothing rolls over its limit, what rolling stores comes back
     assert ledger.rolling_springs > 0.0
-    assert ledger.rolling_springs == pytest.approx(_rolling_energy(model), rel=1e-2)
+    assert ledger.rolling_springs == pytest.approx(_rolling_energy(model), rel=2e-2)
 
 
 def _rolling_energy(model: DiscModel) -> float:

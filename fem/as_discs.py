@@ -1,0 +1,58 @@
+"""The continuum as discs are: between fixed sides, with the dilation that the soil has, and pushed on once it yields.
+
+Davis's substitute weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
+S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil, and their own
+little dilation. So their slip surface is held against that of the non-associated path.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.critical import critical_coefficient
+from fem.plateau import PathListener, Verdict
+from fem.settings import FemSettings
+from fem.slip_surface import slip_surface
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True)
+class AsDiscs:
+    """How the ground fails then.
+
+    Attributes
+    ----------
+    kc, upper : float
+        Largest Kh at which an equilibrium was found, and what it may be at most (-).
+    verdict : Verdict
+        As that of a path.
+    reason : str
+        Why the path ended.
+    slip_surface : (k, 2)
+        Points [x, elevation] (m) between what moves from 0.8 of the critical Kh to the end of the path and what does
+        not; empty where nothing fails.
+    """
+
+    kc: float
+    upper: float
+    verdict: Verdict
+    reason: str
+    slip_surface: np.ndarray
+
+
+def as_discs(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+) -> AsDiscs:
+    """The non-associated path between fixed sides, in the direction of the ``settings``.
+
+    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    """
+    wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": ()})
+    found = critical_coefficient(section, mesh, wish, comm, listener)
+    *before, last = [state for state in found.states if not state.past_equilibrium]
+    elastic = before[-1].displacement if before else 0.0
+    fails = found.verdict in ("plateau", "peak")
+    line = slip_surface(mesh, replace(last, displacement=last.displacement - elastic)) if fails else np.zeros((0, 2))
+    return AsDiscs(found.kc, found.upper, found.verdict, found.reason, line)
