@@ -20,6 +20,7 @@ LEDGER_COLUMNS = 7
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
 SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
+WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
 SORT_EVERY = 16  # lists made between two sortings in space
 
 
@@ -93,8 +94,9 @@ class DiscModel(DiscState):
             inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), **contacts,
             lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
-            energy_sums=np.zeros((n // 64 + 1, LEDGER_COLUMNS)), springs=pair_table(layers, mean, law), mean=mean,
-            law=law, period=period, gravity=(float(gravity[0]), float(gravity[1])),
+            energy_sums=np.zeros((n // 64 + 1, LEDGER_COLUMNS)),
+            springs=pair_table(layers, mean, law, WIDEST * margin), mean=mean, law=law,
+            period=period, gravity=(float(gravity[0]), float(gravity[1])),
             acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
         model.make_list()
@@ -118,9 +120,14 @@ class DiscModel(DiscState):
             getattr(self, name + "_half")[:] = getattr(self, name)
         self.last_dt = 0.0
 
+    @property
+    def leeway(self) -> float:
+        """How far discs may move (m) until the neighbour list has to be made anew."""
+        return 0.5 * (self.skin - float(self.springs.pairs[GAP].max()))
+
     def refresh_list(self) -> None:
         """Makes the neighbour list if there is none, or discs have moved by more than half its skin."""
-        if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > 0.5 * self.skin):
+        if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > self.leeway):
             self.make_list()
 
     def make_list(self) -> None:
@@ -194,7 +201,7 @@ class DiscModel(DiscState):
         """
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
-        new = pair_table(layers, self.mean, self.law)
+        new = pair_table(layers, self.mean, self.law, WIDEST * self.skin)
         before = self._spring_forces()
         kind = self.kind(self.pair_i, self.pair_j)
         line_kind = self.layer[self.line_disc]
@@ -273,6 +280,6 @@ class DiscModel(DiscState):
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         for name in ("gravity", "period"):  # JSON knows no tuples
             plain[name] = tuple(plain[name]) if plain[name] is not None else None
-        springs = pair_table(layers, plain["mean"], plain["law"])
+        springs = pair_table(layers, plain["mean"], plain["law"], WIDEST * plain["skin"])
         values: dict[str, Any] = arrays | plain
         return cls(**values, springs=springs, acceleration=series)

@@ -294,8 +294,10 @@ class PairTable:
         return len(self.layers) + 1
 
 
-def pair_table(layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper") -> PairTable:
-    """The table for contacts within and between layers.
+def pair_table(
+    layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: Law = "paper", widest: float = np.inf
+) -> PairTable:
+    """The table for contacts within and between layers; discs attract each other across `widest` (m) at most.
 
     Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary
     disc takes its partner's values, and the stiffness that a liquefied layer had before: with the soft spring its discs
@@ -324,6 +326,7 @@ def pair_table(layers: Sequence[LayerSprings], mean: Mean = "arithmetic", law: L
     held = np.maximum(values[KN], [layer.boundary for layer in layers])
     pairs[KN, :n, n] = pairs[KN, n, :n] = held
     np.divide(_attraction(layers), pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
+    np.minimum(pairs[GAP], widest, out=pairs[GAP])
     lines = np.zeros((CONSTANTS, n + 1))
     lines[:, :n] = values
     lines[KN] = (values[KN] + values[STOP]).max()

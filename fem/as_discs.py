@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 
 from fem.critical import critical_coefficient
+from fem.fields import State, state_of
+from fem.path import EquilibriumPath
 from fem.plateau import PathListener, Verdict
 from fem.settings import FemSettings
 from fem.slip_surface import slip_surface
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
+
+YIELDED = 0.99  # of the critical Kh: from there on the displacements are those of the failure
 
 
 @dataclass(frozen=True)
@@ -31,8 +35,8 @@ class AsDiscs:
     reason : str
         Why the path ended.
     slip_surface : (k, 2)
-        Points [x, elevation] (m) between what moves from 0.8 of the critical Kh to the end of the path and what does
-        not; empty where nothing fails.
+        Points [x, elevation] (m) between what moves once the ground has yielded and what does not; empty where nothing
+        fails.
     """
 
     kc: float
@@ -50,9 +54,17 @@ def as_discs(
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": ()})
-    found = critical_coefficient(section, mesh, wish, comm, listener)
-    *before, last = [state for state in found.states if not state.past_equilibrium]
-    elastic = before[-1].displacement if before else 0.0
-    fails = found.verdict in ("plateau", "peak")
-    line = slip_surface(mesh, replace(last, displacement=last.displacement - elastic)) if fails else np.zeros((0, 2))
+    way: list[State] = []
+
+    def step(path: EquilibriumPath) -> None:
+        way.append(state_of(path.problem, mesh, "", path.factor))
+        if listener is not None:
+            listener(path)
+
+    found = critical_coefficient(section, mesh, wish, comm, step)
+    line = np.zeros((0, 2))
+    if found.verdict in ("plateau", "peak"):
+        last = next(state for state in reversed(found.states) if not state.past_equilibrium)
+        yielding = next(state for state in way if state.kh >= YIELDED * found.kc)
+        line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding.displacement))
     return AsDiscs(found.kc, found.upper, found.verdict, found.reason, line)

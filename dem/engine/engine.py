@@ -19,7 +19,7 @@ from dem.engine.packer import pack, unpack, unpack_motion
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
-from dem.kernels.contact import GAP, KPN
+from dem.kernels.contact import KPN
 from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
 from dem.kernels.records import CONSTANT_RECORD
@@ -314,7 +314,7 @@ class Run:
         def work(thread: int) -> tuple[int, float, int]:
             return advance(
                 Team(thread, self.threads, barrier, stops), clock, layout, springs, law, loads, entries,
-                (0.5 * (model.skin - springs.pairs[GAP].max())) ** 2,
+                model.leeway**2,
             )  # fmt: skip
 
         self.working = [self.pool.submit(work, k) for k in range(self.threads)]

@@ -17,7 +17,7 @@ from dem.laboratory.patch import Sample
 from dem.laboratory.strength_map import KAPPA, MAP
 from dem.springs import ATTRACTION, Strength, soil_discs
 
-FRICTION = (-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
+FRICTION = (-0.45, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
 COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 25.6)
 PRESSURE = 1e5  # Pa
 RADIUS = 0.75  # m

@@ -17,6 +17,7 @@ from meshes.section.growth import evened
 from meshes.section.section import Section, Stratum
 
 SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
+LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
 NEAR = 0.07  # of the strength wanted
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
@@ -86,7 +87,8 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     pressures = np.array(SHARES) * stress
     wanted = failure_strength(stratum, pressures)
     cohesive = stratum.cohesion > 0.0
-    reach = 0.95 * table.strongest(cohesive) * pressures
+    # what is cohesive without being stiff would need contacts that open by several per cent before they part
+    reach = np.minimum(0.95 * table.strongest(cohesive) * pressures, stratum.youngs_modulus / LEAST_RIGIDITY)
     aimed = np.minimum(wanted, reach)
     found = table.fit(aimed, pressures, cohesive)
     notes = []

@@ -25,6 +25,7 @@ from workflow.results.continuum import FemAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import continuum_for
+from workflow.stages.given_dilation import given_dilation
 
 
 def main() -> None:
@@ -56,7 +57,8 @@ def predict(run: Path, seeds: int) -> None:
     given = Input.load(run / "section.toml")
     answer = FemAnswer.read(Store(run))
     continuum = continuum_for(given, answer)
-    line = np.array(answer.rigid_box.slip_surface if answer.rigid_box else ()).reshape(-1, 2)
+    dilating = given_dilation(given, Store(run), lambda _: None)
+    lines = [answer.rigid_box.slip_surface if answer.rigid_box else (), dilating.slip_surface if dilating else ()]
     soil = soil_layers(given)
     ratios = []
     for seed in range(seeds):
@@ -66,14 +68,17 @@ def predict(run: Path, seeds: int) -> None:
         pushed = Last()
         search = push_over(found.settled, found.ground, settings, continuum, on_trial=pushed)
         surface = slip_surface(pushed.model, found.settled, found.ground)
-        apart = compare(given, surface, line)
+        apart = [compare(given, surface, np.array(line).reshape(-1, 2)) for line in lines]
         ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
         print(
             f"{given.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
             f"{ratios[-1]:.3f} of {continuum.kc:.4f}, slip surfaces "
-            f"{apart.mean_distance_m if apart else np.nan:.1f} m apart, {time.process_time() - begin:.0f} s of CPU",
+            f"{' and '.join(f'{one.mean_distance_m if one else np.nan:.1f}' for one in apart)} m from that of Davis's "
+            f"substitute and with ψ as given, {time.process_time() - begin:.0f} s of CPU",
             flush=True,
         )
+    if dilating:
+        print(f"{given.name}: the continuum with ψ as given bears {dilating.kc:.4f}")
     print(f"{given.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")
 
 

@@ -38,7 +38,7 @@ def test_the_map_rises_with_friction_and_with_cohesion() -> None:
     rise = np.diff(table.after, axis=0)[:, 1:], np.diff(table.after, axis=1)
     assert (rise[0][holds[:-1, 1:]] > 0.0).all()
     assert (rise[1][holds[:, :-1]] > 0.0).all()
-    assert ((table.after[~holds] > 0.14) & (table.after[~holds] < 0.18)).all()  # what the geometry of discs holds
+    assert ((table.after[~holds] > 0.13) & (table.after[~holds] < 0.2)).all()  # what the geometry of discs holds
     assert (table.after < table.peak).all()
     # at least three quarters of the peak are left after it, but for discs that hardly have strength
     assert (table.after / table.peak)[table.friction > 0.0].min() > 0.7
