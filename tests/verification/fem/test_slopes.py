@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from dem.slides.slip import compare
 from fem.adaptive import adapted_answer
+from fem.as_discs import as_discs
 from fem.at_once import at_rest, critical_at_once
 from fem.cone_program import SOLVER_GAP
 from fem.critical import critical_coefficient, seismic_path
 from fem.fields import touched_sides
 from fem.given_surface import critical_above
 from fem.settings import FemSettings
+from fem.slip_surface import slip_surface
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -83,6 +86,24 @@ def test_a_line_below_its_own_slip_surface_changes_nothing():
     line = ground.ground - [0.0, DEPTH + 0.5 * ROCK]
     found = critical_above(ground, mesh, FemSettings(sides="tied", direction="downhill"), line, MPI.COMM_SELF)
     assert found.kc_above == pytest.approx(found.kc, rel=1e-3)
+
+
+def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
+    """Without friction ψ as given is ψ = φ: the path between fixed sides comes to the limit load of these, and its slip
+    surface to that of the mechanism. Measured: 2.7 % above, the element being stiff where nothing may change its volume,
+    and 0.02 m."""
+    ground = strip(10.0, 3e4, 0.0, 0.0)
+    mesh = generate(ground, MeshSettings(columns=16, rows=8))
+    wish = FemSettings(element="quadratic", sides="roller", direction="downhill", kh=(0.1,))
+    found = as_discs(ground, mesh, wish, MPI.COMM_SELF)
+    due = critical_at_once(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
+    assert found.verdict == "plateau"
+    assert due.kc <= found.kc <= found.upper
+    assert found.kc == pytest.approx(due.kc, rel=0.03)
+    apart = compare(ground, found.slip_surface, slip_surface(mesh, due.mechanism))
+    assert apart is not None
+    assert apart.columns > 50
+    assert apart.mean_distance_m < 0.1
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
