@@ -234,13 +234,6 @@ class DiscModel(DiscState):
         self._change_forces(before)
         self.make_list()
 
-    def bond_energy(self) -> float:
-        """What it takes to part all discs that touch or attract each other from where no spring carries any force
-        (J per metre); 0 where no soil is cohesive."""
-        constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
-        over = self.radius[self.pair_i] + self.radius[self.pair_j] - self.distance()
-        return float(np.sum(np.where(over > -constants[GAP], 0.5 * constants[KN] * constants[GAP] ** 2, 0.0)))
-
     def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
         constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.kernels.energy import (
+    BONDS,
     ELEMENTS,
     LATE_BOUNDARY,
     LATE_CRACKS,
@@ -29,6 +30,8 @@ class Ledger:
         Kinetic.
     elements, pores, rolling_springs : float
         Stored in springs: of elements, of pore springs, of rolling resistance.
+    bonds : float
+        Of discs of cohesive soil that attract each other; negative, it takes as much to part them all.
     dashpots, sliding, cracks, rolling : float
         Dissipated by dashpots, by sliding, by cracks, by rolling resistance.
     weight, external, boundary : float
@@ -44,6 +47,7 @@ class Ledger:
     elements: float
     pores: float
     rolling_springs: float
+    bonds: float
     dashpots: float
     sliding: float
     cracks: float
@@ -64,6 +68,7 @@ class Ledger:
             elements=float(energies[ELEMENTS]),
             pores=float(energies[PORES]),
             rolling_springs=float(energies[ROLLING_SPRINGS]),
+            bonds=float(energies[BONDS]),
             dashpots=float(total[DASHPOT] + energies[LATE_DASHPOT]),
             sliding=float(total[SLIDING] + energies[LATE_SLIDING]),
             cracks=float(total[CRACKS] + energies[LATE_CRACKS]),
@@ -74,7 +79,7 @@ class Ledger:
             edits=edits,
             turnover=turnover,
         )
-        in_play = ledger.kinetic + ledger.stored + ledger.dissipated
+        in_play = ledger.kinetic + ledger.in_springs + ledger.dissipated
         in_play += abs(ledger.weight) + abs(ledger.external) + abs(ledger.boundary)
         object.__setattr__(ledger, "turnover", max(turnover, in_play))
         return ledger
@@ -85,9 +90,14 @@ class Ledger:
         return self.translation + self.rotation
 
     @property
-    def stored(self) -> float:
-        """In springs."""
+    def in_springs(self) -> float:
+        """What springs carry."""
         return self.elements + self.pores + self.rolling_springs
+
+    @property
+    def stored(self) -> float:
+        """In springs and bonds."""
+        return self.in_springs + self.bonds
 
     @property
     def dissipated(self) -> float:

@@ -35,9 +35,11 @@ def spring(over: float, kn: float, gap: float) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def spring_energy(over: float, kn: float, gap: float) -> float:
-    """Energy (J) of that spring: zero where it is gone, so that less than nothing is stored in one that attracts."""
-    return 0.5 * kn * (over * over - gap * gap) if over > -gap else 0.0
+def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
+    """Energy (J) of that spring, and the energy of the bond, which is negative: it takes as much to part discs that
+    attract each other from where the spring carries nothing."""
+    touch = over > -gap
+    return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
 
 
 @njit(forceinline=True, error_model="numpy")

@@ -31,15 +31,16 @@ from dem.kernels.scratch import ROW, load_all_constants, load_own, new_scratch
 from dem.kernels.swing import swing_slice
 
 # Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
-TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS = range(5)
-LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS, LATE_ROLLING, LATE_BOUNDARY = range(5, 10)
-ENERGIES = 10
+TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS, BONDS = range(6)
+LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS, LATE_ROLLING, LATE_BOUNDARY = range(6, 11)
+ENERGIES = 11
 
 
 @njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
 def book(now: Contact, out: np.ndarray) -> None:
     """Adds what a contact stores, and lost since the last step."""
     out[ELEMENTS] += now.elements
+    out[BONDS] += now.bonds
     out[PORES] += now.pores
     out[ROLLING_SPRINGS] += now.rolling
     out[LATE_DASHPOT] += now.damped

@@ -116,8 +116,8 @@ class Contact(NamedTuple):
         Forces that the springs of slip, of the pore spring and of rolling keep (N).
     length : float
         Length of the pore spring (m), see `contact.pore`.
-    elements, pores, rolling : float
-        Energy stored in element springs, pore springs and springs of rolling (J).
+    elements, bonds, pores, rolling : float
+        Energy stored in element springs, bonds of cohesive soil, pore springs and springs of rolling (J).
     damped, slid, cracked, rolled_off : float
         What dashpots, sliding, cracks and rolling took since the last step (J).
     """
@@ -131,6 +131,7 @@ class Contact(NamedTuple):
     rolled: float
     length: float
     elements: float
+    bonds: float
     pores: float
     rolling: float
     damped: float
@@ -239,7 +240,7 @@ def between_discs(
     mu = scratch[constant(MU) + q]
     gap = scratch[constant(GAP) + q] if soil else 0.0
     push = spring(over, kn, gap)
-    elements = spring_energy(over, kn, gap)
+    elements, bonds = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
         stiffness, depth = scratch[constant(STOP) + q], scratch[constant(DEPTH) + q] * radii
@@ -300,7 +301,7 @@ def between_discs(
         in_pores += 0.5 * pore_normal * pore_normal / kpn
     return m, Contact(
         over, normal + pore_normal, tangential + pore_kept, torque, kept, pore_kept, rolled, new,
-        elements + 0.5 * kept * kept * fks, in_pores, rolling, damped, slid, cracked, rolled_off,
+        elements + 0.5 * kept * kept * fks, bonds, in_pores, rolling, damped, slid, cracked, rolled_off,
     )  # fmt: skip
 
 
@@ -352,7 +353,7 @@ def at_line(
     damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
     elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks
     return m, Contact(
-        over, normal, tangential, torque, kept, 0.0, rolled, 0.0, elements, 0.0, rolling, damped,
+        over, normal, tangential, torque, kept, 0.0, rolled, 0.0, elements, 0.0, 0.0, rolling, damped,
         sliding_loss(shear, trial, kept, fks), 0.0, rolled_off,
     )  # fmt: skip
 

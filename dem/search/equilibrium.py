@@ -117,13 +117,9 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Kinetic over stored energy; `kinetic` (J/m) in place of what there is now.
-
-    Discs that attract each other store less than nothing where nothing presses them: what letting them go would take
-    is added.
-    """
+    """Kinetic energy over that in springs; `kinetic` (J/m) in place of what there is now."""
     energy = Engine().measure(model)
-    stored = energy.stored + model.bond_energy()
+    stored = energy.in_springs
     return (energy.kinetic if kinetic is None else kinetic) / stored if stored > 0.0 else float("inf")
 
 

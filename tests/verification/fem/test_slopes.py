@@ -90,8 +90,8 @@ def test_a_line_below_its_own_slip_surface_changes_nothing():
 
 def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     """Without friction ψ as given is ψ = φ: the path between fixed sides comes to the limit load of these, and its slip
-    surface to that of the mechanism. Measured: 2.7 % above, the element being stiff where nothing may change its volume,
-    and 0.02 m."""
+    surface to that of the mechanism. Measured: 2.7 % above, the element being stiff where no volume may change, and
+    0.02 m."""
     ground = strip(10.0, 3e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
     wish = FemSettings(element="quadratic", sides="roller", direction="downhill", kh=(0.1,))
