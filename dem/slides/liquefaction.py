@@ -56,7 +56,7 @@ class Row:
     slide_max_m : float
         Largest slide of the surface, smoothed (m).
     kinetic_J, stored_J, dissipated_J : float
-        Energy that moves, is stored in springs, has gone into friction, dashpots and cracks (J per metre).
+        Energy that moves, is stored in springs and bonds, has gone into friction, dashpots and cracks (J per metre).
     work_J, shaking_J : float
         Work of weight, Kh and boundary together; of Kh alone (J per metre).
     cracked : int

@@ -18,7 +18,7 @@ from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
 from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
-from dem.search.pushover import Continuum
+from dem.search.pushover import Continuum, push_over
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
 from dem.team import Team, Tell, alone
@@ -51,6 +51,7 @@ JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 CALIBRATED = "dem/calibrated.h5"
 NO_LINE = np.zeros((0, 2))
+FAILING = "failing"
 NARROWING = 5  # searches that finding the factor takes, more or less
 
 
@@ -68,9 +69,10 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
             "other springs, or another packing in [dem], may have one",
         )
     progress("states of the discs at the recorded Kh", None)
+    continuum = continuum_for(given, fem) if given.dem.model == "soil" else None
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, found.base, given.dem),
-        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem),
+        "before": Start(discs.settled, discs.ground, found.base, given.dem, continuum),
+        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem, continuum),
     }
     papers_own = None
     if paper is not None:
@@ -256,12 +258,14 @@ class Start:
     ground : where they lie
     search : their critical Kh
     dem : settings that they were made with
+    continuum : what soil discs were held against, as far as which they are pushed until they have failed
     """
 
     settled: DiscModel
     ground: Ground
     search: Search
     dem: DemSettings
+    continuum: Continuum | None = None
 
 
 Sets = dict[SetOfSprings, Start]
@@ -285,7 +289,7 @@ def _keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
     """
     recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in given.dem.kh]
     ends = [
-        Goal(which, start, start.search.upper, "failing", store)
+        Goal(which, start, start.search.upper, FAILING, store)
         for which, start in sets.items()
         if start.search.upper is not None and start.search.flexibility
     ]
@@ -305,12 +309,26 @@ class Goal:
     store: Store
 
 
+def _pushed_over(start: Start, continuum: Continuum) -> tuple[Trial, DiscModel]:
+    """Soil discs as a push leaves them, and the last that was measured on the way."""
+    end: list[tuple[Trial, DiscModel]] = []
+
+    def on_trial(trial: Trial, model: DiscModel) -> None:
+        end[:] = [(trial, model)]
+
+    push_over(start.settled, start.ground, start.dem, continuum, on_trial=on_trial)
+    return end[0]
+
+
 def _reached(goal: Goal, _: Tell) -> DiscState:
     """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
-    model = before.copy()
-    trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
+    if goal.label == FAILING and start.continuum is not None:
+        trial, model = _pushed_over(start, start.continuum)
+    else:
+        model = before.copy()
+        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
     file = f"dem/state_{goal.which}_{goal.label}.h5"
     save(goal.store, file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]

@@ -38,10 +38,11 @@ def test_the_map_rises_with_friction_and_with_cohesion() -> None:
     rise = np.diff(table.after, axis=0)[:, 1:], np.diff(table.after, axis=1)
     assert (rise[0][holds[:-1, 1:]] > 0.0).all()
     assert (rise[1][holds[:, :-1]] > 0.0).all()
-    assert ((table.after[~holds] > 0.13) & (table.after[~holds] < 0.2)).all()  # what the geometry of discs holds
+    assert ((table.after[~holds] > 0.13) & (table.after[~holds] < 0.23)).all()  # what the geometry of discs holds
     assert (table.after < table.peak).all()
-    # at least three quarters of the peak are left after it, but for discs that hardly have strength
-    assert (table.after / table.peak)[table.friction > 0.0].min() > 0.7
+    # three quarters of the peak are left after it, but for discs that hardly have strength, or no soil's
+    soils = np.ix_(table.friction > 0.0, table.cohesion <= 3.2)
+    assert (table.after / table.peak)[soils].min() > 0.7
     assert 0.57 < table.modulus[table.friction > 0.0].min() < table.modulus[table.friction > 0.0].max() < 0.63
 
 
@@ -62,7 +63,7 @@ def test_any_clay_is_met_at_all_stresses(cohesion_over_stress: float) -> None:
     wanted = np.full(3, cohesion_over_stress * PRESSURES[-1])
     found = strength_map().fit(wanted, PRESSURES)
     assert found.friction < 0.0
-    assert found.expected == pytest.approx(wanted, rel=0.07)
+    assert found.expected == pytest.approx(wanted, rel=0.05)
 
 
 def test_every_layer_of_s13() -> None:
