@@ -5,25 +5,23 @@ a critical Kh, from which a stopped run goes on), critical.json, calibration.jso
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
 from dem.search.critical import Search
-from dem.search.equilibrium import Rise, Trial, try_kh, unbalanced_ratio
-from dem.search.pushover import Continuum, push_over
+from dem.search.equilibrium import Trial, unbalanced_ratio
+from dem.search.pushover import Continuum
 from dem.settings import DemSettings
-from dem.slides.slip import cracked_shares, slip_surface
 from dem.team import Team, Tell, alone
 from meshes.section.recorded_kh import in_name
-from workflow.results.answer import SectionLabel, line
+from workflow.results.answer import SectionLabel
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import (
@@ -31,7 +29,6 @@ from workflow.results.discs import (
     DiscModelAnswer,
     DiscsAnswer,
     DiscSearch,
-    DiscState,
     GivenDilation,
     PaperDiscs,
     Parameters,
@@ -43,6 +40,7 @@ from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.disc_states import NO_LINE, Kept, Sets, Start, keep_states
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
 from workflow.stages.given_dilation import given_dilation
 from workflow.stages.slip_surfaces import slip_surfaces
@@ -50,8 +48,6 @@ from workflow.stages.slip_surfaces import slip_surfaces
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 CALIBRATED = "dem/calibrated.h5"
-NO_LINE = np.zeros((0, 2))
-FAILING = "failing"
 NARROWING = 5  # searches that finding the factor takes, more or less
 
 
@@ -77,7 +73,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     papers_own = None
     if paper is not None:
         papers_own, sets["paper"] = _paper_answer(given, store, paper)
-    kept = _keep_states(given, store, sets, team)
+    kept = keep_states(given, store, sets, team)
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem, dilating)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
@@ -228,7 +224,7 @@ def _paper(given: Input, store: Store, tell: Tell) -> Search:
     return calibrator.search("", 1.0, dem.workers)
 
 
-def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDiscs, "Start"]:
+def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
     """What is told of the paper's own discs, and where they start from."""
     dem = given.dem.as_paper()
     discs = discs_at_rest(given, store, dem, PAPER, lambda _: None)
@@ -246,100 +242,6 @@ def _layer_tests(
     springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
     tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, team=team)
     return {"element_tests": tuple(LayerTest.model_validate(test) for test in tests)}
-
-
-@dataclass(frozen=True)
-class Start:
-    """Discs at rest to be brought to the recorded Kh.
-
-    Attributes
-    ----------
-    settled : the discs
-    ground : where they lie
-    search : their critical Kh
-    dem : settings that they were made with
-    continuum : what soil discs were held against, as far as which they are pushed until they have failed
-    """
-
-    settled: DiscModel
-    ground: Ground
-    search: Search
-    dem: DemSettings
-    continuum: Continuum | None = None
-
-
-Sets = dict[SetOfSprings, Start]
-
-
-@dataclass(frozen=True)
-class Kept:
-    """The states that are kept, and for each set of springs the slip surface where it is seen to fail (k, 2), in m."""
-
-    states: tuple[DiscState, ...] = ()
-    surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
-
-    def surface(self, which: SetOfSprings) -> np.ndarray:
-        """The slip surface of one set; without points where there is none."""
-        return self.surfaces.get(which, NO_LINE)
-
-
-def _keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
-    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
-    surface of every set at the upper end of its bracket.
-    """
-    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in given.dem.kh]
-    ends = [
-        Goal(which, start, start.search.upper, FAILING, store)
-        for which, start in sets.items()
-        if start.search.upper is not None and start.search.flexibility
-    ]
-    found = team(_reached, [*recorded, *ends])
-    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
-    return Kept(tuple(found[: len(recorded)]), failing)
-
-
-@dataclass(frozen=True)
-class Goal:
-    """A Kh to which one set of discs shall be brought, from rest, and what the state is called in the store."""
-
-    which: SetOfSprings
-    start: Start
-    kh: float
-    label: str
-    store: Store
-
-
-def _pushed_over(start: Start, continuum: Continuum) -> tuple[Trial, DiscModel]:
-    """Soil discs as a push leaves them, and the last that was measured on the way."""
-    end: list[tuple[Trial, DiscModel]] = []
-
-    def on_trial(trial: Trial, model: DiscModel) -> None:
-        end[:] = [(trial, model)]
-
-    push_over(start.settled, start.ground, start.dem, continuum, on_trial=on_trial)
-    return end[0]
-
-
-def _reached(goal: Goal, _: Tell) -> DiscState:
-    """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
-    start = goal.start
-    before, ground = start.settled, start.ground
-    if goal.label == FAILING and start.continuum is not None:
-        trial, model = _pushed_over(start, start.continuum)
-    else:
-        model = before.copy()
-        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
-    file = f"dem/state_{goal.which}_{goal.label}.h5"
-    save(goal.store, file, model)
-    far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    return DiscState.of(
-        trial,
-        set=goal.which,
-        file=file,
-        cracked_share_by_stratum=cracked_shares(model),
-        slip_surface=line(slip_surface(model, before, ground)),
-        largest_displacement_m=float(far.max()),
-    )
 
 
 def discs_answer(

@@ -1,0 +1,116 @@
+"""The states of the discs that are kept: at the recorded Kh, and once they have failed."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.search.critical import Search
+from dem.search.equilibrium import Rise, Trial, try_kh
+from dem.search.pushover import Continuum, push_over
+from dem.settings import DemSettings
+from dem.slides.slip import cracked_shares, slip_surface
+from dem.team import Team, Tell
+from workflow.results.answer import line
+from workflow.results.discs import DiscState, SetOfSprings
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages.discs_at_rest import save
+
+NO_LINE = np.zeros((0, 2))
+FAILING = "failing"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Discs at rest to be brought to the recorded Kh.
+
+    Attributes
+    ----------
+    settled : the discs
+    ground : where they lie
+    search : their critical Kh
+    dem : settings that they were made with
+    continuum : what soil discs were held against, as far as which they are pushed until they have failed
+    """
+
+    settled: DiscModel
+    ground: Ground
+    search: Search
+    dem: DemSettings
+    continuum: Continuum | None = None
+
+
+Sets = dict[SetOfSprings, Start]
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The states that are kept, and for each set of springs the slip surface where it is seen to fail (k, 2), in m."""
+
+    states: tuple[DiscState, ...] = ()
+    surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
+
+    def surface(self, which: SetOfSprings) -> np.ndarray:
+        """The slip surface of one set; without points where there is none."""
+        return self.surfaces.get(which, NO_LINE)
+
+
+def keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
+    """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
+    surface of every set at the upper end of its bracket.
+    """
+    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in given.dem.kh]
+    ends = [
+        Goal(which, start, start.search.upper, FAILING, store)
+        for which, start in sets.items()
+        if start.search.upper is not None and start.search.flexibility
+    ]
+    found = team(_reached, [*recorded, *ends])
+    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
+    return Kept(tuple(found[: len(recorded)]), failing)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A Kh to which one set of discs shall be brought, from rest, and what the state is called in the store."""
+
+    which: SetOfSprings
+    start: Start
+    kh: float
+    label: str
+    store: Store
+
+
+def _pushed_over(start: Start, continuum: Continuum) -> tuple[Trial, DiscModel]:
+    """Soil discs as a push leaves them, and the last that was measured on the way."""
+    end: list[tuple[Trial, DiscModel]] = []
+
+    def on_trial(trial: Trial, model: DiscModel) -> None:
+        end[:] = [(trial, model)]
+
+    push_over(start.settled, start.ground, start.dem, continuum, on_trial=on_trial)
+    return end[0]
+
+
+def _reached(goal: Goal, _: Tell) -> DiscState:
+    """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
+    start = goal.start
+    before, ground = start.settled, start.ground
+    if goal.label == FAILING and start.continuum is not None:
+        trial, model = _pushed_over(start, start.continuum)
+    else:
+        model = before.copy()
+        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
+    file = f"dem/state_{goal.which}_{goal.label}.h5"
+    save(goal.store, file, model)
+    far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
+    return DiscState.of(
+        trial,
+        set=goal.which,
+        file=file,
+        cracked_share_by_stratum=cracked_shares(model),
+        slip_surface=line(slip_surface(model, before, ground)),
+        largest_displacement_m=float(far.max()),
+    )
