@@ -64,11 +64,14 @@ class Computed:
         Critical Kh (-).
     decisive : bool
         Whether a difference makes the answer doubtful: a finer mesh does, a poorer element does not.
+    without : float or None
+        Critical Kh without the change, where both were found on another mesh than the answer; None for that of it.
     """
 
     what: str
     kc: float
     decisive: bool = True
+    without: float | None = None
 
 
 def doubts_of(
@@ -134,7 +137,7 @@ def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
         yield Doubt(
             f"{count} of {len(mesh.cells)} cells have a corner below {NARROW:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
-            'use mesh.method = "free", or end thin layers in a step',
+            'use mesh.method = "free" if the mesh is mapped, or end thin layers in a step in the section',
             contradiction=False,
         )
 
@@ -159,10 +162,12 @@ def of_bounds(kc: float, lower: float | None, upper: float | None, own: bool) ->
 def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
     """The same thing computed in another way, by another mesh or element, that changes the critical Kh notably."""
     for other in others:
-        change = other.kc / kc - 1.0
-        if abs(change) > NOTABLE and abs(other.kc - kc) > SMALL_KH:
+        without = other.without or kc
+        change = other.kc / without - 1.0
+        if abs(change) > NOTABLE and abs(other.kc - without) > SMALL_KH:
             yield Doubt(
-                f"With {other.what} the critical Kh is {other.kc:.3f} instead of {kc:.3f}, {100.0 * change:+.0f} %.",
+                f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
+                f"{100.0 * change:+.0f} %.",
                 "refine the mesh until it no longer matters, or run the bounds",
                 contradiction=other.decisive,
             )

@@ -9,6 +9,7 @@ from matplotlib.patches import Patch
 from fem.limit.adaptive_bounds import Mechanism, StressField
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
+from fem.skin import STRIP
 from meshes.triangles import TriMesh
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
 from workflow.figures.ground import foot
@@ -103,7 +104,9 @@ def _stress_sheet(given: Input, stress: StressField, window: Window) -> Sheet:
 
 def _mesh_sheet(given: Input, found: KhBounds, window: Window) -> Sheet:
     mesh, strata = found.mesh, (found.section or given).strata
-    colours = [soil_colour(k) for k in range(len(strata))]
+    own = [stratum.name for stratum in given.strata]  # a strip of a skin has the colour of its stratum
+    names = [one.name if one.name in own else one.name.rpartition(STRIP)[0] for one in strata]
+    colours = [soil_colour(own.index(name)) for name in names]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
         for colour, stratum in zip(colours, strata, strict=True)

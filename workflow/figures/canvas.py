@@ -47,7 +47,7 @@ CRITICAL = "#b3202c"
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
 LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than the section is high
-TITLE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 150, 88
+TITLE_CHARACTERS, CURVE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 120, 150, 88
 
 rcParams["font.family"] = [fonts.PLAIN]
 
@@ -215,6 +215,9 @@ class Sheet:
         axes.tick_params(labelsize=8, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)
         if title:
+            title = textwrap.fill(title, CURVE_CHARACTERS)
+            left, low, wide, high = axes.get_position().bounds
+            axes.set_position((left, low, wide, high - 0.16 * title.count("\n") / self.figure.get_figheight()))
             axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
         return axes
 

@@ -128,17 +128,18 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
-    """Two views, as the paper's Figs 12 and 13: how far every disc has come since `before`, and its pore springs."""
+    """How far every disc has come since `before` and, of discs that have them, the pore springs: Figs 12 and 13."""
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
     norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
     moved = partial(draw_values, model=model, values=far, norm=norm, dark=model.fixed)
     there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
-    foot = f"{_count(model)}; {cracked} of {there} pore springs cracked"
-    sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3)
+    foot = f"{_count(model)}; {cracked} of {there} pore springs cracked" if there else _count(model)
+    sheet = Sheet(title, [window.proportion] * (2 if there else 1), foot, legend_rows=3)
     sheet.show(0, render(window, moved), window, "displacement")
-    springs = partial(draw_pore_springs, model=model)
-    sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
+    if there:  # soil discs have none
+        springs = partial(draw_pore_springs, model=model)
+        sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
     sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
     sheet.save(path)
 

@@ -65,9 +65,17 @@ CAPTIONS = (
         r"calibration", "dem", "Which parameter moves the critical Kh of the discs, and the trials of the calibration."
     ),
     Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
-    Caption(r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement and pore springs."),
+    Caption(
+        r"dem_before_kh_(.*)",
+        "dem",
+        "Discs before calibration, Kh = {0}: displacement, and pore springs of discs that have them.",
+    ),
     Caption(r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
-    Caption(r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement and pore springs."),
+    Caption(
+        r"dem_after_kh_(.*)",
+        "dem",
+        "Calibrated discs, Kh = {0}: displacement, and pore springs of discs that have them.",
+    ),
     Caption(r"dem_.*", "dem", "The discs."),
     Caption(r"displacements", "comparison", "Displacements by all methods that gave one.", True),
     Caption(

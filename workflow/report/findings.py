@@ -148,7 +148,7 @@ def _slides(results: Results) -> Iterator[str]:
     if not cases:
         entry = results.no_answer("calibrate") or results.no_answer("slide")
         if any(stratum.liquefies_in for stratum in results.given.strata):
-            why = f"there is no answer to it: {entry.reason}" if entry is not None else "it has not been computed"
+            why = entry.reason if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
     springs = springs_of(results)

@@ -44,7 +44,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
         yield [
             stratum.name,
             f"{area:.1f}",
-            f"{min(ends):.1f}-{max(ends):.1f}",
+            "-".join(dict.fromkeys((f"{min(ends):.1f}", f"{max(ends):.1f}"))),
             f"{start:.4g}-{end:.4g}",
             f"{stratum.youngs_modulus / 1e6:.4g}",
             f"{stratum.poissons_ratio:g}",

@@ -60,7 +60,8 @@ def _seen(variant: Variant, kc: float | None) -> str:
     without = variant.kc_without or kc
     beside = f" instead of {without:.4f}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
-    return f"Here, {variant.change}: critical Kh = {variant.kc:.4f}{beside} ({by:+.1f} %)."
+    much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
+    return f"Here, {variant.change}: critical Kh = {variant.kc:.4f}{beside} ({much})."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:

@@ -113,9 +113,9 @@ class Results:
 
         told = list(self.fem.doubts) if self.fem is not None else []
         others = [
-            Computed(one.change, kc, decisive=one.name == "mesh")
+            Computed(one.change, one.kc, decisive=one.name == "mesh", without=one.kc_without)
             for one in (self.variants.variants if self.variants is not None else ())
-            if self.kc and (kc := one.of(self.kc)) is not None and one.name in ("mesh", "element")
+            if self.kc and one.kc is not None and one.name in ("mesh", "element")
         ]
         found = of_others(self.kc, others) if self.kc else ()
         return [*told, *(Doubt.model_validate(doubt) for doubt in found), *self.doubts_by_bounds()]

@@ -83,6 +83,12 @@ def test_changes_by_more_than_3_percent_are_told():
     assert "-11 %" in found[0].what
 
 
+def test_a_change_on_another_mesh_is_held_against_that_mesh():
+    other = Computed("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, without=0.1139)
+    (found,) = of_others(0.1096, [other])
+    assert "0.124 instead of 0.114, +9 %" in found.what
+
+
 @pytest.mark.parametrize(("side", "column"), [("left", 0.0), ("right", 20.0)])
 def test_mechanism_at_a_side_is_told_and_no_contradiction(side, column):
     moved = np.outer(np.abs(MESH.points[:, 0] - column) < 5.0, [1.0, 0.0])
