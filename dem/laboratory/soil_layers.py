@@ -6,7 +6,7 @@ stress. Wanted at a confining pressure p is half the deviator at failure of Mohr
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -91,6 +91,12 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     reach = np.minimum(0.95 * table.strongest(cohesive) * pressures, stratum.youngs_modulus / LEAST_RIGIDITY)
     aimed = np.minimum(wanted, reach)
     found = table.fit(aimed, pressures, cohesive)
+    real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
+    stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
+    if cohesive:
+        gain = table.gained_by_softness(stiffness, 0.5 * stress, found.cohesion)
+        found = table.fit(aimed / gain, pressures, cohesive)
+        found = replace(found, expected=found.expected * gain)
     notes = []
     if (wanted > reach).any():
         notes.append(
@@ -104,8 +110,6 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
             f"discs keep some friction where the soil has none: their strength is off by {told} at a quarter, a half "
             "and all of the layer's stress"
         )
-    real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
-    stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
     if abs(stiffness / real - 1.0) > 1e-9:
         what = "stiffer" if stiffness > real else "softer"
         notes.append(

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 from scipy.integrate import trapezoid
 
 from dem.laboratory.soil_check import LayerCheck, soil_checks
@@ -14,7 +15,10 @@ from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum, push_over
 from dem.slides.liquefaction import Slide, Slider
+from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
+from fem.as_discs import as_discs
+from meshes.gmsh_model import generate
 from tests.support import SECTIONS
 from workflow.settings import Input
 
@@ -47,8 +51,13 @@ def checks(run: Input, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
 
 
 @pytest.fixture(scope="module")
-def search(run: Input, ground: Deposit) -> Search:
-    return push_over(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
+def pushed(run: Input, ground: Deposit) -> tuple[Search, DiscModel]:
+    end: dict[str, DiscModel] = {}
+    search = push_over(
+        ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2,
+        on_trial=lambda _, model: end.update(discs=model),
+    )  # fmt: skip
+    return search, end["discs"]
 
 
 @pytest.fixture(scope="module")
@@ -77,13 +86,12 @@ def test_sands_are_the_soil(checks: dict[str, LayerCheck]) -> None:
 
 
 def test_clays_are_the_soil(checks: dict[str, LayerCheck]) -> None:
-    """Their strength does not go with the stress, but where it is ten times that, in layer 2 at a quarter of its."""
-    for name, miss in (("2 Ac1", 0.2), ("7 Ac2", 0.1)):
+    """Their strength does not go with the stress, not even where it is ten times that, as in layer 2."""
+    for name in ("2 Ac1", "7 Ac2"):
         check = checks[name]
         assert check.E_discs_Pa == pytest.approx(check.E_soil_Pa, rel=0.2)
-        half, whole = np.array(check.strength_discs_Pa[1:]) / check.strength_soil_Pa[1:]
-        assert whole == pytest.approx(1.0, abs=0.07)
-        assert half == pytest.approx(1.0, abs=miss)
+        assert check.strength_discs_Pa == pytest.approx(check.strength_soil_Pa, rel=0.07)
+        assert check.strength_discs_Pa[-1] > 0.8 * check.peak_discs_Pa[-1]
 
 
 def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
@@ -97,9 +105,21 @@ def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
     assert abs(missing) < 0.01 * run.layering.areas().sum()
 
 
-def test_the_critical_kh_is_predicted(search: Search) -> None:
-    assert search.kc is not None
-    assert 0.85 <= search.kc / KC <= 1.15
+def test_the_critical_kh_is_predicted(pushed: tuple[Search, DiscModel]) -> None:
+    kc = pushed[0].kc
+    assert kc is not None
+    assert 0.85 <= kc / KC <= 1.15
+
+
+def test_discs_fail_where_the_continuum_does(run: Input, ground: Deposit, pushed: tuple[Search, DiscModel]) -> None:
+    """With fixed sides and psi as given. Three packings: 2.7, 2.7 and 1.6 m; from the slip surface of Davis's
+    substitute, which weakens sand and leaves clay alone, 6.3, 6.9 and 4.9 m."""
+    wish = run.fem.model_copy(update={"direction": "downhill"})
+    continuum = as_discs(run, generate(run, run.mesh), wish, MPI.COMM_SELF)
+    assert continuum.kc == pytest.approx(0.339, abs=0.002)
+    apart = compare(run, slip_surface(pushed[1], ground.settled, ground.ground), continuum.slip_surface)
+    assert apart is not None
+    assert apart.mean_distance_m < 3.0
 
 
 def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> None:
