@@ -109,11 +109,14 @@ class Ground:
         felt = self.downhill * np.concatenate([[0.0], push, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
+    def steady(self, kh: float) -> Acceleration:
+        """Kh that neither comes nor goes; + is downhill."""
+        return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
+
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
         """Kh that goes from one value to another between two times (s), as smoothly as a half cosine; + is downhill."""
-        sign = self.downhill
-        change = Acceleration.seismic(sign * (after - before), tilt=self.tilt, ramp=(start, end))
-        held = Acceleration.seismic(sign * before, tilt=self.tilt)
+        change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
+        held = self.steady(before)
         return Acceleration(change.times, change.x + held.x[0], change.z + held.z[0])
 
 

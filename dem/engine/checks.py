@@ -5,6 +5,7 @@ import numpy as np
 from dem.engine.ledger import Ledger
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError
 from dem.kernels.contact import ALLOWED
+from dem.kernels.motion import all_finite, first_behind
 from dem.model import DiscModel
 
 BALANCE = 1e-3  # of the energy turned over
@@ -20,14 +21,14 @@ def _place(model: DiscModel, disc: int) -> str:
 
 def check_finite(model: DiscModel, kept: str) -> None:
     """Raises NotFiniteError if a position or velocity is not a number."""
+    if all_finite(model.x, model.z, model.vx, model.vz, model.vr):
+        return
     fine = np.isfinite(model.x) & np.isfinite(model.z) & np.isfinite(model.vx) & np.isfinite(model.vz)
     fine &= np.isfinite(model.vr)
-    if not fine.all():
-        disc = int(np.argmin(fine))
-        raise NotFiniteError(
-            f"{_place(model, disc)} has a position or velocity that is no number; {int((~fine).sum())} discs in all. "
-            f"Check the input of that disc, or take a smaller step. {kept}"
-        )
+    raise NotFiniteError(
+        f"{_place(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
+        f"discs in all. Check the input of that disc, or take a smaller step. {kept}"
+    )
 
 
 def check_speed(model: DiscModel, dt: float, kept: str) -> None:
@@ -79,21 +80,12 @@ def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
 
 def check_escape(model: DiscModel, kept: str) -> None:
     """Raises EscapeError if the centre of a disc is behind a rigid line, by a radius or more."""
-    if not len(model.lines):
-        return
-    free = np.flatnonzero(~model.fixed)
-    x, z, r = model.x[free], model.z[free], model.radius[free]
-    for k, (px, pz, nx, nz, begin, end) in enumerate(model.lines):
-        before = (x - px) * nx + (z - pz) * nz
-        along = (z - pz) * nx - (x - px) * nz
-        # the mouth of a corner belongs to both lines; far beyond the ends nobody is held
-        gone = (before < -r) & (along > begin) & (along < end) & (before > -1e3 * r)
-        if gone.any():
-            disc = int(free[np.argmax(gone)])
-            raise EscapeError(
-                f"{_place(model, disc)} is behind rigid line {k}. The boundary did not hold it: take a smaller step, "
-                f"or stiffer springs for the layer beside it. {kept}"
-            )
+    line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
+    if disc >= 0:
+        raise EscapeError(
+            f"{_place(model, disc)} is behind rigid line {line}. The boundary did not hold it: take a smaller step, or "
+            f"stiffer springs for the layer beside it. {kept}"
+        )
 
 
 def check_balance(model: DiscModel, ledger: Ledger, tolerance: float, kept: str) -> None:

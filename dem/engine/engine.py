@@ -7,6 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Literal
 
 import numpy as np
@@ -210,11 +211,13 @@ class Run:
         give_back_large_arrays()
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
-        # no thread is the caller's own: who is interrupted can wait for the kernel and still know how far it came
-        self.pool = ThreadPoolExecutor(self.threads)
+        # The main thread does not step itself: who is interrupted can wait for the kernel and still know how far it
+        # came. Others are not interrupted, and to hand on a short call takes longer than its steps.
+        alone = self.threads == 1 and current_thread() is not main_thread()
+        self.pool = None if alone else ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
         self.layout: Layout | None = None  # while there is one, the model has no pairs
-        self.springs = springs_of(model)  # as they were when the layout was made
+        self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.pack()
         self.begin_ledger()
@@ -224,12 +227,14 @@ class Run:
         if self.working:
             self.collect()
         self.update()
-        self.pool.shutdown()
+        if self.pool is not None:
+            self.pool.shutdown()
 
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout, self.springs = pack(self.model, keep_pairs=False), springs_of(self.model)
+            self.layout = pack(self.model, keep_pairs=False)
+            self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 
     def update(self) -> None:
@@ -307,7 +312,7 @@ class Run:
         stops = np.zeros((2, self.threads), np.int64)
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time)
-        springs, law = self.springs, engine.law_of(model)
+        springs, law = self.springs, self.law
         loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
         entries = Entries(engine.ledger, model.energy_sums)
 
@@ -317,14 +322,19 @@ class Run:
                 model.leeway**2,
             )  # fmt: skip
 
+        if self.pool is None:
+            return self.add(*work(0))
         self.working = [self.pool.submit(work, k) for k in range(self.threads)]
         return self.collect()
 
     def collect(self) -> int:
         """Waits for the kernel and adds the steps it took; returns why it came back."""
         results = [thread.result() for thread in self.working]  # of all, before any is believed
-        taken, now, reason = results[0]
         self.working = []
+        return self.add(*results[0])
+
+    def add(self, taken: int, now: float, reason: int) -> int:
+        """Adds the steps that the kernel took until now (s); returns why it came back."""
         self.model.steps += taken
         self.model.time = now
         self.model.last_dt = self.dt

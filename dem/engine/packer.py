@@ -7,7 +7,6 @@ from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
     LINK_FIELDS,
-    ROLL,
     ROLL_FIELDS,
     X0,
     Z0,
@@ -18,6 +17,7 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
+from dem.kernels.motion import list_motion
 from dem.kernels.records import SHARED
 from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
@@ -130,11 +130,7 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
     """Writes into the model where its discs are and how they move; what contacts remember stays in the layout."""
-    n, order = len(model), model.order
-    shared = layout.shared.reshape(-1, SHARED)
-    for field, name in enumerate(_STATE):
-        getattr(model, name)[order] = shared[:n, field]
-    model.roll[order] = layout.discs.reshape(-1, DISC_FIELDS, LANES)[:, int(ROLL) // LANES].reshape(-1)[:n]
+    list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
 
 
 def unpack(layout: Layout, model: DiscModel) -> None:

@@ -123,11 +123,24 @@ def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
     return (energy.kinetic if kinetic is None else kinetic) / stored if stored > 0.0 else float("inf")
 
 
+class Displacement:
+    """Mean displacement downhill, along the horizontal, since a state `before`, weighted with mass."""
+
+    def __init__(self, before: DiscModel, ground: Ground) -> None:
+        self.before, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
+        self.mass = before.mass[self.free]
+        self.total = self.mass.sum()
+
+    def __call__(self, model: DiscModel) -> float:
+        """How far the discs have come (m)."""
+        before, free = self.before, self.free
+        dx, _ = self.ground.turned(model.x[free] - before.x[free], model.z[free] - before.z[free])
+        return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))
+
+
 def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:
-    """Mean displacement downhill, along the horizontal, since `before`, weighted with mass (m)."""
-    free = ~model.fixed
-    dx, _ = ground.turned(model.x - before.x, model.z - before.z)
-    return float(ground.downhill * np.average(dx[free], weights=model.mass[free]))
+    """The displacement of discs since `before` (m)."""
+    return Displacement(before, ground)(model)
 
 
 def period(model: DiscModel, ground: Ground) -> float:

@@ -18,7 +18,7 @@ from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
-from dem.search.equilibrium import STEP, Trial, displacement, kinetic_ratio, period, unbalanced_ratio
+from dem.search.equilibrium import STEP, Displacement, Trial, kinetic_ratio, period, unbalanced_ratio
 from dem.settings import DemSettings
 from meshes.section.quantity import GRAVITY
 
@@ -133,6 +133,7 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
     Between two looks Kh is what spring and dashpot then carry.
     """
     cycle, start = period(model, ground), model.time
+    displacement = Displacement(before, ground)
     pulse = min(cycle / PULSES, SWING / machine.frequency)
     moved, speed, end = 0.0, 0.0, 0.0
     most, count = 0.0, 0
@@ -142,10 +143,10 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
-            model.acceleration = ground.shaking(kh, kh, model.time, model.time + pulse)
+            model.acceleration = ground.steady(kh)
             then = model.time
             pulses.on(pulse)
-            now = displacement(model, before, ground)
+            now = displacement(model)
             moved, speed = now, (now - moved) / (model.time - then)
             since.append((moved, kh))
             if moved >= BLOCK * machine.reach * (count + 1):

@@ -1,0 +1,44 @@
+"""Kernel: the motion of the discs brought from the layout to the model, and whether they are where discs can be."""
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.layout import ROLL, Layout, place
+from dem.kernels.records import SHARED
+
+FAR_BEHIND = 1e3  # radii behind a line, from which on a disc has nothing to do with it
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...], roll: np.ndarray) -> None:
+    """Writes the shared fields of every disc into the arrays of `state`, in their order, and how far it has rolled."""
+    for i in range(len(order)):
+        disc = order[i]
+        for field in range(SHARED):
+            state[field][disc] = layout.shared[i * SHARED + field]
+        roll[disc] = layout.discs[place(i, ROLL)]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr: np.ndarray) -> bool:
+    """Whether all places and velocities are numbers."""
+    fine = True
+    for i in range(len(x)):
+        fine &= np.isfinite(x[i]) & np.isfinite(z[i]) & np.isfinite(vx[i]) & np.isfinite(vz[i]) & np.isfinite(vr[i])
+    return fine
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def first_behind(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, lines: np.ndarray
+) -> tuple[int, int]:
+    """(line, disc) of a free disc whose centre is behind a rigid line by a radius or more, (-1, -1) without one."""
+    for k in range(len(lines)):
+        px, pz, nx, nz, begin, end = lines[k]
+        for i in range(len(x)):
+            before = (x[i] - px) * nx + (z[i] - pz) * nz
+            along = (z[i] - pz) * nx - (x[i] - px) * nz
+            # the mouth of a corner belongs to both lines; far beyond the ends nobody is held
+            if not fixed[i] and -FAR_BEHIND * radius[i] < before < -radius[i] and begin < along < end:
+                return k, i
+    return -1, -1
