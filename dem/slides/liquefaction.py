@@ -6,6 +6,7 @@ as well, in the paper at once; soil discs stand under it before anything liquefi
 """
 
 import json
+import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -31,6 +32,7 @@ from dem.slides.balance import (
 from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
 from dem.slides.rest import at_rest, moved_lately, what_drives
+from dem.slides.row import Row
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 
@@ -38,51 +40,8 @@ LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun ag
 FLOWS = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
 ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
+KEEP = 2.0  # s of the clock between two checkpoints: no more is computed again after a stop
 MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
-
-
-@dataclass(frozen=True)
-class Row:
-    """What one look at a slide found, a line of history.csv.
-
-    Attributes
-    ----------
-    time_s : float
-        Since Kh began to come on (s).
-    settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
-        Median settlement of each third of the surface (m).
-    slide_uphill_m, slide_middle_m, slide_downhill_m : float
-        Median slide of each third, horizontally downhill (m).
-    slide_max_m : float
-        Largest slide of the surface, smoothed (m).
-    kinetic_J, stored_J, dissipated_J : float
-        Energy that moves, is stored in springs and bonds, has gone into friction, dashpots and cracks (J per metre).
-    work_J, shaking_J : float
-        Work of weight, Kh and boundary together; of Kh alone (J per metre).
-    cracked : int
-        Pore springs that are cracked.
-    crack_opening_m : float
-        Widest gap between discs of the surface (m).
-    surface_speed_m_s : float
-        Largest speed of the surface, smoothed (m/s).
-    """
-
-    time_s: float
-    settlement_uphill_m: float
-    settlement_middle_m: float
-    settlement_downhill_m: float
-    slide_uphill_m: float
-    slide_middle_m: float
-    slide_downhill_m: float
-    slide_max_m: float
-    kinetic_J: float  # noqa: N815
-    stored_J: float  # noqa: N815
-    dissipated_J: float  # noqa: N815
-    work_J: float  # noqa: N815
-    shaking_J: float  # noqa: N815
-    cracked: int
-    crack_opening_m: float
-    surface_speed_m_s: float
 
 
 OnLook = Callable[[DiscModel, Row, bool], None]
@@ -198,6 +157,7 @@ class Slider:
         self.cut: set[int] = set()
         self.residual = residual_contacts(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
+        self.kept = -np.inf  # when the last checkpoint was left (s)
         self.model = self._resumed() or self._begun()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
@@ -365,14 +325,18 @@ class Slider:
         ]
 
     def _keep(self) -> None:
-        """Rows first: those that are later than the checkpoint are forgotten when it is read."""
-        if self.folder is None:
+        """Leave a checkpoint, unless the last one is young and the slide goes on.
+
+        Rows first: those that are later than the checkpoint are forgotten when it is read.
+        """
+        young = time.monotonic() - self.kept < KEEP and not self.slide.reason
+        if self.folder is None or young:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
         beside = self.folder / "rows.json.part"
         slide = self.slide
         state = {
-            "rows": [asdict(row) for row in slide.rows],
+            "rows": [vars(row) for row in slide.rows],
             "reason": slide.reason,
             "settled": slide.settled,
             "step_share": slide.step_share,
@@ -381,6 +345,7 @@ class Slider:
         beside.write_text(json.dumps(state))
         beside.replace(self.folder / "rows.json")
         self.model.save(self.folder / "checkpoint.h5")
+        self.kept = time.monotonic()
 
     def _resumed(self) -> DiscModel | None:
         if self.folder is None or not (self.folder / "checkpoint.h5").exists():

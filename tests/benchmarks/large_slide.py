@@ -20,7 +20,8 @@ from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit, ground_at_rest
 from dem.settings import DemSettings
-from dem.slides.liquefaction import Row, Slider
+from dem.slides.liquefaction import Slider
+from dem.slides.row import Row
 from tests.support import SECTIONS
 from workflow.settings import Input
 

@@ -4,6 +4,7 @@ import base64
 import io
 import re
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
@@ -104,7 +105,9 @@ class Picture:
 
 def collect(names: Sequence[str], folder: Path, width: int) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    return [_picture(folder / name, name, one, words, width) for name, one, words in _captioned(names, folder)]
+    found = list(_captioned(names, folder))
+    with ThreadPoolExecutor() as threads:  # Pillow lets go of Python's lock
+        return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), found))
 
 
 def _captioned(names: Sequence[str], folder: Path) -> Iterator[tuple[str, Caption, str]]:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 
 from pydantic import TypeAdapter
 
-from dem.slides.liquefaction import Row
+from dem.slides.row import Row
 from meshes.errors import InputError
 from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store

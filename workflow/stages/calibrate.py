@@ -25,7 +25,7 @@ def draw(job: Job) -> None:
     """Draw the discs by layer, and their states at every recorded Kh."""
     from workflow.stages.calibrated_discs import calibrate_pictures
 
-    calibrate_pictures(job.given, job.store)
+    calibrate_pictures(job.given, job.store, job.team)
 
 
 def seconds(given: Input) -> float:

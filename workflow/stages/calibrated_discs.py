@@ -29,6 +29,7 @@ from workflow.results.discs import (
     DiscModelAnswer,
     DiscsAnswer,
     DiscSearch,
+    DiscState,
     GivenDilation,
     PaperDiscs,
     Parameters,
@@ -82,7 +83,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     calibration_told.write(store)
     if tests := _layer_tests(given, discs, found, progress, team):
         calibration_told.model_copy(update=tests).write(store)
-    calibrate_pictures(given, store)
+    calibrate_pictures(given, store, team)
     calibration = found.calibration
     if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
@@ -289,24 +290,43 @@ def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnsw
     )
 
 
-def calibrate_pictures(given: Input, store: Store) -> None:
+def calibrate_pictures(given: Input, store: Store, team: Team = alone) -> None:
     """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
+    team(_drawn, [StatePicture(given, store, state) for state in (None, *DiscsAnswer.read(store).states)])
+
+
+@dataclass(frozen=True)
+class StatePicture:
+    """A state of the discs to be drawn; None for the discs by layer, at rest."""
+
+    given: Input
+    store: Store
+    state: DiscState | None
+
+    def placed(self, which: SetOfSprings, file: str) -> DiscModel:
+        """The discs of a file, of one set of springs, where they lie in the section."""
+        from workflow.figures.discs import in_section
+
+        given, store = self.given, self.store
+        settled = DiscModel.load(store.folder / STARTS[which])
+        dem = given.dem.as_paper() if which == "paper" else given.dem
+        return in_section(DiscModel.load(store.folder / file), ground_for(given, store, dem, settled))
+
+
+STARTS: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
+
+
+def _drawn(wanted: StatePicture, _: Tell) -> None:
+    """One picture."""
     from workflow.figures import discs as dem_figures
 
-    start: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
-    dem: dict[SetOfSprings, DemSettings] = {"before": given.dem, "after": given.dem, "paper": given.dem.as_paper()}
-
-    def placed(which: SetOfSprings, file: str) -> DiscModel:
-        settled = DiscModel.load(store.folder / start[which])
-        ground = ground_for(given, store, dem[which], settled)
-        return dem_figures.in_section(DiscModel.load(store.folder / file), ground)
-
-    with store.writing("figures/dem_model.png") as path:
-        dem_figures.layers(
-            placed("before", SETTLED), path, f"{given.title or given.name}: discs by layer, at rest under their weight"
-        )
-    for state in DiscsAnswer.read(store).states:
-        before, model = (placed(state.set, file) for file in (start[state.set], state.file))
-        title = f"{given.title or given.name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
-        with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
-            dem_figures.state(model, before, path, title)
+    store, state = wanted.store, wanted.state
+    name = wanted.given.title or wanted.given.name
+    if state is None:
+        with store.writing("figures/dem_model.png") as path:
+            model = wanted.placed("before", SETTLED)
+            dem_figures.layers(model, path, f"{name}: discs by layer, at rest under their weight")
+        return
+    before, model = (wanted.placed(state.set, file) for file in (STARTS[state.set], state.file))
+    with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
+        dem_figures.state(model, before, path, f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}")

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import Case
-from dem.slides.liquefaction import Row, Slide, Slider
+from dem.slides.liquefaction import Slide, Slider
+from dem.slides.row import Row
 from dem.team import Tell
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store

@@ -9,7 +9,7 @@ import pytest
 
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial
-from dem.slides.liquefaction import Row
+from dem.slides.row import Row
 from meshes.errors import InputError
 from tests.support import dem_fixture
 from tests.support.sections import slope

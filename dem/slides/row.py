@@ -1,0 +1,47 @@
+"""What one look at a slide found."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one look at a slide found, a line of history.csv.
+
+    Attributes
+    ----------
+    time_s : float
+        Since Kh began to come on (s).
+    settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
+        Median settlement of each third of the surface (m).
+    slide_uphill_m, slide_middle_m, slide_downhill_m : float
+        Median slide of each third, horizontally downhill (m).
+    slide_max_m : float
+        Largest slide of the surface, smoothed (m).
+    kinetic_J, stored_J, dissipated_J : float
+        Energy that moves, is stored in springs and bonds, has gone into friction, dashpots and cracks (J per metre).
+    work_J, shaking_J : float
+        Work of weight, Kh and boundary together; of Kh alone (J per metre).
+    cracked : int
+        Pore springs that are cracked.
+    crack_opening_m : float
+        Widest gap between discs of the surface (m).
+    surface_speed_m_s : float
+        Largest speed of the surface, smoothed (m/s).
+    """
+
+    time_s: float
+    settlement_uphill_m: float
+    settlement_middle_m: float
+    settlement_downhill_m: float
+    slide_uphill_m: float
+    slide_middle_m: float
+    slide_downhill_m: float
+    slide_max_m: float
+    kinetic_J: float  # noqa: N815
+    stored_J: float  # noqa: N815
+    dissipated_J: float  # noqa: N815
+    work_J: float  # noqa: N815
+    shaking_J: float  # noqa: N815
+    cracked: int
+    crack_opening_m: float
+    surface_speed_m_s: float
