@@ -17,6 +17,7 @@ from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite
 from dem.engine.ledger import Ledger
 from dem.engine.memory import give_back_large_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
+from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
@@ -24,8 +25,9 @@ from dem.kernels.contact import KPN
 from dem.kernels.energy import energies
 from dem.kernels.layout import Layout
 from dem.kernels.records import CONSTANT_RECORD
+from dem.kernels.scratch import new_scratch
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
-from dem.kernels.stepping import DONE, MOVED, OVERLAP, advance
+from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.model import DiscModel
 
 AUTO_SHARE = 0.2  # of the stable step
@@ -140,7 +142,7 @@ class Engine:
 
     def measure(self, model: DiscModel) -> Ledger:
         """The ledger of a model as it stands."""
-        return self._ledger(model, pack(model))
+        return self.measure_layout(model, pack(model))
 
     def run(
         self,
@@ -185,7 +187,8 @@ class Engine:
             run.close()
         return ledger
 
-    def _ledger(self, model: DiscModel, layout: Layout) -> Ledger:
+    def measure_layout(self, model: DiscModel, layout: Layout) -> Ledger:
+        """The same, of a model whose contacts are in a layout."""
         now = model.acceleration.at(model.time)
         loads = Loads(now.times, now.with_level(model.gravity))
         found = energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
@@ -256,7 +259,7 @@ class Run:
             self.model.energy_known = float("nan")
             return
         model = self.model
-        ledger = self.engine._ledger(model, self.pack())
+        ledger = self.engine.measure_layout(model, self.pack())
         if np.isnan(model.energy_known):
             model.energy_edited += ledger.gap
         else:
@@ -296,7 +299,7 @@ class Run:
     def balance(self) -> Ledger:
         """The ledger now. Raises EnergyBalanceError."""
         model, engine = self.model, self.engine
-        ledger = engine._ledger(model, self.pack())
+        ledger = engine.measure_layout(model, self.pack())
         model.turnover = ledger.turnover
         try:
             check_balance(model, ledger, engine.balance, engine.kept)
@@ -317,9 +320,9 @@ class Run:
         entries = Entries(engine.ledger, model.energy_sums)
 
         def work(thread: int) -> tuple[int, float, int]:
-            return advance(
+            return take_steps(
                 Team(thread, self.threads, barrier, stops), clock, layout, springs, law, loads, entries,
-                model.leeway**2,
+                model.leeway**2, *needs(thread, self.threads, layout), new_scratch(),
             )  # fmt: skip
 
         if self.pool is None:

@@ -6,10 +6,12 @@ import numpy as np
 
 from dem.engine.engine import CrackBy, law_of, springs_of
 from dem.engine.packer import pack, unpack
-from dem.kernels.arguments import Entries
+from dem.engine.sharing import needs
+from dem.kernels.arguments import Clock, Entries, Loads, Team
+from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
 from dem.kernels.scratch import new_scratch
-from dem.kernels.stepping import LEDGER, contacts_of_slice
+from dem.kernels.stepping import LEDGER, take_steps
 from dem.model import DiscModel
 
 
@@ -71,12 +73,12 @@ def keep_slip(model: DiscModel, *, crack_by: CrackBy = "contact") -> None:
 
 def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
     layout = pack(model)
-    scratch = new_scratch()
-    slices = len(layout.chunk_start) - 1
-    springs, law = springs_of(model), law_of(model, pulls, crack_by)
-    entries = Entries(False, np.zeros((slices, LEDGER)))
-    for p in range(slices):
-        contacts_of_slice(p, layout, springs, scratch, layout.chunk_start[p], model.last_dt, law, entries)
+    entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, LEDGER)))
+    loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
+    take_steps(
+        Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time), layout,
+        springs_of(model), law_of(model, pulls, crack_by), loads, entries, 0.0, *needs(0, 1, layout), new_scratch(),
+    )  # fmt: skip
     return layout
 
 

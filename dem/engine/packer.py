@@ -91,7 +91,7 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     discs = large_zeros(slices, DISC_FIELDS, LANES)
     fields = (
         np.where(free, 1.0 / model.mass, 0.0), np.where(free, model.inertia_ratio / model.mass, 0.0),
-        pull_x, pull_z, model.x_list, model.z_list, model.roll,
+        pull_x, pull_z, model.x_list, model.z_list, model.roll, np.where(free, model.mass, 0.0),
     )  # fmt: skip
     for field, values in enumerate(fields):
         lanes = np.zeros(slices * LANES)

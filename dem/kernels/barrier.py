@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from dem.kernels.inner import inner
 
 ARRIVED, ROUND, PROGRESS = 0, 16, 32  # counters, two cache lines apart; of progress, one for each thread
 APART = 16
@@ -62,7 +64,7 @@ def give_way(typing_context: Any) -> Any:
     return types.int32(), generate
 
 
-@njit(cache=True, nogil=True)
+@inner(nogil=True)
 def wait(barrier: np.ndarray, threads: int) -> None:
     """Returns when all `threads` have called it."""
     turn = load(barrier, ROUND)
@@ -77,13 +79,13 @@ def wait(barrier: np.ndarray, threads: int) -> None:
             give_way()
 
 
-@njit(cache=True, nogil=True)
+@inner(nogil=True)
 def report(barrier: np.ndarray, thread: int) -> None:
     """Counts one more piece of work of this thread as done; all it wrote before can be seen by who reads the count."""
     fetch_add(barrier, PROGRESS + APART * thread, 1)
 
 
-@njit(cache=True, nogil=True)
+@inner(nogil=True)
 def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
     """Returns when `thread` has reported `count` pieces of work."""
     spins = 0

@@ -1,10 +1,10 @@
 """Kernel: forces and memory of contacts, 64 lanes at a time, and what they cost since the last step."""
 
 import numpy as np
-from numba import njit
 
 from dem.kernels.arguments import Law, Springs, State
 from dem.kernels.contact import ALLOWED
+from dem.kernels.inner import inner
 from dem.kernels.interaction import at_line, between_discs, face, line_lane
 from dem.kernels.layout import (
     FR,
@@ -22,24 +22,25 @@ from dem.kernels.layout import (
     TORQUE,
     Layout,
 )
+from dem.kernels.losses import BOOKS
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.scratch import BLOCK, constant, load_partners
 
 
-@njit(cache=True, forceinline=True, error_model="numpy", fastmath={"reassoc"})
+@inner(forceinline=True, fastmath=BOOKS)
 def add(total: float, value: float) -> float:
     """A sum whose order the compiler may choose; for the ledger, never for the motion."""
     return total + value
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def contact(
     d: int, q: int, w: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool,
     pores: bool, booked: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """The contact in lane q: writes forces and memory.
 
-    Returns whether it is too deep, and what its dashpots, sliding, cracks and rolling took since the last step (J).
+    Returns whether it is too deep, and twice what dashpots, sliding, cracks and rolling took since the last step (J).
     """
     links = state.links
     m, now = between_discs(d, q, w, state, scratch, slip_time, law, soil, pores, booked)
@@ -61,17 +62,17 @@ def contact(
     return deep, now.damped, now.slid, now.cracked, now.rolled_off
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def face_partners(chunk: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
     """Fetches the partners of one chunk into the scratch rows, and turns to them."""
     wide_vectors()
     for begin in range(0, LANES, BLOCK):
-        load_partners(chunk, begin, state, scratch)
+        load_partners(chunk, begin, state, scratch, soil)
         for lane in range(begin, begin + BLOCK):
             face(np.uint64(chunk) * LINK, np.uint64(lane), state, scratch, law, soil)
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def all_lanes(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law, soil: bool, pores: bool,
     booked: bool,
@@ -92,10 +93,10 @@ def all_lanes(
             sliding = add(sliding, slid)
             cracks = add(cracks, cracked)
             rolling = add(rolling, rolled)
-    return too_deep, damping, sliding, cracks, rolling
+    return too_deep, 0.5 * damping, 0.5 * sliding, 0.5 * cracks, 0.5 * rolling
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def contacts(chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law) -> bool:
     """Forces and memory of one chunk of contacts; True if an overlap is larger than allowed."""
     if not law.soil:
@@ -105,7 +106,7 @@ def contacts(chunk: int, state: State, scratch: np.ndarray, slip_time: float, la
     return all_lanes(chunk, state, scratch, slip_time, law, True, False, False)[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def contacts_with_losses(
     chunk: int, state: State, scratch: np.ndarray, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float, float]:
@@ -117,7 +118,7 @@ def contacts_with_losses(
     return all_lanes(chunk, state, scratch, slip_time, law, True, False, True)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def line_contact(
     e: int, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[bool, float, float, float]:
@@ -137,4 +138,4 @@ def line_contact(
         layout.rolling[w + ROLLED] = now.rolled
         layout.rolling[w + TORQUE] = now.torque
     allowed = 2.0 * springs.lines[ALLOWED, layout.line_kind[e]] * layout.line_radius[e]
-    return now.over > allowed, now.damped, now.slid, now.rolled_off
+    return now.over > allowed, 0.5 * now.damped, 0.5 * now.slid, 0.5 * now.rolled_off

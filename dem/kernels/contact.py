@@ -7,7 +7,7 @@ contact does not know which disc was named first; rolling alone changes its sign
 plane.
 """
 
-from numba import njit
+from dem.kernels.inner import inner
 
 # Rows of the table of pair constants (see springs.PairTable), one column per kind of pair: those of pore springs, those
 # of all discs, then those that soil discs have besides.
@@ -17,14 +17,14 @@ COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH, GAP = range(13, 20)
 CONSTANTS = 20
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def clamp(value: float, limit: float) -> float:
     """`value` brought into [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def spring(over: float, kn: float, gap: float) -> float:
     """Push (N) of the element's normal spring at an overlap (m).
 
@@ -34,7 +34,7 @@ def spring(over: float, kn: float, gap: float) -> float:
     return kn * over if over > -gap else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
     """Energy (J) of that spring, and the energy of the bond, which is negative: it takes as much to part discs that
     attract each other from where the spring carries nothing."""
@@ -42,7 +42,7 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
     """Push (N) that joins the spring's in soil discs where the overlap exceeds `depth` (m): both stiffen the contact.
 
@@ -52,7 +52,7 @@ def stop(over: float, stiffness: float, depth: float) -> float:
     return stiffness * deep if deep > 0.0 else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
     """Element spring and dashpot, eqs. (1)-(2): normal force (N), nothing where the discs do not touch.
 
@@ -64,14 +64,14 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
     return normal if over > -gap else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
     """Largest tangential force of an element contact in the paper's discs (N): Coulomb's, with Table 2's friction."""
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c_other: float, gap: float) -> float:
     """Largest tangential force of a contact of soil discs (N), as long as they touch: mu Fn + C of the weaker material.
 
@@ -85,7 +85,7 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
     return limit if over > -gap else 0.0
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def held(
     kept: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
@@ -101,7 +101,7 @@ def held(
     return clamp(cut + dashpot * speed, limit), trial, cut
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def pore(
     length: float,
     distance: float,

@@ -8,7 +8,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from dem.kernels.arguments import Law, Springs, State
 from dem.kernels.contact import (
@@ -40,6 +39,7 @@ from dem.kernels.contact import (
     stop,
     strength,
 )
+from dem.kernels.inner import inner
 from dem.kernels.layout import (
     FX,
     FZ,
@@ -63,6 +63,16 @@ from dem.kernels.layout import (
     X,
     Z,
     entry,
+)
+from dem.kernels.losses import (
+    along,
+    both,
+    crack_loss,
+    damping_loss,
+    damping_losses,
+    pore_before,
+    sliding_loss,
+    spring_before,
 )
 from dem.kernels.period import image
 from dem.kernels.scratch import DISTANCE, LEVER, NORMAL_X, NORMAL_Z, OWN, constant
@@ -88,7 +98,7 @@ class Motion(NamedTuple):
     vn, vt : float
         Speeds of separation and of slip at the end of the step (m/s).
     slip, stretch : float
-        Slip and separation since the last step (m).
+        Slip and separation since the last step (m); separation is for the ledger alone.
     """
 
     distance: float
@@ -119,7 +129,7 @@ class Contact(NamedTuple):
     elements, bonds, pores, rolling : float
         Energy stored in element springs, bonds of cohesive soil, pore springs and springs of rolling (J).
     damped, slid, cracked, rolled_off : float
-        What dashpots, sliding, cracks and rolling took since the last step (J).
+        Twice what dashpots, sliding, cracks and rolling took since the last step (J).
     """
 
     over: float
@@ -140,7 +150,7 @@ class Contact(NamedTuple):
     rolled_off: float
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool) -> None:
     """Where the partner in lane q lies: from its place in the scratch rows to direction, distance and lever there.
 
@@ -161,7 +171,7 @@ def face(d: int, q: int, state: State, scratch: np.ndarray, law: Law, soil: bool
     scratch[LEVER + q] = square * inverse
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def motion(q: int, scratch: np.ndarray, slip_time: float) -> Motion:
     """Of the contact in lane q of a slice, once `face` has been there."""
     nx, nz = scratch[NORMAL_X + q], scratch[NORMAL_Z + q]
@@ -173,11 +183,10 @@ def motion(q: int, scratch: np.ndarray, slip_time: float) -> Motion:
     vn = ux * nx + uz * nz
     vt = (uz * nx - ux * nz) - lever * (scratch[VRS + q] + scratch[OWN + VRS + q])
     slip = slip_time * ((hz * nx - hx * nz) - lever * (scratch[VR + q] + scratch[OWN + VR + q]))
-    stretch = slip_time * (hx * nx + hz * nz)
-    return Motion(distance, nx, nz, lever, vn, vt, slip, stretch)
+    return Motion(distance, nx, nz, lever, vn, vt, slip, slip_time * along(hx, hz, nx, nz))
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def rolling_motion(q: int, scratch: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
     """R times the turn of j less that of i since the last step (m), and its speed at the end of the step (m/s).
 
@@ -188,32 +197,7 @@ def rolling_motion(q: int, scratch: np.ndarray, share: float, slip_time: float) 
     return roll, share * (rim_end + scratch[VRS + q]) - rim_end
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
-def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
-    """Work (J) of a dashpot since the last step, from its forces (N) now and then.
-
-    The work of a step is its displacement times the mean of the forces at its ends: that is what the scheme takes from
-    the kinetic energy v(n-1/2) v(n+1/2) m/2, so the ledger of linear springs and dashpots closes to rounding, whatever
-    the step.
-    """
-    return 0.5 * ((dashpot + dashpot_before) * way)
-
-
-@njit(cache=True, forceinline=True, error_model="numpy")
-def sliding_loss(before: float, trial: float, kept: float, flexibility: float) -> float:
-    """Work (J) that a spring whose force was cut from `trial` to `kept` (N) has lost since the last step."""
-    return 0.5 * (before + kept) * (trial - kept) * flexibility
-
-
-@njit(cache=True, forceinline=True, error_model="numpy")
-def crack_loss(kpn: float, length: float, new: float, distance: float, stretch: float) -> float:
-    """Energy (J) of its stretch that a pore spring sets free as it cracks."""
-    pull = distance - abs(new)
-    before = pull - stretch
-    return 0.5 * kpn * pull * before if (pull > 0.0) & (before > 0.0) else 0.0
-
-
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def between_discs(
     d: int,
     q: int,
@@ -275,27 +259,26 @@ def between_discs(
         most = friction_limit(normal, scratch[constant(MU_ROLLING) + q])
         torque, tried, rolled = held(before, roll, rate, ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
-        rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
+        rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
 
     damped, slid, cracked = 0.0, 0.0, 0.0
     if booked:
         # dashpots in the last step: all the force there was, less that of springs
-        over_then = over + m.stretch
-        push_then = spring(over_then, kn, gap)
+        springs_then = spring_before(over, m.stretch, kn, gap)
         if soil:
-            push_then += stop(over_then, stiffness, depth)
-        pull_then = kpn * (abs(length) - m.distance + m.stretch)
-        pull_then = pull_then if (length > 0.0) | (pull_then > 0.0) else 0.0
+            springs_then = both(springs_then, spring_before(over - depth, m.stretch, stiffness, 0.0))
+        if pores:
+            springs_then = both(springs_then, pore_before(length, m.distance, m.stretch, kpn))
         fx, fz = links[d + FX + q], links[d + FZ + q]
-        old_n = (fx * m.nx + fz * m.nz) - push_then - pull_then
-        old_t = (fx * m.nz - fz * m.nx) - (shear + old_pore)
-        damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
+        damped = damping_losses(
+            m.nx, m.nz, m.slip, m.stretch, fx, fz, tangential - kept, normal - push, shear + old_pore, springs_then
+        )
         slid = sliding_loss(shear, trial, kept, fks)
-        pore_lost = sliding_loss(old_pore, pore_trial, pore_kept, fkps)
-        snapped = crack_loss(kpn, length, new, m.distance, m.stretch)
-        cracking = (length > 0.0) & (new <= 0.0)
-        slid += 0.0 if cracking else pore_lost
-        cracked = pore_lost + snapped if cracking else 0.0
+        if pores:
+            pore_lost = sliding_loss(old_pore, pore_trial, pore_kept, fkps)
+            cracking = (length > 0.0) & (new <= 0.0)
+            slid = both(slid, 0.0 if cracking else pore_lost)
+            cracked = both(pore_lost, crack_loss(kpn, length, m.distance, m.stretch)) if cracking else 0.0
     in_pores = 0.5 * pore_kept * pore_kept * fkps
     if kpn > 0.0:
         in_pores += 0.5 * pore_normal * pore_normal / kpn
@@ -305,7 +288,7 @@ def between_discs(
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
     """Overlap of a disc with a rigid line, and how it moves there; the lever is the disc's radius."""
     disc, shared = layout.line_disc[e], layout.shared
@@ -324,7 +307,7 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
     return over, Motion(distance, nx, nz, 1.0, vn, vt, slip, stretch)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def at_line(
     e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[Motion, Contact]:
@@ -345,12 +328,13 @@ def at_line(
         most = friction_limit(normal, column[MU_ROLLING])
         torque, tried, rolled = held(before, roll, -layout.shared[entry(disc, VRS)], ks, ct, most)
         rolling = 0.5 * rolled * rolled * fks
-        rolled_off = damping_loss(roll, torque - rolled, whole - before) + sliding_loss(before, tried, rolled, fks)
+        rolled_off = both(damping_loss(roll, torque - rolled, whole - before), sliding_loss(before, tried, rolled, fks))
     shear = links[at + SHEAR]
     tangential, trial, kept = held(shear, m.slip, m.vt, ks, ct, limit)
-    old_n = (links[at + FX] * m.nx + links[at + FZ] * m.nz) - spring(over + m.stretch, kn, 0.0)
-    old_t = (links[at + FX] * m.nz - links[at + FZ] * m.nx) - shear
-    damped = 0.5 * (((tangential - kept) + old_t) * m.slip - ((normal - push) + old_n) * m.stretch)
+    damped = damping_losses(
+        m.nx, m.nz, m.slip, m.stretch, links[at + FX], links[at + FZ], tangential - kept, normal - push, shear,
+        spring(over + m.stretch, kn, 0.0),
+    )  # fmt: skip
     elements = 0.5 * push * push / kn + 0.5 * kept * kept * fks
     return m, Contact(
         over, normal, tangential, torque, kept, 0.0, rolled, 0.0, elements, 0.0, 0.0, rolling, damped,
@@ -358,7 +342,7 @@ def at_line(
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
     """Where disc e at a rigid line has its place in links, and in rolling: behind the chunks and the silent lane."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // LANES)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dem.kernels.inner import inner
 from dem.kernels.records import EIGHT, SHARED
 
 LANES = 64
@@ -24,9 +25,9 @@ LANES = 64
 X, Z, VX, VZ, VR, VXS, VZS, VRS = (np.uint64(k * LANES) for k in range(SHARED))
 
 # The other fields of a disc, as offsets from the base of its slice. PULL is the acceleration by weight and water, and
-# by what else shakes with the ground.
-DISC_FIELDS = 7
-INVMASS, RIM, PULL_X, PULL_Z, X0, Z0, ROLL = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
+# by what else shakes with the ground; MASS, for the ledger, is none where a disc is fixed.
+DISC_FIELDS = 8
+INVMASS, RIM, PULL_X, PULL_Z, X0, Z0, ROLL, MASS = (np.uint64(k * LANES) for k in range(DISC_FIELDS))
 DISC = np.uint64(DISC_FIELDS * LANES)
 
 # Fields of a contact: sum of the radii; pore length (negative: cracked, 0: none); tangential forces kept by element
@@ -108,13 +109,13 @@ class Layout(NamedTuple):
     swing_start: np.ndarray
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@inner(nogil=True, forceinline=True)
 def entry(disc: int, field: int) -> np.uint64:
     """Where in `shared` a field of this disc lies."""
     return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@inner(nogil=True, forceinline=True)
 def place(disc: int, field: int) -> np.uint64:
     """Where in `discs` a field of this disc lies."""
     return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
@@ -187,7 +188,10 @@ def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.nda
     for chunk in range(chunks):
         count = start[chunk]
         for at in range(chunk * LANES, (chunk + 1) * LANES, EIGHT):
-            if chunk == 0 or np.any(kind[at : at + EIGHT] != kind[at - LANES : at - LANES + EIGHT]):
+            fresh = chunk == 0
+            for k in range(at, at + EIGHT):
+                fresh |= kind[k] != kind[k - LANES]
+            if fresh:
                 found[count] = at
                 count += 1
         start[chunk + 1] = count

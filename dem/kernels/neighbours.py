@@ -8,6 +8,7 @@ would make the result depend on the skin. Springs' memory is carried over as it 
 import numpy as np
 from numba import njit
 
+from dem.kernels.inner import inner
 from dem.kernels.period import ENDLESS, Period, folded, image
 
 PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
@@ -20,7 +21,7 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
     return np.lexsort((x, row, panel)).astype(np.int32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def cell_grid(
     x: np.ndarray, z: np.ndarray, size: float, length: float
 ) -> tuple[np.ndarray, np.ndarray, int, int, float, np.ndarray, np.ndarray]:
@@ -57,7 +58,7 @@ def cell_grid(
     return column, row, columns, rows, size, start, items
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def sort_by_lower(i: np.ndarray, j: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Order of pairs by their lower number, and where each number's pairs begin."""
     start = np.zeros(n + 1, np.int32)
@@ -74,15 +75,16 @@ def sort_by_lower(i: np.ndarray, j: np.ndarray, n: int) -> tuple[np.ndarray, np.
     return by_lower, start
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def longer(array: np.ndarray, size: int) -> np.ndarray:
     """A copy with room for `size` entries."""
     grown = np.empty(size, array.dtype)
-    grown[: len(array)] = array
+    for k in range(len(array)):
+        grown[k] = array[k]
     return grown
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
     """Sorts a short stretch of `key`, and `other` with it: slots then point in one direction along a row of discs."""
     for a in range(begin + 1, end):
@@ -94,7 +96,7 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
         key[b], other[b] = k, o
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def near_pairs(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, factor: float, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -163,7 +165,7 @@ def find_pairs(
     second = np.empty(room, np.int32)
     known = np.empty(room, np.int32)
     used = np.zeros(len(old_i), np.bool_)
-    count = 0
+    count = np.int64(0)
     for i in range(len(x)):
         begin = count
         for j in others[near[i] : near[i + 1]]:

@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dem.kernels.inner import inner
+
 
 class Period(NamedTuple):
     """After how much the ground repeats itself.
@@ -30,7 +32,7 @@ class Period(NamedTuple):
 ENDLESS = Period(1e100, 0.0)
 
 
-@njit(forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
     """The way (m) to the image that is nearest along x."""
     n = math.floor(dx * (1.0 / period.length) + 0.5)

@@ -9,7 +9,8 @@ from numba import njit
 
 from dem.kernels.arguments import State
 from dem.kernels.contact import KN
-from dem.kernels.layout import LANES, LINK_FIELDS
+from dem.kernels.inner import inner
+from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS
 from dem.kernels.prefetch import LINE, fetch
 from dem.kernels.records import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
 
@@ -35,13 +36,13 @@ def new_scratch() -> np.ndarray:
     return room[begin : begin + SCRATCH]
 
 
-@njit(cache=True, forceinline=True, error_model="numpy")
+@inner(forceinline=True)
 def constant(row: int) -> np.uint64:
     """Where the row of a constant begins."""
     return CONSTANT + np.uint64(row) * ROW
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@inner(nogil=True, forceinline=True)
 def load_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
 ) -> None:
@@ -55,7 +56,7 @@ def load_constants(
         gather(records[KN:], CONSTANT_RECORD, FEWER, kinds, first, scratch, constant(KN) + q)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def load_all_constants(
     first: int, kinds: np.ndarray, records: np.ndarray, soil: bool, pores: bool, scratch: np.ndarray
 ) -> None:
@@ -64,7 +65,7 @@ def load_all_constants(
         load_constants(first + np.uint64(lane), kinds, records, soil, pores, scratch)
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
+@inner(nogil=True, forceinline=True)
 def load_own(p: int, shared: np.ndarray, scratch: np.ndarray) -> None:
     """The shared fields of the 64 discs of slice p, in rows."""
     for lane in range(0, LANES, EIGHT):
@@ -72,8 +73,8 @@ def load_own(p: int, shared: np.ndarray, scratch: np.ndarray) -> None:
         unfold(shared, (np.uint64(p) * ROW + q) * LINE, scratch, OWN + q)
 
 
-@njit(cache=True, nogil=True, forceinline=True, error_model="numpy")
-def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray) -> None:
+@inner(nogil=True, forceinline=True)
+def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray, soil: bool) -> None:
     """Position and velocities of 16 partners from `lane` on, in rows; the memory fetches what a later chunk will need.
 
     One line of its contacts and one of its partners at a time: a core waits once it has asked for a few dozen lines.
@@ -84,6 +85,9 @@ def load_partners(chunk: int, lane: int, state: State, scratch: np.ndarray) -> N
         q = np.uint64(k)
         fetch(state.links, later * np.uint64(LINK_FIELDS) + q * LINE)
         fetch(state.shared, np.uint64(state.partner[later + q]) * LINE)
+    if soil:
+        for k in range(lane * ROLL_FIELDS // 8, (lane + BLOCK) * ROLL_FIELDS // 8):
+            fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * LINE)
     for k in range(lane, lane + BLOCK, EIGHT):
         q = np.uint64(k)
         gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, scratch, q)

@@ -21,6 +21,7 @@ from numba import njit
 
 from dem.kernels.arguments import Springs
 from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
+from dem.kernels.inner import inner
 from dem.kernels.layout import INVMASS, LANES, LENGTH, LINK, RADII, RIM, ROLL_LINK, SHARE, Layout, X, Z, entry, place
 from dem.kernels.period import Period, image
 
@@ -76,7 +77,7 @@ class LineContacts(NamedTuple):
     kind: np.ndarray
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def add_block(block: np.ndarray, nx: float, nz: float, lever: float, normal: float, tangential: float) -> None:
     """Adds a spring along (nx, nz) and one across it, at a lever, to the six entries of a disc's block."""
     block[0] += normal * nx * nx + tangential * nz * nz
@@ -87,7 +88,7 @@ def add_block(block: np.ndarray, nx: float, nz: float, lever: float, normal: flo
     block[5] += tangential * lever * lever
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def bound(block: np.ndarray, invmass: float, rim: float) -> float:
     """Gershgorin's bound of the block's largest eigenvalue over mass; rim: r^2/I with levers in radii."""
     cross = np.sqrt(invmass * rim)

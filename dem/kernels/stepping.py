@@ -17,6 +17,7 @@ from numba import njit
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, State, Step, Team
 from dem.kernels.barrier import report, wait, wait_for
 from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
+from dem.kernels.inner import inner
 from dem.kernels.layout import (
     DISC,
     DISC_FIELDS,
@@ -26,7 +27,7 @@ from dem.kernels.layout import (
     INVMASS,
     LANES,
     LINK,
-    LINK_FIELDS,
+    MASS,
     PULL_X,
     PULL_Z,
     RIM,
@@ -45,9 +46,10 @@ from dem.kernels.layout import (
     X,
     Z,
 )
+from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.records import EIGHT, add_gathered, spread
-from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own, new_scratch
+from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
 from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
@@ -58,10 +60,10 @@ DONE, MOVED, OVERLAP = 0, 1, 2
 WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING = range(7)
 LEDGER = 7
 
-OWN_LINES = DISC_FIELDS * LANES // 8  # cache lines of a slice that its neighbours do not read
+OWN_LINES = (DISC_FIELDS - 1) * LANES // 8  # cache lines of a slice that its neighbours do not read, MASS left out
 
 
-@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
+@inner(nogil=True, _nrt=False, forceinline=True)
 def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
     """Forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
     wide_vectors()
@@ -94,19 +96,27 @@ def sum_forces(p: int, layout: Layout, scratch: np.ndarray) -> None:
             add_gathered(links, layout.incoming, slot + q, scratch, SUM_X + q)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
-def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
-    """One step of the 64 discs of slice p; True if one has left the reach of the neighbour list."""
+@inner(nogil=True, _nrt=False, forceinline=True)
+def move_lanes(
+    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step, booked: bool
+) -> tuple[bool, float, float, float]:
+    """One step of the 64 discs of slice p.
+
+    Returns whether one has left the reach of the neighbour list and, where `booked`, the work of weight, external
+    acceleration and moving boundaries on them (J).
+    """
     wide_vectors()
     b = np.uint64(p) * DISC
     half = 0.5 * step.dt
     moved = False
+    by_weight, by_external, by_boundary = 0.0, 0.0, 0.0
     for lane in range(LANES):
         q = np.uint64(lane)
         invmass = discs[b + INVMASS + q]
         free = 1.0 if invmass > 0.0 else 0.0
-        accel_x = scratch[SUM_X + q] * invmass + free * (discs[b + PULL_X + q] + step.ax)
-        accel_z = scratch[SUM_Z + q] * invmass + free * (discs[b + PULL_Z + q] + step.az)
+        pull_x, pull_z = discs[b + PULL_X + q], discs[b + PULL_Z + q]
+        accel_x = scratch[SUM_X + q] * invmass + free * (pull_x + step.ax)
+        accel_z = scratch[SUM_Z + q] * invmass + free * (pull_z + step.az)
         accel_r = scratch[SUM_R + q] * discs[b + RIM + q]
         vx = scratch[OWN + VX + q] + step.kick * accel_x
         vz = scratch[OWN + VZ + q] + step.kick * accel_z
@@ -125,34 +135,33 @@ def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, ste
         dx = x - discs[b + X0 + q]
         dz = z - discs[b + Z0 + q]
         moved |= not (dx * dx + dz * dz <= step.reach)
+        if booked:
+            mass = discs[b + MASS + q]
+            by_weight = add(by_weight, along(mass * pull_x, mass * pull_z, vx, vz))
+            by_external = add(by_external, along(mass * step.mean_x, mass * step.mean_z, vx, vz))
+            driven = along(scratch[SUM_X + q], scratch[SUM_Z + q], vx, vz) + scratch[SUM_R + q] * vr
+            by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
     for lane in range(0, LANES, EIGHT):
         q = np.uint64(lane)
         spread(scratch, OWN + q, shared, (np.uint64(p) * ROW + q) * LINE)
-    return moved
+    return moved, by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
-def work(p: int, discs: np.ndarray, scratch: np.ndarray, step: Step) -> tuple[float, float, float]:
-    """Work of weight, external acceleration and moving boundaries on slice p, once `move` has moved it (J)."""
-    wide_vectors()
-    b = np.uint64(p) * DISC
-    by_weight = 0.0
-    by_external = 0.0
-    by_boundary = 0.0
-    for lane in range(LANES):
-        q = np.uint64(lane)
-        invmass = discs[b + INVMASS + q]
-        mass = 1.0 / invmass if invmass > 0.0 else 0.0
-        vx = scratch[OWN + VX + q]
-        vz = scratch[OWN + VZ + q]
-        by_weight = add(by_weight, mass * (discs[b + PULL_X + q] * vx + discs[b + PULL_Z + q] * vz))
-        by_external = add(by_external, mass * (step.mean_x * vx + step.mean_z * vz))
-        driven = scratch[SUM_X + q] * vx + scratch[SUM_Z + q] * vz + scratch[SUM_R + q] * scratch[OWN + VR + q]
-        by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
-    return by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
+@inner(nogil=True, _nrt=False)
+def move(p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step) -> bool:
+    """One step of the 64 discs of slice p; True if one has left the reach of the neighbour list."""
+    return move_lanes(p, discs, shared, scratch, step, False)[0]
 
 
-@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
+@inner(nogil=True, _nrt=False)
+def move_with_work(
+    p: int, discs: np.ndarray, shared: np.ndarray, scratch: np.ndarray, step: Step
+) -> tuple[bool, float, float, float]:
+    """The same, with the work of weight, external acceleration and moving boundaries (J)."""
+    return move_lanes(p, discs, shared, scratch, step, True)
+
+
+@inner(nogil=True, _nrt=False)
 def contacts_of_slice(
     p: int,
     layout: Layout,
@@ -171,6 +180,7 @@ def contacts_of_slice(
     load_own(p, layout.shared, scratch)
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     pores = law.pores or not law.soil
+    damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     for line in range(OWN_LINES):
         fetch(layout.discs, np.uint64(p) * DISC + np.uint64(line) * LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
@@ -180,45 +190,49 @@ def contacts_of_slice(
             for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
                 load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, scratch)
         if entries.kept:
-            deep, damping, slid, cracked, rolled = contacts_with_losses(chunk, state, scratch, slip_time, law)
-            entries.sums[p, DASHPOT] += damping
-            entries.sums[p, SLIDING] += slid
-            entries.sums[p, CRACKS] += cracked
-            entries.sums[p, ROLLING] += rolled
+            deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, scratch, slip_time, law)
+            damping += damped
+            sliding += slid
+            cracks += cracked
+            rolling += rolled
         else:
             deep = contacts(chunk, state, scratch, slip_time, law)
         too_deep |= deep
     for e in range(layout.line_start[p], layout.line_start[p + 1]):
-        deep, damping, slid, rolled = line_contact(e, layout, springs, slip_time, law)
+        deep, damped, slid, rolled = line_contact(e, layout, springs, slip_time, law)
         too_deep |= deep
-        if entries.kept:
-            entries.sums[p, DASHPOT] += damping
-            entries.sums[p, SLIDING] += slid
-            entries.sums[p, ROLLING] += rolled
+        damping += damped
+        sliding += slid
+        rolling += rolled
+    if entries.kept:
+        entries.sums[p, DASHPOT] += damping
+        entries.sums[p, SLIDING] += sliding
+        entries.sums[p, CRACKS] += cracks
+        entries.sums[p, ROLLING] += rolling
     return too_deep
 
 
-@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
-def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries, at_hand: bool) -> bool:
+@inner(nogil=True, _nrt=False)
+def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
 
-    at_hand: whether the scratch rows still hold the slice's own discs.
+    at_hand: the slice whose own discs the scratch rows hold.
     """
     sum_forces(p, layout, scratch)
     swing_slice(p, layout, step.level)
-    if not at_hand:
+    if p != at_hand:
         load_own(p, layout.shared, scratch)
-    moved = move(p, layout.discs, layout.shared, scratch, step)
-    if entries.kept:
-        by_weight, by_external, by_boundary = work(p, layout.discs, scratch, step)
-        swings = momentum_of_swings(p, layout) * step.dt
-        entries.sums[p, WORK_WEIGHT] += by_weight - swings * step.level
-        entries.sums[p, WORK_EXTERNAL] += by_external + swings * step.mean_level
-        entries.sums[p, WORK_BOUNDARY] += by_boundary
+    if not entries.kept:
+        return move(p, layout.discs, layout.shared, scratch, step)
+    moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, scratch, step)
+    swings = momentum_of_swings(p, layout) * step.dt
+    entries.sums[p, WORK_WEIGHT] += by_weight - swings * step.level
+    entries.sums[p, WORK_EXTERNAL] += by_external + swings * step.mean_level
+    entries.sums[p, WORK_BOUNDARY] += by_boundary
     return moved
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+@inner(nogil=True, _nrt=False)
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
     """Linear interpolation of a series, constant outside it; `place`: an interval at or before that of `time`."""
     if time <= times[0]:
@@ -231,45 +245,13 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
     return values[place] + (values[place + 1] - values[place]) * ((time - times[place]) / span)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
+@inner(nogil=True, _nrt=False)
 def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
     """First slice of a thread, and the one after its last."""
     return slices * thread // threads, slices * (thread + 1) // threads
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def needs(team: Team, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Slices of a thread that share contacts with other threads, and how many slices each thread must be through.
-
-    Returns (slices (shared,), counts (shared, threads)).
-    """
-    threads, slices = team.threads, len(layout.chunk_start) - 1
-    begin, end = slices_of(team.thread, threads, slices)
-    shared = np.zeros(end - begin, np.int64)
-    count = np.zeros((end - begin, threads), np.int64)
-    found = 0
-    for p in range(begin, end):
-        if layout.first[p] >= begin and layout.last[p] < end:
-            continue
-        shared[found] = p
-        for k in range(layout.incoming_start[p] * LANES, layout.incoming_start[p + 1] * LANES):
-            chunk = np.int64(layout.incoming[k]) // (LINK_FIELDS * LANES)
-            if chunk >= layout.chunk_start[-1]:
-                continue  # nothing, or a rigid line, which is the slice's own
-            owner = np.searchsorted(layout.chunk_start, chunk, side="right") - 1
-            if begin <= owner < end:
-                continue
-            for t in range(threads):
-                start, stop = slices_of(t, threads, slices)
-                if start <= owner < stop:
-                    count[found, t] = max(count[found, t], owner - start + 1)
-        found += 1
-    # What needs least of the others comes first, so that no slice waits behind one that needs their last.
-    order = np.argsort(count[:found].sum(axis=1), kind="mergesort")
-    return shared[:found][order], count[:found][order]
-
-
-@njit(cache=True, nogil=True, _nrt=False, forceinline=True, error_model="numpy")
+@inner(nogil=True, _nrt=False, forceinline=True)
 def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, reach: float) -> Step:
     """The step that begins at `time`; a new length follows the old one without a jump of the velocities."""
     ax = interpolate(time, loads.times, loads.acceleration[0], place)
@@ -279,6 +261,30 @@ def step_at(time: float, last_dt: float, dt: float, loads: Loads, place: int, re
     mean_z = 0.5 * (az + interpolate(time + dt, loads.times, loads.acceleration[1], place))
     mean_level = 0.5 * (level + interpolate(time + dt, loads.times, loads.acceleration[2], place))
     return Step(0.5 * (last_dt + dt), dt, last_dt, ax, az, level, mean_x, mean_z, mean_level, reach)
+
+
+@inner(nogil=True, _nrt=False)
+def move_shared(
+    team: Team,
+    taken: int,
+    layout: Layout,
+    scratch: np.ndarray,
+    step: Step,
+    entries: Entries,
+    shared: np.ndarray,
+    need: np.ndarray,
+) -> bool:
+    """Moves the slices that share contacts with other threads, each once those are through them; see `move_slice`."""
+    slices = len(layout.chunk_start) - 1
+    nobody = np.int64(-1)
+    moved = False
+    for k in range(len(shared)):
+        for t in range(team.threads):
+            if need[k, t] > 0:
+                start, stop = slices_of(t, team.threads, slices)
+                wait_for(team.barrier, t, taken * (stop - start) + need[k, t])
+        moved |= move_slice(shared[k], layout, scratch, step, entries, nobody)
+    return moved
 
 
 @njit(cache=True, nogil=True, _nrt=False, error_model="numpy")
@@ -295,7 +301,13 @@ def take_steps(
     need: np.ndarray,
     scratch: np.ndarray,
 ) -> tuple[int, float, int]:
-    """What `advance` does once it has memory to work in; shared, need: see `needs`."""
+    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
+
+    No steps: looks at the contacts as they are, and moves nothing. reach: square of the way (m2) after which a disc
+    wants a new neighbour list; shared, need: see `sharing.needs`; scratch: see `new_scratch`.
+    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
+    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
+    """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1
     begin, end = slices_of(thread, threads, slices)
@@ -305,6 +317,9 @@ def take_steps(
     place = 0
     reason = DONE
     taken = 0
+    if clock.steps == 0:
+        for p in range(begin, end):
+            contacts_of_slice(p, layout, springs, scratch, unknown, last_dt, law, entries)
     while taken < clock.steps and reason == DONE:
         while place + 2 < len(loads.times) and loads.times[place + 1] < time:
             place += 1
@@ -319,15 +334,10 @@ def take_steps(
                 report(barrier, thread)
             while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
                 if layout.first[ready] >= begin and layout.last[ready] < end:
-                    moved |= move_slice(ready, layout, scratch, step, entries, ready == at_hand)
+                    moved |= move_slice(ready, layout, scratch, step, entries, at_hand)
                     at_hand = ready
                 ready += 1
-        for k in range(len(shared)):
-            for t in range(threads):
-                if need[k, t] > 0:
-                    start, stop = slices_of(t, threads, slices)
-                    wait_for(barrier, t, taken * (stop - start) + need[k, t])
-            moved |= move_slice(shared[k], layout, scratch, step, entries, False)
+        moved |= move_shared(team, taken, layout, scratch, step, entries, shared, need)
         team.stops[taken % 2, thread] = OVERLAP if too_deep else (MOVED if moved else DONE)
         if threads > 1:
             wait(barrier, threads)
@@ -337,24 +347,3 @@ def take_steps(
         time += clock.dt
         taken += 1
     return taken, time, reason
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def advance(
-    team: Team,
-    clock: Clock,
-    layout: Layout,
-    springs: Springs,
-    law: Law,
-    loads: Loads,
-    entries: Entries,
-    reach: float,
-) -> tuple[int, float, int]:
-    """Takes the clock's steps or fewer; each thread of the team calls it with its own number.
-
-    reach: square of the way (m2) after which a disc wants a new neighbour list.
-    Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
-    OVERLAP if two discs are deeper in each other than allowed, DONE otherwise.
-    """
-    shared, need = needs(team, layout)
-    return take_steps(team, clock, layout, springs, law, loads, entries, reach, shared, need, new_scratch())

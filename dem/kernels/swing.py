@@ -1,11 +1,10 @@
 """Kernel: discs that carry what shakes with the ground and is no soil, surcharges and free water (`Layout.swing`)."""
 
-from numba import njit
-
+from dem.kernels.inner import inner
 from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def swing_slice(p: int, layout: Layout, level: float) -> None:
     """Lets such discs of slice p feel it, at this acceleration of the frame across gravity (m/s2)."""
     for k in range(layout.swing_start[p], layout.swing_start[p + 1]):
@@ -14,7 +13,7 @@ def swing_slice(p: int, layout: Layout, level: float) -> None:
         layout.discs[place(disc, PULL_Z)] = layout.swing[k, 1] + layout.swing[k, 3] * level
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True)
 def momentum_of_swings(p: int, layout: Layout) -> float:
     """Its power (J/s) on slice p over the acceleration of the frame across gravity (m/s2)."""
     momentum = 0.0

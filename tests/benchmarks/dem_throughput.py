@@ -29,8 +29,9 @@ from typing import Any
 import numpy as np
 
 from dem.acceleration import tilted_gravity
-from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, Run, largest_step
 from dem.engine.packer import pack, unpack
+from dem.kernels.stepping import DONE
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.springs import Law, LayerSprings
@@ -43,6 +44,7 @@ SQUEEZE = 1.0e-4  # every contact starts closed
 SKIN = 0.15  # m, in both codes
 SIZES = (3180, 31800, 318000)
 LAYERS = 10
+NOTES = ("steps_per_new_list", "ledger_cost")  # told beside the rows
 
 Row = dict[str, Any]
 
@@ -130,8 +132,43 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
         if variant == "bonded":
             rebuild = best(lambda model=model: new_list(model), time.process_time, 3)
             rows[0]["steps_per_new_list"] = rebuild / (free / rows[0]["million_element_steps_per_s"] / 1e6)
+        if ledger:
+            rows[-1]["ledger_cost"] = ledger_cost(model)
         del model
     return rows
+
+
+def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
+    """What the ledger costs, as a share: of a step, and of a call of the kernel with the balance at its end.
+
+    Short calls of the kernel on one thread and one layout, with and without it in turn, so that what else the machine
+    does meets both alike; medians of their CPU time.
+    """
+    run = Run(Engine(dt=DT, balance=math.inf), model, DT)
+    run.go(5)
+    with_ledger, steps = run.engine, max(4, int(4e5 / len(model)))
+    times: dict[bool, list[float]] = {False: [], True: []}
+    balances = []
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        for kept in (False, True):
+            run.engine = replace(with_ledger, ledger=kept)
+            begin, before = time.process_time(), model.steps
+            reason = run.call_kernel(steps)
+            times[kept].append((time.process_time() - begin) / (model.steps - before))
+            if reason != DONE:
+                run.update()
+                model.make_list()
+                run.pack()
+        if len(times[True]) % 10 == 0:
+            begin = time.process_time()
+            with_ledger.measure_layout(model, run.pack())
+            balances.append(time.process_time() - begin)
+    run.engine = with_ledger
+    run.close()
+    without = float(np.median(times[False]))
+    step = float(np.median(times[True])) / without - 1.0
+    return step, step + float(np.median(balances)) / without / max(CALL_STEPS, int(CALL_WORK / len(model)))
 
 
 def new_list(model: DiscModel) -> None:
@@ -264,7 +301,7 @@ def main() -> None:
                 f"{line['million_element_steps_per_s']:9.2f} {line['bytes_per_element']:6}"
             )
         notes(ours, theirs)
-        rows += [{key: value for key, value in line.items() if key != "steps_per_new_list"} for line in ours + theirs]
+        rows += [{key: value for key, value in line.items() if key not in NOTES} for line in ours + theirs]
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
 
@@ -273,9 +310,12 @@ def notes(ours: list[Row], theirs: list[Row]) -> None:
     """What the rows of one size say beside each other."""
     speed = {(r["variant"], r["threads"]): r["million_element_steps_per_s"] for r in ours}
     least = min(threads for _, threads in speed)
-    plain, booked = speed["bonded", least], speed["bonded, ledger", least]
-    print(f"  the ledger costs {100.0 * (plain / booked - 1.0):.0f} %; a new list as much as "
-          f"{ours[0]['steps_per_new_list']:.0f} steps")  # fmt: skip
+    plain = speed["bonded", least]
+    for line in ours:
+        if "ledger_cost" in line:
+            step, call = line["ledger_cost"]
+            print(f"  {line['variant']}: {100.0 * step:.0f} % of a step, {100.0 * call:.0f} % with balances")
+    print(f"  a new list takes as long as {ours[0]['steps_per_new_list']:.0f} steps")
     for threads in sorted({t for _, t in speed} - {1}):
         if ("bonded", 1) in speed:
             print(f"  {threads} threads: {speed['bonded', threads] / speed['bonded', 1]:.2f} times one")

@@ -1,0 +1,55 @@
+"""How long the kernels of the discs take to be compiled, where nothing is kept from an earlier run.
+
+python -m tests.benchmarks.cold_compile [--json FILE]
+
+A process of its own, with an empty folder for what it compiles, takes a few steps of the paper's discs and of soil
+discs, with the ledger and a new list of neighbours: CPU and clock, then both again from what is kept. Imports are not
+counted.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+PROGRAM = """
+import json, math, time
+from dem.engine.engine import Engine
+from tests.benchmarks.dem_throughput import DT, model_of
+begin = time.process_time(), time.perf_counter()
+for law in ("paper", "soil"):
+    model = model_of(500, law == "paper", law)
+    Engine(dt=DT, balance=math.inf).run(model, steps=300)
+    model.make_list()
+print(json.dumps({"cpu_s": time.process_time() - begin[0], "clock_s": time.perf_counter() - begin[1]}))
+"""
+
+
+def once(folder: str) -> dict[str, float]:
+    """Seconds of CPU and on the clock, of a process that keeps in `folder` what it compiles."""
+    run = subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=os.environ | {"NUMBA_CACHE_DIR": folder}, capture_output=True, check=True,
+        text=True,
+    )  # fmt: skip
+    found: dict[str, float] = json.loads(run.stdout)
+    return {name: round(seconds, 2) for name, seconds in found.items()}
+
+
+def main() -> None:
+    """Prints both, and writes them."""
+    parser = argparse.ArgumentParser(description="Time to compile the kernels of the discs.")
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
+        rows = [{"kept": kept, **once(folder)} for kept in (False, True)]
+    for row in rows:
+        print(f"{'kept' if row['kept'] else 'compiled'}: {row['cpu_s']} s of CPU, {row['clock_s']} s on the clock")
+    if options.json:
+        options.json.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
