@@ -109,7 +109,8 @@ def _surfaces(results: Results, name: str) -> bool:
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
         terms = results.fem.terms_for_discs if results.fem is not None else "the same sides"
-        label = f"FEM, {terms}: middle of the shear"
+        flow = ", Davis's substitute" if both.given_dilation is not None else ""
+        label = f"FEM, {terms}{flow}: middle of the shear"
         lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
@@ -117,7 +118,7 @@ def _surfaces(results: Results, name: str) -> bool:
             label = f"FEM: middle of the shear, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
     if both is not None and both.given_dilation is not None and both.given_dilation.slip_surface:
-        label = "FEM, the same sides, ψ as given"
+        label = "FEM, the same sides, ψ as given: what moves once it yields"
         lines.append(Overlay(np.array(both.given_dilation.slip_surface), CONTINUUM, DOTTED, label))
     if both is not None and both.dem:
         label = "discs: middle of the shear, when they fail"
@@ -125,10 +126,11 @@ def _surfaces(results: Results, name: str) -> bool:
     if not lines:
         return False
     title = "slip surfaces"
-    if both is not None and both.mean_distance_m is not None and both.same_stratum_share is not None:
+    like = both and (both.given_dilation if both.given_dilation and both.given_dilation.mean_distance_m else both)
+    if like is not None and like.mean_distance_m is not None and like.same_stratum_share is not None:
         title += (
-            f", {both.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * both.same_stratum_share:.0f} % of the length"
+            f", discs and {'FEM' if like is both else 'FEM with ψ as given'} {like.mean_distance_m:.1f} m apart on "
+            f"average, in the same layer along {100 * like.same_stratum_share:.0f} % of the length"
         )
     with results.store.writing(name) as file:
         draw_section(results.given, file, title, lines)
