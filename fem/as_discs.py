@@ -65,6 +65,6 @@ def as_discs(
     line = np.zeros((0, 2))
     if found.verdict in ("plateau", "peak"):
         last = next(state for state in reversed(found.states) if not state.past_equilibrium)
-        yielding = next(state for state in way if state.kh >= YIELDED * found.kc)
+        yielding = next((state for state in way if state.kh >= YIELDED * found.kc), way[-1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding.displacement))
     return AsDiscs(found.kc, found.upper, found.verdict, found.reason, line)
