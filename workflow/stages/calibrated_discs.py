@@ -88,7 +88,8 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":
         raise NoAnswerError(
             calibration.reason,
-            "take more discs where the ground that slides is but a few of them thick, widen dem.range, or set "
+            f"take another packing, dem.seed = {given.dem.seed + 1}, since packings differ by a tenth, or more "
+            "discs where the ground that slides is but a few of them thick; widen dem.range, or set "
             'dem.out_of_reach = "go on" for the closest',
         )
 
