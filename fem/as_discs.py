@@ -11,15 +11,13 @@ from typing import Any
 import numpy as np
 
 from fem.critical import critical_coefficient
-from fem.fields import State, state_of
+from fem.fields import state_of
 from fem.path import EquilibriumPath
 from fem.plateau import PathListener, Verdict
-from fem.settings import FemSettings
+from fem.settings import YIELDED, FemSettings
 from fem.slip_surface import slip_surface
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
-
-YIELDED = 0.99  # of the critical Kh: from there on the displacements are those of the failure
 
 
 @dataclass(frozen=True)
@@ -53,11 +51,12 @@ def as_discs(
 
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
-    wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": ()})
-    way: list[State] = []
+    # beyond any Kh: the path is not taken once more for fields on its way
+    wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": (np.inf,)})
+    way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:
-        way.append(state_of(path.problem, mesh, "", path.factor))
+        way.append((path.factor, state_of(path.problem, mesh, "", path.factor).displacement))
         if listener is not None:
             listener(path)
 
@@ -65,6 +64,6 @@ def as_discs(
     line = np.zeros((0, 2))
     if found.verdict in ("plateau", "peak"):
         last = next(state for state in reversed(found.states) if not state.past_equilibrium)
-        yielding = next((state for state in way if state.kh >= YIELDED * found.kc), way[-1])
-        line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding.displacement))
+        yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
+        line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
     return AsDiscs(found.kc, found.upper, found.verdict, found.reason, line)

@@ -11,6 +11,8 @@ from meshes.section.section import Model
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]
 
+YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
+
 
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""

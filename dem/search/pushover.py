@@ -76,7 +76,7 @@ class Machine(NamedTuple):
         return self.reach * float(np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)) / cycle
 
 
-def push_over(
+def pushed_over(
     settled: DiscModel,
     ground: Ground,
     settings: DemSettings,
@@ -84,8 +84,8 @@ def push_over(
     *,
     threads: int = 1,
     on_trial: OnTrial | None = None,
-) -> Search:
-    """The critical Kh of settled discs, which stay as they are, and the curve that leads to it.
+) -> tuple[Search, DiscModel]:
+    """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs at its end.
 
     on_trial hears of every point of the curve.
     Undecided where a DemError stopped the discs before the end.
@@ -112,7 +112,20 @@ def push_over(
         search.curve = [(trial.kh, trial.displacement_m) for trial in search.trials[: last + 1]]
         if kc <= 0.0:
             search.verdict, search.upper = "fails under its own weight", 0.0
-    return search
+    return search, model
+
+
+def push_over(
+    settled: DiscModel,
+    ground: Ground,
+    settings: DemSettings,
+    continuum: Continuum,
+    *,
+    threads: int = 1,
+    on_trial: OnTrial | None = None,
+) -> Search:
+    """The same without the discs."""
+    return pushed_over(settled, ground, settings, continuum, threads=threads, on_trial=on_trial)[0]
 
 
 def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:

@@ -15,10 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from dem.laboratory.soil_layers import soil_layers
-from dem.model import DiscModel
 from dem.search.deposit import deposit
-from dem.search.equilibrium import Trial
-from dem.search.pushover import push_over
+from dem.search.pushover import pushed_over
 from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
 from workflow.results.continuum import FemAnswer
@@ -43,15 +41,6 @@ def main() -> None:
             predict(Path(folder), options.seeds)
 
 
-class Last:
-    """Keeps the discs as a push left them."""
-
-    model: DiscModel
-
-    def __call__(self, _: Trial, model: DiscModel) -> None:
-        self.model = model
-
-
 def predict(run: Path, seeds: int) -> None:
     """All packings of one section."""
     given = Input.load(run / "section.toml")
@@ -65,9 +54,8 @@ def predict(run: Path, seeds: int) -> None:
         begin = time.process_time()
         settings = given.dem.model_copy(update={"seed": seed})
         found = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
-        pushed = Last()
-        search = push_over(found.settled, found.ground, settings, continuum, on_trial=pushed)
-        surface = slip_surface(pushed.model, found.settled, found.ground)
+        search, pushed = pushed_over(found.settled, found.ground, settings, continuum)
+        surface = slip_surface(pushed, found.settled, found.ground)
         apart = [compare(given, surface, np.array(line).reshape(-1, 2)) for line in lines]
         ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
         print(

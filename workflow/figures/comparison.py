@@ -126,7 +126,7 @@ def _surfaces(results: Results, name: str) -> bool:
     if not lines:
         return False
     title = "slip surfaces"
-    like = both and (both.given_dilation if both.given_dilation and both.given_dilation.mean_distance_m else both)
+    like = both.like_discs if both is not None else None
     if like is not None and like.mean_distance_m is not None and like.same_stratum_share is not None:
         title += (
             f", discs and {'FEM' if like is both else 'FEM with ψ as given'} {like.mean_distance_m:.1f} m apart on "

@@ -329,8 +329,9 @@ def _doubts(results: Results) -> Iterator[str]:
         if doubt.contradiction:
             yield doubt.what[0].lower() + doubt.what[1:].rstrip(".")
     yield from _doubts_of_calibration(results)
-    if discs is not None and discs.slip_surface.least_distance_m is not None:
-        apart, heights = discs.slip_surface.least_distance_m, given.outline()[:, 1]
+    apart = discs.slip_surface.like_discs.mean_distance_m if discs is not None else None
+    if apart is not None:
+        heights = given.outline()[:, 1]
         if apart > SURFACES_APART * float(heights.max() - heights.min()):
             yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
     if discs is not None and discs.model.packing != "random":

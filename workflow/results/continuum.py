@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from fem.settings import Element, FemSettings
+from fem.settings import YIELDED, Element, FemSettings
 from fem.strength import Flow
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
@@ -128,9 +128,6 @@ class MeshStep(Part):
 
     cells: int
     kc: float
-
-
-YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
 
 
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:

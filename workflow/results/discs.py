@@ -134,11 +134,10 @@ class SlipSurfaces(Part):
     )
 
     @property
-    def least_distance_m(self) -> float | None:
-        """Mean vertical distance (m) of the discs' from that of the continuum that is more like them: with ψ as given
-        where that is known."""
+    def like_discs(self) -> "GivenDilation | SlipSurfaces":
+        """How far the discs are from the continuum that is more like them: with ψ as given where that is known."""
         other = self.given_dilation
-        return other.mean_distance_m if other and other.mean_distance_m is not None else self.mean_distance_m
+        return other if other is not None and other.mean_distance_m is not None else self
 
 
 class PaperDiscs(Part):

@@ -7,8 +7,8 @@ import numpy as np
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import Search
-from dem.search.equilibrium import Rise, Trial, try_kh
-from dem.search.pushover import Continuum, push_over
+from dem.search.equilibrium import Rise, try_kh
+from dem.search.pushover import Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
 from dem.team import Team, Tell
@@ -83,23 +83,13 @@ class Goal:
     store: Store
 
 
-def _pushed_over(start: Start, continuum: Continuum) -> tuple[Trial, DiscModel]:
-    """Soil discs as a push leaves them, and the last that was measured on the way."""
-    end: list[tuple[Trial, DiscModel]] = []
-
-    def on_trial(trial: Trial, model: DiscModel) -> None:
-        end[:] = [(trial, model)]
-
-    push_over(start.settled, start.ground, start.dem, continuum, on_trial=on_trial)
-    return end[0]
-
-
 def _reached(goal: Goal, _: Tell) -> DiscState:
     """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
     if goal.label == FAILING and start.continuum is not None:
-        trial, model = _pushed_over(start, start.continuum)
+        search, model = pushed_over(before, ground, start.dem, start.continuum)
+        trial = search.trials[-1]
     else:
         model = before.copy()
         trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))

@@ -13,7 +13,7 @@ from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
-from dem.search.pushover import Continuum, push_over
+from dem.search.pushover import Continuum, pushed_over
 from dem.slides.liquefaction import Slide, Slider
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
@@ -52,12 +52,7 @@ def checks(run: Input, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
 
 @pytest.fixture(scope="module")
 def pushed(run: Input, ground: Deposit) -> tuple[Search, DiscModel]:
-    end: dict[str, DiscModel] = {}
-    search = push_over(
-        ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2,
-        on_trial=lambda _, model: end.update(discs=model),
-    )  # fmt: skip
-    return search, end["discs"]
+    return pushed_over(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
 
 
 @pytest.fixture(scope="module")
