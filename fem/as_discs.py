@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.critical import critical_coefficient
 from fem.fields import state_of
-from fem.path import EquilibriumPath
+from fem.path import EquilibriumPath, PathStep
 from fem.plateau import PathListener, Verdict
 from fem.settings import YIELDED, FemSettings
 from fem.slip_surface import slip_surface
@@ -32,6 +32,8 @@ class AsDiscs:
         As that of a path.
     reason : str
         Why the path ended.
+    steps : list of PathStep
+        The path: Kh over the mean horizontal displacement.
     slip_surface : (k, 2)
         Points [x, elevation] (m) between what moves once the ground has yielded and what does not; empty where nothing
         fails.
@@ -41,6 +43,7 @@ class AsDiscs:
     upper: float
     verdict: Verdict
     reason: str
+    steps: list[PathStep]
     slip_surface: np.ndarray
 
 
@@ -66,4 +69,4 @@ def as_discs(
         last = next(state for state in reversed(found.states) if not state.past_equilibrium)
         yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
-    return AsDiscs(found.kc, found.upper, found.verdict, found.reason, line)
+    return AsDiscs(found.kc, found.upper, found.verdict, found.reason, found.steps, line)

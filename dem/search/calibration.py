@@ -21,7 +21,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search, critical_kh
 from dem.search.equilibrium import settle
-from dem.search.pushover import Continuum, push_over
+from dem.search.pushover import Continuum, pushed_over
 from dem.settings import DemSettings, Parameter
 from dem.springs import LayerSprings
 from dem.team import Team, Tell, alone
@@ -98,6 +98,11 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
     ]  # fmt: skip
 
 
+def key_of(parameter: str, factor: float) -> Key:
+    """By what a search is known: a factor of 1 is that of no parameter."""
+    return (parameter, factor) if factor != 1.0 else ("", 1.0)
+
+
 class Calibrator:
     """Searches for the critical Kh at any factor, each at most once, some at a time.
 
@@ -119,6 +124,9 @@ class Calibrator:
         Hear of every trial of a search in this process, and of every search.
     team
         Who does several searches.
+
+    By parameter and factor, ``pushed`` has the discs at the end of every push in this process, and ``rested`` soil
+    discs at rest.
     """
 
     def __init__(
@@ -137,11 +145,21 @@ class Calibrator:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
         self.continuum = continuum
         self.searches = dict(known or {})
+        self.pushed: dict[Key, DiscModel] = {}
+        self.rested: dict[Key, DiscModel] = {}
         self.on_trial, self.on_search, self.team = on_trial, on_search, team
 
     def __getstate__(self) -> dict[str, Any]:
         """What goes to another process: all but who listens here, and what is known already."""
-        return {**self.__dict__, "searches": {}, "on_trial": None, "on_search": None, "team": alone}
+        return {
+            **self.__dict__,
+            "searches": {},
+            "pushed": {},
+            "rested": {},
+            "on_trial": None,
+            "on_search": None,
+            "team": alone,
+        }
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Discs at rest with a factor on a parameter.
@@ -151,16 +169,20 @@ class Calibrator:
         """
         if factor == 1.0:
             return self.settled
-        begin = self.settled.copy() if self.settings.model == "soil" else None
-        return settle(self.ground, changed(self.layers, parameter, factor), self.settings, begin)
+        if self.settings.model != "soil":
+            return settle(self.ground, changed(self.layers, parameter, factor), self.settings)
+        key, layers = (parameter, factor), changed(self.layers, parameter, factor)
+        if key not in self.rested:
+            self.rested[key] = settle(self.ground, layers, self.settings, self.settled.copy())
+        return self.rested[key]
 
     def search(self, parameter: str, factor: float, threads: int = 1, *, fine: bool = True) -> Search:
         """The critical Kh with a factor on a parameter; fine: within half the tolerance, if that is less."""
-        key = (parameter, factor) if factor != 1.0 else ("", 1.0)
+        key = key_of(parameter, factor)
         if key in self.searches:
             return self.searches[key]
         try:
-            found = self._found(self.settled_with(parameter, factor), threads, fine)
+            found = self._found(key, self.settled_with(parameter, factor), threads, fine)
         except DemError as error:  # critical_kh hands none on: the discs did not settle
             found = Search(upper=0.0, verdict="fails under its own weight", reason=str(error))
         self._know(key, found)
@@ -171,14 +193,15 @@ class Calibrator:
         if self.on_search is not None:
             self.on_search(*key, found)
 
-    def _found(self, settled: DiscModel, threads: int, fine: bool) -> Search:
+    def _found(self, key: Key, settled: DiscModel, threads: int, fine: bool) -> Search:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
                 raise ValueError("soil discs are pushed as far as a continuum says: give one")
-            return push_over(
+            found, self.pushed[key] = pushed_over(
                 settled, self.ground, settings, self.continuum, threads=threads, on_trial=self.on_trial
-            )  # fmt: skip
+            )
+            return found
         width = settings.resolution
         return critical_kh(
             settled, self.ground, settings, threads=threads,

@@ -115,19 +115,6 @@ def pushed_over(
     return search, model
 
 
-def push_over(
-    settled: DiscModel,
-    ground: Ground,
-    settings: DemSettings,
-    continuum: Continuum,
-    *,
-    threads: int = 1,
-    on_trial: OnTrial | None = None,
-) -> Search:
-    """The same without the discs."""
-    return pushed_over(settled, ground, settings, continuum, threads=threads, on_trial=on_trial)[0]
-
-
 def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
     """The critical Kh, half the width of its bracket, and the number of the point at which it was reached.
 

@@ -1,7 +1,7 @@
 """How near soil discs come to the continuum by themselves: python -m tests.benchmarks.soil_discs [RUN...] [--seeds N].
 
 RUN is a folder in which `noshiro fem` has left its answer; without any, S-13 is run first. Printed are the critical Kh
-of the finite elements with the sides of the discs' box, that of the discs without any factor, packing by packing, and
+of the continuum that is like the discs, that of the discs without any factor, packing by packing, and
 how far apart the slip surfaces of both lie; half a minute of CPU for each.
 """
 
@@ -16,14 +16,14 @@ import numpy as np
 
 from dem.laboratory.soil_layers import soil_layers
 from dem.search.deposit import deposit
-from dem.search.pushover import pushed_over
+from dem.search.pushover import Continuum, pushed_over
 from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
 from workflow.results.continuum import FemAnswer
+from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.discs_at_rest import continuum_for
-from workflow.stages.given_dilation import given_dilation
+from workflow.stages.like_discs import continuum_like_discs
 
 
 def main() -> None:
@@ -44,10 +44,8 @@ def main() -> None:
 def predict(run: Path, seeds: int) -> None:
     """All packings of one section."""
     given = Input.load(run / "section.toml")
-    answer = FemAnswer.read(Store(run))
-    continuum = continuum_for(given, answer)
-    dilating = given_dilation(given, Store(run), lambda _: None)
-    lines = [answer.rigid_box.slip_surface if answer.rigid_box else (), dilating.slip_surface if dilating else ()]
+    like, davis = continuum_like_discs(given, Store(run), lambda _: None), LikeDiscs.of(FemAnswer.read(Store(run)))
+    continuum = Continuum(like.kc, like.yielding_m)
     soil = soil_layers(given)
     ratios = []
     for seed in range(seeds):
@@ -56,17 +54,18 @@ def predict(run: Path, seeds: int) -> None:
         found = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
         search, pushed = pushed_over(found.settled, found.ground, settings, continuum)
         surface = slip_surface(pushed, found.settled, found.ground)
-        apart = [compare(given, surface, np.array(line).reshape(-1, 2)) for line in lines]
+        apart = [
+            compare(given, surface, np.array(line).reshape(-1, 2)) for line in (like.slip_surface, davis.slip_surface)
+        ]
         ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
         print(
             f"{given.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
             f"{ratios[-1]:.3f} of {continuum.kc:.4f}, slip surfaces "
-            f"{' and '.join(f'{one.mean_distance_m if one else np.nan:.1f}' for one in apart)} m from that of Davis's "
-            f"substitute and with ψ as given, {time.process_time() - begin:.0f} s of CPU",
+            f"{' and '.join(f'{one.mean_distance_m if one else np.nan:.1f}' for one in apart)} m from that with "
+            f"{like.terms} and with {davis.terms}, {time.process_time() - begin:.0f} s of CPU",
             flush=True,
         )
-    if dilating:
-        print(f"{given.name}: the continuum with ψ as given bears {dilating.kc:.4f}")
+    print(f"{given.name}: the continuum bears {like.kc:.4f} with {like.terms}, {davis.kc:.4f} with {davis.terms}")
     print(f"{given.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")
 
 

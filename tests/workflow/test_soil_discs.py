@@ -52,8 +52,13 @@ def answer(folder: Path, name: str) -> Any:
 def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
     fem = answer(whole, "fem/critical.json")
     calibration = answer(whole, "dem/calibration.json")
+    continuum = answer(whole, "dem/continuum.json")
     assert fem["settings"]["sides"] == "roller"
-    assert calibration["target_kc"] == fem["rigid_box"]["kc"]
+    assert continuum["sides"] == "fixed"
+    assert calibration["target_kc"] == continuum["kc"]
+    assert continuum["kc"] >= fem["rigid_box"]["kc"]  # Davis's substitute is a lower estimate
+    assert (continuum["flow"] == "section") == (continuum["instead"] == "")
+    assert (continuum["flow"] == "davis") == (continuum["kc"] == fem["rigid_box"]["kc"])
     assert calibration["parameter"] == "strength"
     assert 0.75 <= calibration["value"] <= 1.33
     assert calibration["predicted_ratio"] == pytest.approx(calibration["predicted_kc"] / calibration["target_kc"])

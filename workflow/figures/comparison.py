@@ -55,11 +55,11 @@ def _curves(results: Results, name: str) -> bool:
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
     handles = [_handle(CONTINUUM, "o", "FEM: mean horizontal displacement, weighted by seismic mass")]
     widest = x[-1]
-    box = answer.rigid_box
-    if box is not None and box.has_kc and discs is not None:
-        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in box.curve)]
+    like = results.like_discs
+    if like is not None and discs is not None:
+        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in like.curve)]
         axes.plot(*np.array(curve).T, color=CONTINUUM, linestyle=DASHED, linewidth=1.1)
-        handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label="FEM with the sides of the discs' box"))
+        handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label=f"FEM, {like.terms}"))
     if results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
@@ -108,29 +108,24 @@ def _surfaces(results: Results, name: str) -> bool:
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
-        terms = results.fem.terms_for_discs if results.fem is not None else "the same sides"
-        flow = ", Davis's substitute" if both.given_dilation is not None else ""
-        label = f"FEM, {terms}{flow}: middle of the shear"
+        terms = f", {results.like_discs.terms}" if results.like_discs is not None else ""
+        label = f"FEM{terms}: where it gives way"
         lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
         if end is not None and end.slip_surface:
             label = f"FEM: middle of the shear, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
-    if both is not None and both.given_dilation is not None and both.given_dilation.slip_surface:
-        label = "FEM, the same sides, ψ as given: what moves once it yields"
-        lines.append(Overlay(np.array(both.given_dilation.slip_surface), CONTINUUM, DOTTED, label))
     if both is not None and both.dem:
         label = "discs: middle of the shear, when they fail"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
         return False
     title = "slip surfaces"
-    like = both.like_discs if both is not None else None
-    if like is not None and like.mean_distance_m is not None and like.same_stratum_share is not None:
+    if both is not None and both.mean_distance_m is not None and both.same_stratum_share is not None:
         title += (
-            f", discs and {'FEM' if like is both else 'FEM with ψ as given'} {like.mean_distance_m:.1f} m apart on "
-            f"average, in the same layer along {100 * like.same_stratum_share:.0f} % of the length"
+            f", discs and FEM {both.mean_distance_m:.1f} m apart on average, in the same layer along "
+            f"{100 * both.same_stratum_share:.0f} % of the length"
         )
     with results.store.writing(name) as file:
         draw_section(results.given, file, title, lines)

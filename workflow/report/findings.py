@@ -168,8 +168,17 @@ def _prediction(results: Results) -> Iterator[str]:
     if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
         yield (
             f"Made from the soil alone they fail at Kh of about {coefficient(calibration.predicted_kc)}, "
-            f"{calibration.predicted_ratio:.2f} times that of the finite elements with the same sides."
+            f"{calibration.predicted_ratio:.2f} times that of the finite elements{_alike(results)}."
         )
+
+
+def _alike(results: Results) -> str:
+    """What of the continuum that discs are held against is theirs, and what is not."""
+    like = results.like_discs
+    if like is None:
+        return ""
+    why = f" ({like.instead})" if like.instead else ""
+    return f" with {like.terms}{why}, {coefficient(like.kc)}"
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
@@ -329,7 +338,7 @@ def _doubts(results: Results) -> Iterator[str]:
         if doubt.contradiction:
             yield doubt.what[0].lower() + doubt.what[1:].rstrip(".")
     yield from _doubts_of_calibration(results)
-    apart = discs.slip_surface.like_discs.mean_distance_m if discs is not None else None
+    apart = discs.slip_surface.mean_distance_m if discs is not None else None
     if apart is not None:
         heights = given.outline()[:, 1]
         if apart > SURFACES_APART * float(heights.max() - heights.min()):

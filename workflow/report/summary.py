@@ -6,6 +6,7 @@ from workflow.report.paper import rows
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
+from workflow.results.like_discs import FLOWS
 from workflow.results.results import Results
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import (
@@ -122,12 +123,13 @@ def _dem(results: Results) -> DemSummary | None:
     if discs is None:
         return None
     calibrated = None if calibration is None else Factor(parameter=calibration.parameter, value=calibration.value)
-    soil = discs.model.discs == "soil"
+    like = results.like_discs if discs.model.discs == "soil" else None
     strength = calibration is not None and calibration.parameter == "strength"
     fem = results.fem
     return DemSummary(
         model=discs.model.discs,
-        sides="" if fem is None else fem.sides_for_discs if soil else fem.settings.sides,
+        sides="" if fem is None else like.sides if like else fem.settings.sides,
+        target_dilation="" if fem is None else FLOWS[like.flow if like else fem.flow],
         kc_uncalibrated=discs.before.kc,
         kc_target=None if calibration is None else calibration.target_kc,
         strength_factor=calibration.value if strength and calibration is not None else None,

@@ -6,7 +6,7 @@ from workflow.report.console import meshes_sentences
 from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer
-from workflow.results.discs import DiscsAnswer, SlipSurfaces
+from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
 from workflow.results.variants import Variant
 
@@ -138,16 +138,5 @@ def _discs(dem: DiscsAnswer) -> Iterator[tuple[str, str]]:
         yield (
             "Slip surface",
             f"Discs and continuum fail {surfaces.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * surfaces.same_stratum_share:.0f} % of the length." + deeper + _with_given_dilation(surfaces),
+            f"{100 * surfaces.same_stratum_share:.0f} % of the length." + deeper,
         )
-
-
-def _with_given_dilation(surfaces: SlipSurfaces) -> str:
-    """How near the discs come to the continuum without Davis's substitute, which weakens sand and leaves clay alone."""
-    other = surfaces.given_dilation
-    if other is None or other.mean_distance_m is None:
-        return ""
-    return (
-        f" That is the continuum with Davis's substitute, which weakens sand and leaves clay as it is. With ψ as given "
-        f"it bears Kh = {other.kc:.3f} between the same sides, and fails {other.mean_distance_m:.1f} m from the discs."
-    )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from fem.settings import YIELDED, Element, FemSettings
+from fem.settings import Element, FemSettings
 from fem.strength import Flow
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
@@ -184,32 +184,6 @@ class FemAnswer(Answer):
     rigid_box: RigidBox | None = Field(
         default=None, description="with fixed sides, where those of the answer are others and discs are to be compared"
     )
-
-    @property
-    def _for_discs(self) -> "RigidBox | FemAnswer":
-        """What discs in their rigid box are held against: the same between fixed sides where that has an answer."""
-        return self.rigid_box if self.rigid_box is not None and self.rigid_box.has_kc else self
-
-    @property
-    def kc_for_discs(self) -> float:
-        """The critical Kh that discs in their rigid box are held against."""
-        return self._for_discs.kc
-
-    @property
-    def yielding_for_discs(self) -> float:
-        """The mean displacement (m) at which the continuum of `kc_for_discs` comes to it but for a hundredth."""
-        return displacement_at(self._for_discs.curve, self.kc_for_discs, YIELDED)
-
-    @property
-    def terms_for_discs(self) -> str:
-        """In words, what this critical Kh is for: sides, and how deep failures are."""
-        deep = self._for_discs.deeper_than_m if isinstance(self._for_discs, RigidBox) else None
-        return f"{self.sides_for_discs} sides" + (f", failures deeper than {deep:.2g} m" if deep else "")
-
-    @property
-    def sides_for_discs(self) -> str:
-        """The sides that this critical Kh is for."""
-        return self.settings.sides if self._for_discs is self else "fixed"
 
     @property
     def has_kc(self) -> bool:

@@ -103,41 +103,20 @@ class DiscState(KhTrial):
         return cls(**dict(KhTrial.model_validate(trial)), **more)
 
 
-class GivenDilation(Part):
-    """The continuum with the sides of the discs' box and with ψ as given, on a non-associated path."""
-
-    kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_upper: float = Field(description="what this mesh may bear at most")
-    slip_surface: Line = Field(description="points [x, elevation] in m, of what moves once the ground yields")
-    mean_distance_m: float | None = Field(default=None, description="mean vertical distance of the calibrated discs'")
-    same_stratum_share: float | None = Field(
-        default=None, description="share of the length along which both lie in one stratum"
-    )
-
-
 class SlipSurfaces(Part):
     """The slip surfaces at the upper end of each bracket, points [x, elevation] in m, and how far apart they are."""
 
     dem: Line = Field(description="calibrated discs")
     dem_before: Line = Field(description="discs before calibration")
-    fem: Line = Field(description="the continuum at the last state of its path")
+    fem: Line = Field(description="the continuum that the discs are held against")
     mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
     same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
     columns: int | None = Field(default=None, description="columns of discs that were compared")
-    given_dilation: GivenDilation | None = Field(
-        default=None, description="the continuum without Davis's substitute, where that is something else"
-    )
     excess_above: float | None = Field(
         default=None,
         description="where that of the discs is the higher one: by which share the continuum bears more Kh if it may "
         "fail no deeper than that",
     )
-
-    @property
-    def like_discs(self) -> "GivenDilation | SlipSurfaces":
-        """How far the discs are from the continuum that is more like them: with ψ as given where that is known."""
-        other = self.given_dilation
-        return other if other is not None and other.mean_distance_m is not None else self
 
 
 class PaperDiscs(Part):

@@ -11,6 +11,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
+from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.triggering import TriggeringAnswer
@@ -41,6 +42,7 @@ class Results:
     bounds: BoundsAnswer | None = None
     dem: DiscsAnswer | None = None
     calibration: CalibrationAnswer | None = None
+    like_discs: LikeDiscs | None = None
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
@@ -80,6 +82,7 @@ class Results:
             bounds=None if bounds is None or bounds.verdict == "no bracket" else bounds,
             dem=left("calibrate", DiscsAnswer),
             calibration=left("calibrate", CalibrationAnswer),
+            like_discs=left("calibrate", LikeDiscs),
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),

@@ -1,8 +1,9 @@
-"""The stage `calibrate`: discs of the section, brought to fail at the Kh that the finite elements found."""
+"""The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
+from workflow.results.like_discs import LikeDiscs
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
@@ -42,7 +43,7 @@ STAGE = Stage(
     needs=("fem",),
     tables=("dem",),
     seconds=seconds,
-    results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, "dem/trials.jsonl", "dem/*.h5"),
+    results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, LikeDiscs.FILE, "dem/trials.jsonl", "dem/*.h5"),
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),
     leftovers=("dem/**/*",),

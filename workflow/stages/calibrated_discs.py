@@ -14,7 +14,7 @@ from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
-from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, best, changed, sensitivities
+from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, Key, best, changed, key_of, sensitivities
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.pushover import Continuum
@@ -30,7 +30,6 @@ from workflow.results.discs import (
     DiscsAnswer,
     DiscSearch,
     DiscState,
-    GivenDilation,
     PaperDiscs,
     Parameters,
     SetOfSprings,
@@ -41,9 +40,9 @@ from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.disc_states import NO_LINE, Kept, Sets, Start, keep_states
+from workflow.stages.disc_states import FAILING, NO_LINE, Kept, Sets, Start, keep_states, state_file
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
-from workflow.stages.given_dilation import given_dilation
+from workflow.stages.like_discs import like_discs
 from workflow.stages.slip_surfaces import slip_surfaces
 
 JOURNAL = "dem/trials.jsonl"
@@ -55,7 +54,7 @@ NARROWING = 5  # searches that finding the factor takes, more or less
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    found, paper, layers, dilating = _searched(given, store, progress, team)
+    found, paper, layers = _searched(given, store, progress, team)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
@@ -66,7 +65,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
             "other springs, or another packing in [dem], may have one",
         )
     progress("states of the discs at the recorded Kh", None)
-    continuum = continuum_for(given, fem) if given.dem.model == "soil" else None
+    continuum = continuum_for(given, store) if given.dem.model == "soil" else None
     sets: Sets = {
         "before": Start(discs.settled, discs.ground, found.base, given.dem, continuum),
         "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem, continuum),
@@ -76,7 +75,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
         papers_own, sets["paper"] = _paper_answer(given, store, paper)
     kept = keep_states(given, store, sets, team)
     progress("slip surfaces", None)
-    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem, dilating)
+    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
     answer.model_copy(update={"paper": papers_own}).write(store)
     calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
@@ -114,11 +113,12 @@ class Searched:
 
 def _searched(
     given: Input, store: Store, progress: Progress, team: Team
-) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...], GivenDilation | None]:
+) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
     """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
-    were asked for, tests of the soil discs of every layer, and the continuum with ψ as given."""
+    were asked for, and tests of the soil discs of every layer. What the discs are held against comes first, while they
+    come to rest."""
     if given.dem.model != "soil":
-        return _calibrated(given, store, lambda message: progress(*message), team), None, (), None
+        return _calibrated(given, store, lambda message: progress(*message), team), None, ()
     done: float | None = None  # of the searches of the section's own discs, which take longer
 
     def heard(_: int, message: tuple[str, float | None]) -> None:
@@ -128,20 +128,21 @@ def _searched(
         progress(words, done)
 
     programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
-    searches: list[Piece] = [(_calibrated, (given, store)), (given_dilation, (given, store))]
-    searches += [(_paper, (given, store))] if given.dem.paper else []
+    first: list[Piece] = [(like_discs, (given, store)), (_at_rest, (given, store))]
+    first += [(_paper, (given, store))] if given.dem.paper else []
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
     ended = 0
 
     def one_more(place: int, _: Any) -> None:
         nonlocal ended
-        if place >= len(searches):
+        if place > 0:
             ended += 1
             progress(f"element tests of the discs of every layer: {ended} of {len(tests)}", done)
 
-    found = team(_done, [*searches, *tests], heard, one_more)
-    layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(found[len(searches) :]))
-    return found[0], found[2] if given.dem.paper else None, layers, found[1]
+    begun = team(_done, first, heard)
+    found, *tested = team(_done, [(_calibrated, (given, store)), *tests], heard, one_more)
+    layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(tested))
+    return found, begun[2] if given.dem.paper else None, layers
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
@@ -153,16 +154,26 @@ def _done(piece: Piece, tell: Tell) -> Any:
     return work(*given, tell)
 
 
+def _at_rest(given: Input, store: Store, tell: Tell) -> None:
+    """Leave the discs of the section at rest."""
+    discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
+
+
 def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> Searched:
     """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
-    continuum = continuum_for(given, FemAnswer.read(store))
+    continuum = continuum_for(given, store)
     calibrator = _calibrator(given, store, discs, continuum, tell, team)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         return Searched(base)
     found = Searched(base, _solve(given, calibrator, continuum.kc))
-    save(store, CALIBRATED, calibrator.settled_with(*next(iter(found.factor.items()), ("none", 1.0))))
+    parameter, factor = next(iter(found.factor.items()), ("", 1.0))
+    save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
+    keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
+    for which, key in keys.items():
+        if key in calibrator.pushed:
+            save(store, state_file(which, FAILING), calibrator.pushed[key])
     return found
 
 

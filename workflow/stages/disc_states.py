@@ -22,6 +22,11 @@ NO_LINE = np.zeros((0, 2))
 FAILING = "failing"
 
 
+def state_file(which: SetOfSprings, label: str) -> str:
+    """Where in the folder a state is kept."""
+    return f"dem/state_{which}_{label}.h5"
+
+
 @dataclass(frozen=True)
 class Start:
     """Discs at rest to be brought to the recorded Kh.
@@ -83,18 +88,27 @@ class Goal:
     store: Store
 
 
+def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
+    """The discs at the end of the push that found their critical Kh, as they were left there, or pushed once more."""
+    start = goal.start
+    if goal.store.has(file):
+        return DiscModel.load(goal.store.folder / file)
+    model = pushed_over(start.settled, start.ground, start.dem, continuum)[1]
+    save(goal.store, file, model)
+    return model
+
+
 def _reached(goal: Goal, _: Tell) -> DiscState:
     """The state at that Kh, or when the discs are seen to fail; it is kept in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
+    file = state_file(goal.which, goal.label)
     if goal.label == FAILING and start.continuum is not None:
-        search, model = pushed_over(before, ground, start.dem, start.continuum)
-        trial = search.trials[-1]
+        model, trial = _at_the_end(goal, start.continuum, file), start.search.trials[-1]
     else:
         model = before.copy()
         trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility))
-    file = f"dem/state_{goal.which}_{goal.label}.h5"
-    save(goal.store, file, model)
+        save(goal.store, file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     return DiscState.of(
         trial,

@@ -13,6 +13,7 @@ from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
 from workflow.results.continuum import FemAnswer
+from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -53,9 +54,13 @@ def ground_for(given: Input, store: Store, dem: DemSettings, settled: DiscModel)
     return replace(ground, downhill=1 if towards == "right" else -1)
 
 
-def continuum_for(given: Input, fem: FemAnswer) -> Continuum:
-    """What the discs are held against: the continuum with the sides of their box, or as it is for the paper's discs."""
-    return Continuum(fem.kc_for_discs if given.dem.model == "soil" else fem.kc, fem.yielding_for_discs)
+def continuum_for(given: Input, store: Store) -> Continuum:
+    """What discs are held against; the paper's against the continuum with its own sides, as in the paper."""
+    if given.dem.model == "soil":
+        like = LikeDiscs.read(store)
+        return Continuum(like.kc, like.yielding_m)
+    fem = FemAnswer.read(store)
+    return Continuum(fem.kc, LikeDiscs.of(fem).yielding_m)
 
 
 def _soil(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:

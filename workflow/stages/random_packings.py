@@ -13,7 +13,6 @@ from dem.team import Tell
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
-from workflow.results.continuum import FemAnswer
 from workflow.results.journal import Journal
 from workflow.run.stage import Job
 from workflow.run.store import Store
@@ -48,7 +47,7 @@ class RandomPackingsWanted:
     @classmethod
     def of(cls, given: Input, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
         """Those of a run whose discs are calibrated."""
-        continuum = continuum_for(given, FemAnswer.read(store))
+        continuum = continuum_for(given, store)
         return cls(given, store, continuum, tuple(numbers), _own_seed(given, CalibrationAnswer.read(store)))
 
     @property

@@ -10,7 +10,7 @@ from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.search.calibration import Calibrator, calibrate
 from dem.search.equilibrium import settle, step_on, stop
-from dem.search.pushover import BEYOND, Continuum, push_over
+from dem.search.pushover import BEYOND, Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
@@ -36,7 +36,7 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
     ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
-    found = push_over(model, ground, SETTINGS, continuum)
+    found = pushed_over(model, ground, SETTINGS, continuum)[0]
     assert found.verdict == "bracketed"
     assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
     assert found.lower <= found.kc <= found.upper
@@ -46,7 +46,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
     """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
     soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
     ground, model, continuum = block(soil)
-    found = push_over(model, ground, SETTINGS, continuum)
+    found = pushed_over(model, ground, SETTINGS, continuum)[0]
     kh, moved = np.array(found.curve).T
     yielding = continuum.yielding
     elastic = moved < 0.8 * yielding
@@ -59,7 +59,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
 def test_the_ground_does_not_swing_on_the_machine() -> None:
     """On a stiff one, which a small reach makes, Kh is as smooth: no point is far from those beside it."""
     ground, model = heap()
-    found = push_over(model, ground, SETTINGS, Continuum(0.3, 2e-4))
+    found = pushed_over(model, ground, SETTINGS, Continuum(0.3, 2e-4))[0]
     kh = np.array([trial.kh for trial in found.trials])
     assert np.abs(np.diff(kh, 2)).max() < 0.1 * kh.max()
     assert max(trial.kinetic_ratio for trial in found.trials) < 1e-3
@@ -74,7 +74,7 @@ def heap() -> tuple[Ground, DiscModel]:
 def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were() -> None:
     ground, model = heap()
     before = model.x.copy()
-    one, two = (push_over(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n) for n in (1, 2))
+    one, two = (pushed_over(model, ground, SETTINGS, Continuum(0.3, 0.01), threads=n)[0] for n in (1, 2))
     assert one == two
     assert np.array_equal(model.x, before)
 
@@ -95,4 +95,4 @@ def test_stronger_discs_bear_more() -> None:
 def test_a_push_wants_a_displacement() -> None:
     ground, model = heap()
     with pytest.raises(ValueError, match="a displacement above 0"):
-        push_over(model, ground, SETTINGS, Continuum(0.3, 0.0))
+        pushed_over(model, ground, SETTINGS, Continuum(0.3, 0.0))

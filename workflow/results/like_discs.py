@@ -1,0 +1,59 @@
+"""dem/continuum.json: the continuum that soil discs are held against, as like them as it can be had."""
+
+from typing import ClassVar, Self
+
+from pydantic import Field
+
+from fem.settings import YIELDED, Sides
+from fem.strength import Flow
+from workflow.results.answer import Answer, Line
+from workflow.results.continuum import FemAnswer, PathStep, RigidBox, Verdict, displacement_at
+
+FLOWS = {"davis": "Davis's substitute", "associated": "ψ = φ", "section": "ψ as given"}
+
+
+class LikeDiscs(Answer):
+    """Its critical Kh with the discs' sides and the soil's dilation, for failures that discs of their size can show."""
+
+    FILE: ClassVar[str] = "dem/continuum.json"
+
+    kc: float = Field(description="the largest Kh at which an equilibrium was found")
+    kc_upper: float = Field(description="what this mesh may bear at most")
+    verdict: Verdict
+    reason: str
+    sides: Sides
+    flow: Flow = Field(description='"section": ψ as given, on a non-associated path')
+    deeper_than_m: float | None = Field(
+        default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
+    )
+    instead: str = Field(description="why ψ is not as given; empty where it is")
+    yielding_m: float = Field(description="mean displacement at which it has come to 0.99 of its critical Kh")
+    curve: tuple[PathStep, ...]
+    slip_surface: Line = Field(description="points [x, elevation] in m")
+
+    @classmethod
+    def of(cls, fem: FemAnswer, instead: str = "") -> Self:
+        """What the stage `fem` found between the sides of the discs' box, else with its own sides."""
+        box = fem.rigid_box if fem.rigid_box is not None and fem.rigid_box.has_kc else None
+        found: RigidBox | FemAnswer = box or fem
+        end = fem.last_in_equilibrium()
+        line = box.slip_surface if box else end.slip_surface if end else ()
+        return cls(
+            kc=found.kc,
+            kc_upper=found.kc_upper,
+            verdict=found.verdict,
+            reason=found.reason,
+            sides="fixed" if box else fem.settings.sides,
+            flow=fem.settings.flow,
+            deeper_than_m=box.deeper_than_m if box else None,
+            instead=instead,
+            yielding_m=displacement_at(found.curve, found.kc, YIELDED),
+            curve=found.curve,
+            slip_surface=line,
+        )
+
+    @property
+    def terms(self) -> str:
+        """In words, what this critical Kh is for: sides, flow, and how deep failures are."""
+        deep = f", failures deeper than {self.deeper_than_m:.2g} m" if self.deeper_than_m else ""
+        return f"{self.sides} sides, {FLOWS[self.flow]}{deep}"

@@ -1,0 +1,67 @@
+"""The continuum as the discs are: with their sides, and with ψ as given on a non-associated path."""
+
+from dem.team import Tell
+from fem.settings import YIELDED
+from fem.strength import is_dilating_fully
+from meshes.errors import NoAnswerError
+from workflow.results.answer import line
+from workflow.results.continuum import FemAnswer, PathStep, displacement_at
+from workflow.results.like_discs import LikeDiscs
+from workflow.results.stored_mesh import stored_mesh
+from workflow.run.store import Store
+from workflow.settings import Input
+
+# Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
+WORK = 1.2e6
+
+
+class _TakesTooLongError(NoAnswerError):
+    """The path is not worth any more time."""
+
+
+def like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
+    """What soil discs are held against, from the folder if an earlier run has left it there."""
+    if not store.has(LikeDiscs.FILE):
+        continuum_like_discs(given, store, tell).write(store)
+    return LikeDiscs.read(store)
+
+
+def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
+    """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
+    hardly any dilation; Davis's substitute, a lower estimate of it, where the path takes too long, ends without a
+    failure, or bears less than that.
+    """
+    from mpi4py import MPI
+
+    from fem.as_discs import as_discs
+    from fem.path import EquilibriumPath
+
+    fem = FemAnswer.read(store)
+    known = LikeDiscs.of(fem)
+    if known.sides != "fixed" or fem.settings.flow != "davis" or is_dilating_fully(given.strata):
+        return known
+    mesh = stored_mesh(given, store)
+
+    def step(path: EquilibriumPath) -> None:
+        tell((f"the continuum with ψ as given: Kh = {path.factor:.4f}", None))
+        if path.solves * len(mesh.cells) > WORK:
+            raise _TakesTooLongError("the path takes too long", "")
+
+    depth = known.deeper_than_m or given.fem.least_depth
+    settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+    try:
+        found = as_discs(given, mesh, settings, MPI.COMM_SELF, step)
+    except NoAnswerError as error:
+        return LikeDiscs.of(fem, f"with ψ as given there is no answer: {error.reason}")
+    if found.verdict not in ("plateau", "peak"):
+        return LikeDiscs.of(fem, f"with ψ as given the path ended without a failure: {found.reason}")
+    if found.kc < known.kc:
+        return LikeDiscs.of(fem, f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's substitute")
+    curve = tuple(PathStep.model_validate(each) for each in found.steps)
+    return known.model_copy(
+        update={
+            "kc": found.kc, "kc_upper": found.upper, "verdict": found.verdict, "reason": found.reason,
+            "flow": "section", "curve": curve, "yielding_m": displacement_at(curve, found.kc, YIELDED),
+            "slip_surface": line(found.slip_surface),
+        }
+    )  # fmt: skip
