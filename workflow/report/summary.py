@@ -6,7 +6,6 @@ from workflow.report.paper import rows
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
-from workflow.results.like_discs import FLOWS
 from workflow.results.results import Results
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import (
@@ -129,7 +128,6 @@ def _dem(results: Results) -> DemSummary | None:
     return DemSummary(
         model=discs.model.discs,
         sides="" if fem is None else like.sides if like else fem.settings.sides,
-        target_dilation="" if fem is None else FLOWS[like.flow if like else fem.flow],
         kc_uncalibrated=discs.before.kc,
         kc_target=None if calibration is None else calibration.target_kc,
         strength_factor=calibration.value if strength and calibration is not None else None,

@@ -57,7 +57,6 @@ class DemSummary(Part):
     elements: int
     boundary_elements: int
     sides: str = Field(description="of the continuum that the discs are held against")
-    target_dilation: str = Field(description="the flow rule of that continuum")
     kc_uncalibrated: float | None = Field(description="soil discs: the prediction, without any factor")
     kc_target: float | None = Field(description="the continuum's critical Kh that they are brought to")
     strength_factor: float | None = Field(description="factor on friction and cohesion alike")
