@@ -100,8 +100,8 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     notes = []
     if (wanted > reach).any():
         notes.append(
-            f"no discs are as strong as this soil: it has {wanted[-1] / 1e3:.3g} kPa at {stress / 1e3:.3g} kPa, they "
-            f"can have {found.expected[-1] / 1e3:.3g} kPa; that is what they get"
+            f"no discs are as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {stress / 1e3:.3g} kPa, they "
+            f"can have {found.expected[-1] / 1e3:.0f} kPa; that is what they get"
         )
     elif np.abs(found.expected / wanted - 1.0).max() > NEAR:
         miss = 100.0 * (found.expected / wanted - 1.0)

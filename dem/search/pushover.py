@@ -104,7 +104,9 @@ def pushed_over(
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
     else:
         search.verdict = "bracketed"
-        search.reason = f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times the continuum's"
+        search.reason = (
+            f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields"
+        )
     if search.trials:
         kc, half, last = critical_point(search.trials)
         search.lower, search.upper = kc - half, kc + half

@@ -4,6 +4,7 @@ Areas stand for volumes per metre (m2).
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import Delaunay
@@ -17,6 +18,7 @@ THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is w
 NEAR = 2.0  # diameters from a side
 LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
 PILED = 2.0  # mean radii that the surface at a side rises
+STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side was stopped by it
 
 
 def ground_area(model: DiscModel, ground: Ground) -> float:
@@ -101,25 +103,65 @@ def deepest_overlap(model: DiscModel) -> float:
     return float(np.max(((2.0 * mean - model.distance()) / mean)[inside], initial=0.0))
 
 
-def at_the_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[str]:
-    """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
+class AtSide(NamedTuple):
+    """What a slide has to do with a side of the box.
+
+    Attributes
+    ----------
+    name : str
+        "left" or "right".
+    came : int
+        Discs of the surface that slid to within `NEAR` diameters.
+    furthest : float
+        How far the one of these that slid furthest came, over the largest slide of the surface.
+    rise : float
+        Of the surface beside it (m).
+    piled : bool
+        Whether that is a heap.
+    """
+
+    name: str
+    came: int
+    furthest: float
+    rise: float
+    piled: bool
+
+
+def _by_side(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
-    left, right = before[0, 0], before[-1, 0]
     surface = Surface.of(start, ground)
-    slide, _ = surface.movement(model, ground)
+    slide = np.abs(surface.movement(model, ground)[0])
     there = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
     reach = NEAR * 2.0 * ground.radius
-    told = []
-    for name, side in (("left", left), ("right", right)):
-        came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (np.abs(slide) > ground.radius)
+    found = []
+    for name, side in (("left", before[0, 0]), ("right", before[-1, 0])):
+        came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (slide > ground.radius)
         near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
         rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
-        if came.any():
+        furthest = float(slide[came].max() / slide.max()) if came.any() else 0.0
+        found.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED * ground.radius))
+    return found
+
+
+def stopped_by(model: DiscModel, start: DiscModel, ground: Ground) -> str | None:
+    """The side that a slide ran up against, so that it would have gone on in a longer section: ground has piled up
+    there, or what slid at least half as far as anything ended there. None where it ended by itself.
+    """
+    sides = _by_side(model, start, ground)
+    held = [side for side in sides if side.piled or side.furthest > STOPPED]
+    return max(held, key=lambda side: (side.furthest, side.rise)).name if held else None
+
+
+def at_the_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[str]:
+    """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
+    told = []
+    for side in _by_side(model, start, ground):
+        if side.piled:
+            told.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
+        if side.came:
             told.append(
-                f"{int(came.sum())} discs of the surface slid to within two diameters of the {name} side: it takes part"
+                f"{side.came} discs of the surface slid to within two diameters of the {side.name} side: it takes part"
             )
-        if rise > PILED * ground.radius:
-            told.append(f"the ground has piled up by {rise:.2g} m at the {name} side: take a longer section")
     return told
 
 

@@ -26,6 +26,7 @@ from dem.slides.balance import (
     deepest_overlap,
     ground_area,
     pressed_through,
+    stopped_by,
     thin_layers,
     volume_change,
 )
@@ -37,7 +38,8 @@ from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
-FLOWS = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
+FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
+FLOWS = 0.25  # of the height of the ground's surface: a slide by weight alone that is longer is a flow failure
 ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
 KEEP = 2.0  # s of the clock between two checkpoints: no more is computed again after a stop
@@ -77,8 +79,15 @@ class Slide:
         Deepest overlap of two discs at any look, over their mean radius.
     area_lost_share : float
         Share of the ground's area that is gone beyond what drained away and what springs gave way.
+    slide_by_weight_m : float or None
+        How far the same case slides at most without any shaking, where that was looked at (m).
+    flows : bool or None
+        Whether that is a flow failure.
+    stopped_by : str or None
+        "left" or "right", the side of the box that the slide ran up against.
     notes : list of str
-        What a reader must know to believe the numbers: sides that take part, layers too thin, ground that was lost.
+        What a reader must know to believe the numbers, what weighs most first: that it flows without shaking, sides
+        that take part, discs in the walls, ground that was lost, discs that are too strong, layers too thin.
     """
 
     rows: list[Row] = field(default_factory=list)
@@ -94,6 +103,9 @@ class Slide:
     step_share: float = 0.3
     overlap: float = 0.0
     area_lost_share: float = 0.0
+    slide_by_weight_m: float | None = None
+    flows: bool | None = None
+    stopped_by: str | None = None
     notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
@@ -283,45 +295,61 @@ class Slider:
         return slide
 
     def _notes(self) -> list[str]:
-        """What is to be told of this slide; its loss of area is worked out here."""
+        """What is to be told of this slide; its loss of area, and which side stopped it, are worked out here."""
         slide, model, start = self.slide, self.model, self.start
-        told: list[str] = []
-        if self.case is not None:
-            told = thin_layers(start, self.ground, self.strata) + held_by_geometry(start, self.strata, self.case)
-            told += stronger_than_asked(start, self.ground, self.strata, self.case)
-        before, after = ground_area(start, self.ground), ground_area(model, self.ground)
-        asked = asked_for(start, model, self.strata, before)
-        slide.area_lost_share = (before - after - asked) / before
-        if slide.area_lost_share > LOST:
-            change = 100.0 * volume_change(start, model)
-            most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
-            told.append(
-                f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone, beyond {asked:.3g} m2 that were "
-                f"to drain or to give way with softer springs: loose discs get denser as they shear "
-                f"({', '.join(most)}), {slide.escaped} have left the box"
-            )
+        height = float(np.ptp(start.z[~start.fixed]))
+        far = max((row.slide_max_m for row in slide.rows), default=0.0)
+        asked = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
+        told = self._flow() if asked else []
+        slide.stopped_by = stopped_by(model, start, self.ground)
+        told += at_the_sides(model, start, self.ground)
         if (through := pressed_through(model)) > 0:
             told.append(
                 f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
                 "box no longer holds them, and their layer is too soft for discs of this size"
             )
-        told += at_the_sides(model, start, self.ground)
-        height = float(np.ptp(start.z[~start.fixed]))
-        far = max((row.slide_max_m for row in slide.rows), default=0.0)
-        if self.case is not None and self.settings.kh > 0.0 and far > FLOWS * height:
-            told += self._flow()
+        told += self._lost()
+        if self.case is not None:
+            told += held_by_geometry(start, self.strata, self.case)
+            told += stronger_than_asked(start, self.ground, self.strata, self.case)
+            told += thin_layers(start, self.ground, self.strata)
         return told
 
+    def _lost(self) -> list[str]:
+        """A sentence on ground that is gone, or none."""
+        slide, model, start = self.slide, self.model, self.start
+        before, after = ground_area(start, self.ground), ground_area(model, self.ground)
+        asked = asked_for(start, model, self.strata, before)
+        slide.area_lost_share = (before - after - asked) / before
+        if slide.area_lost_share <= LOST:
+            return []
+        change = 100.0 * volume_change(start, model)
+        most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
+        left = f"; {slide.escaped} have left the box" if slide.escaped else ""
+        return [
+            f"{100.0 * slide.area_lost_share:.1f} % of the ground's area is gone beyond what was to drain or to give "
+            f"way with softer springs: beyond {asked:.3g} m², since loose discs get denser as they shear "
+            f"({', '.join(most)}){left}"
+        ]
+
     def _flow(self) -> list[str]:
-        """Whether the case slides without any Kh as well: a sentence that says so, or none."""
+        """Whether the case slides without any Kh as well: a sentence that says so, or none.
+
+        Ground that stands by its own weight gives way by centimetres; what goes on until its face is flatter had no
+        equilibrium. How far that is, is held against the height of the face, and not against the slide under Kh, which
+        ends where Kh, the slope below or a side of the box let it.
+        """
         settings = self.settings.model_copy(update={"kh": 0.0, "duration": ALONE})
         alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()
-        far = alone.rows[-1].slide_max_m
-        if far < 0.25 * self.slide.rows[-1].slide_max_m:
+        far = max(row.slide_max_m for row in alone.rows)
+        self.slide.slide_by_weight_m = far
+        self.slide.flows = far > FLOWS * float(np.ptp(self.surface.z))
+        if not self.slide.flows:
             return []
         return [
-            f"a flow failure: without any shaking it slides {far:.3g} m in {alone.rows[-1].time_s:.0f} s, so its "
-            "factor of safety after liquefaction is below 1; a residual strength (slide.cases, residual) may hold it"
+            f"without any shaking it slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: its "
+            "factor of safety after liquefaction is below 1, and a residual strength (slide.cases, residual) may hold "
+            "it"
         ]
 
     def _keep(self) -> None:

@@ -37,13 +37,19 @@ def _near(told: str, true: float | None) -> bool:
     return abs(float(told) - true) <= 0.5001 * step
 
 
-def _slides(summary: Summary, cases: str, lengths: str) -> bool:
+def _slides(summary: Summary, cases: str, lengths: str, key: str = "slide_max_m") -> bool:
     """Lengths in the order of the cases, or one where all come to the same."""
     numbers, told = re.findall(r"\d+", cases), re.findall(NUMBER, lengths)
     told = told * len(numbers) if len(told) == 1 else told
     return len(told) == len(numbers) and all(
-        _near(one, max(summary["cases"][number]["slide_max_m"], 0.0)) for one, number in zip(told, numbers, strict=True)
+        _near(one, max(summary["cases"][number][key], 0.0)) for one, number in zip(told, numbers, strict=True)
     )
+
+
+def _by_weight(summary: Summary, cases: str, lengths: str) -> bool:
+    """The same of what slides without any shaking."""
+    flow = all(summary["cases"][number]["flows"] for number in re.findall(r"\d+", cases))
+    return flow and _slides(summary, cases, lengths, "slide_by_weight_m")
 
 
 def _estimate(summary: Summary, kind: str, low: str, high: str | None) -> bool:
@@ -99,5 +105,5 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         rf"^The methods disagree .* about {NUMBER}(?: to {NUMBER})? m.* gives about {NUMBER}(?: to {NUMBER})? m",
         _disagree,
     ),
-    (r"^What is doubtful", lambda s: True),
+    (rf"^{CASES} it is a flow failure: without any shaking it slides about ([\d., and]+) m in 20 s", _by_weight),
 )  # fmt: skip

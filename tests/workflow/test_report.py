@@ -91,6 +91,8 @@ def test_what_is_read_is_what_was_found(name: str, runs: dict[str, Path], tab: P
     summary = json.loads((runs[name] / "summary.json").read_text())
     read = tab.value("[...document.querySelectorAll('.short p')].map(p => p.textContent)")
     assert read == summary["in_short"]
+    doubts = tab.value("[...document.querySelectorAll('.doubtful li')].map(item => item.textContent)")
+    assert doubts == summary["doubtful"]
     assert RUNS[name][1] in " ".join(read)
     assert disagreements(read, summary) == []
     asked = [event["request"]["url"] for event in tab.named("Network.requestWillBeSent")]

@@ -74,6 +74,9 @@ def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
     assert not settled.inertia_ratio.any()
     away = misfit(section, settled, discs["radius_m"])
     assert np.abs(away).max() <= 0.5 * discs["radius_m"]
+    calibrated = np.abs(misfit(section, DiscModel.load(whole / "dem/calibrated.h5"), discs["radius_m"]))
+    assert discs["surface_off_mean_m"] == pytest.approx(calibrated.mean())
+    assert discs["surface_off_worst_m"] == pytest.approx(calibrated.max())
     areas = section.layering.areas()
     mass = sum(area * s.density_seismic for area, s in zip(areas, section.strata, strict=True))
     weight = sum(area * s.density_ordinary for area, s in zip(areas, section.strata, strict=True))

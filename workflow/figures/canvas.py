@@ -46,6 +46,7 @@ CRITICAL = "#b3202c"
 # The tallest view, and the flattest that can be read, as height over width.
 TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
+LEGEND_ROW = 0.21  # inches
 LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than the section is high
 TITLE_CHARACTERS, CURVE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 120, 150, 88
 
@@ -134,7 +135,7 @@ class Sheet:
         head += 0.2 * title.count("\n")
         panels = [min(height, TALLEST) * (right - left) * inches for height in heights]
         foot_room = 0.2 + 0.16 * foot.count("\n") if foot else 0.05
-        legend_room = 0.21 * legend_rows
+        legend_room = LEGEND_ROW * legend_rows
         total = head + sum(panels) + between * (len(panels) - 1) + below + legend_room + foot_room
         self.figure = Figure(figsize=(inches, total), dpi=DPI, facecolor="white")
         FigureCanvasAgg(self.figure)
@@ -179,10 +180,12 @@ class Sheet:
             axes.set_title(title, fontsize=9, loc="left", color=INK, pad=3, parse_math=False)
         return axes
 
-    def legend(self, handles: Sequence[Artist], columns: int) -> None:
-        """One legend under the views."""
+    def legend(self, handles: Sequence[Artist], columns: int, below: float = 0.0) -> None:
+        """One legend under the views; ``below`` so many of its rows."""
+        left, top = self.legend_at
         legend = self.figure.legend(
-            handles=handles, loc="upper left", bbox_to_anchor=self.legend_at, ncols=columns, fontsize=7.5,
+            handles=handles, loc="upper left", ncols=columns, fontsize=7.5,
+            bbox_to_anchor=(left, top - below * LEGEND_ROW / self.figure.get_figheight()),
             frameon=False, borderaxespad=0.0, handlelength=2.2, columnspacing=1.4, labelcolor=INK,
         )  # fmt: skip
         for text in legend.get_texts():
@@ -244,7 +247,7 @@ def spread(points: np.ndarray, window: Window, across: int = 45) -> np.ndarray:
     return first
 
 
-def legend_columns(handles: Sequence[Artist]) -> int:
+def legend_columns(handles: Sequence[Artist], most: int = 3) -> int:
     """How many columns of a legend fit side by side: three, or fewer where labels are long."""
     longest = max(len(str(handle.get_label()).encode()) for handle in handles)
-    return int(np.clip(LEGEND_CHARACTERS // (longest + 6), 1, 3))
+    return int(np.clip(LEGEND_CHARACTERS // (longest + 6), 1, most))

@@ -48,30 +48,43 @@ def _curves(results: Results, name: str) -> bool:
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
-    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.given), legend_rows=2)
-    axes = sheet.plot(0, "displacement (m)", "seismic coefficient Kh (-)")
+    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.given), legend_rows=3)
+    axes = sheet.plot(0, "mean displacement in the direction of Kh (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
-    handles = [_handle(CONTINUUM, "o", "FEM: mean horizontal displacement, weighted by seismic mass")]
+    handles = [_handle(CONTINUUM, "o", f"FEM, {answer.settings.sides} sides")]
     widest = x[-1]
     like = results.like_discs
     if like is not None and discs is not None:
-        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in like.curve)]
+        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in like.curve if not step.at_rest)]
         axes.plot(*np.array(curve).T, color=CONTINUUM, linestyle=DASHED, linewidth=1.1)
+        widest = max(widest, curve[-1][0])
         handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label=f"FEM, {like.terms}"))
+        rest = [(step.displacement, step.factor) for step in like.curve if step.at_rest and step.balanced]
+        if rest:  # the path itself carries overstress
+            look: dict[str, Any] = {"color": CONTINUUM, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
+            axes.plot(*np.array(rest).T, **look, markersize=4)
+            handles.append(Line2D([], [], **look, markersize=4, label="the same, in equilibrium without overstress"))
     if results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
+        soil = discs.model.discs == "soil"
         for key, search, look in (
             ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
             ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
         ):
-            widest = max(widest, _discs(axes, search, look))
+            widest = max(widest, _discs(axes, search, look, soil))
             handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
         after = discs.after
         if after.kc is not None and after.kc_upper is not None:
             axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
+        if soil and like is not None:
+            far = results.given.dem.ductility * like.yielding_m
+            widest = max(widest, far)
+            axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9)
+            label = f"{results.given.dem.ductility:g} times where the FEM (dashed) yields: as far as discs are judged"
+            handles.append(Line2D([], [], color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
@@ -81,22 +94,25 @@ def _curves(results: Results, name: str) -> bool:
     return True
 
 
-def _discs(axes: Any, search: DiscSearch, look: dict[str, Any]) -> float:
-    """The trials of a search; returns a little more than the largest displacement of those that stood (m)."""
-    curve = np.array(sorted(search.curve, key=lambda point: point[1])).reshape(-1, 2)
+def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
+    """All points of the push of soil discs, or the states of others that stood; returns how far they reach (m)."""
+    points = [(trial.kh, trial.displacement_m) for trial in search.trials] if soil else search.curve
+    curve = np.array(sorted(points, key=lambda point: point[1])).reshape(-1, 2)
     axes.plot(curve[:, 1], curve[:, 0], **look, markersize=3.5, linewidth=1.0)
-    stood = [trial.displacement_m for trial in search.trials if trial.verdict == "stands"]
-    return 1.3 * max(stood, default=0.0)
+    stood = [trial.displacement_m for trial in search.trials if soil or trial.verdict == "stands"]
+    return max(stood, default=0.0)
 
 
 def _brackets(results: Results) -> str:
     told = []
     if results.fem is not None and results.kc is not None:
-        told.append(f"FEM: critical Kh = {results.kc:.3f}, at most {results.fem.kc_upper:.3f}")
+        least, most = f"{results.kc:.3f}", f"{results.fem.kc_upper:.3f}"
+        told.append(f"FEM {least}" + (f", at most {most}" if most != least else ""))
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
-        told.append(f"discs: {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f})")
-    return "; ".join(told)
+        like = f" for {results.like_discs.kc:.3f} of the FEM (dashed)" if results.like_discs is not None else ""
+        told.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
+    return f"critical Kh: {'; '.join(told)}" if told else ""
 
 
 def _handle(colour: str, marker: str, label: str) -> Line2D:
@@ -182,7 +198,7 @@ def _calibration(results: Results, name: str) -> bool:
 def _factors(axes: Axes) -> None:
     """An axis of factors, alike for halves and doubles."""
     axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.0)))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0)))
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 

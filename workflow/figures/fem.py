@@ -55,7 +55,7 @@ def _slips(answer: FemAnswer) -> list[Overlay]:
 
 
 def _named(factor: FactorOfSafety) -> str:
-    return f"middle of the shear, factor of safety {factor.factor:.3f} at Kh = {factor.kh:g}"
+    return f"middle of the shear, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
 def draw_state(given: Input, results: FemResults, state: State, store: Store) -> str:
@@ -143,7 +143,7 @@ def _state_sheet(given: Input, results: FemResults, state: State, views: Views) 
     sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
     note = f"{conditions(given, results.answer.element)}."
     if len(slip):
-        note += " Dotted: slip surface."
+        note += " Dashed: slip surface."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
     sheet.note(note)

@@ -8,13 +8,25 @@ from typing import Any
 
 import numpy as np
 import pyvista as pv
+from matplotlib.artist import Artist
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from PIL import Image, ImageDraw, ImageFont
 
 from workflow.figures import fonts
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet, Window, render, soil_colour
+from workflow.figures.canvas import (
+    CONTINUUM,
+    CRITICAL,
+    DISCS,
+    INK,
+    Sheet,
+    Window,
+    legend_columns,
+    render,
+    soil_colour,
+)
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
@@ -77,11 +89,17 @@ def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, o
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = (
-        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2f} m, settles "
-        f"{case.settlement_uphill_m:.2f} m uphill"
+        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2g} m, settles "
+        f"{case.settlement_uphill_m:.2g} m uphill"
     )
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Stiffness of the liquefied layers times {case.stiffness:g}."
-    sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3)
+    handles: list[Artist] = [
+        Patch(color=soil_colour(k), label=stratum.name)
+        for k, stratum in enumerate(given.strata)
+        if np.any(frame.stratum == k)
+    ]
+    columns = legend_columns(handles, most=6)
+    sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3 - (-len(handles) // columns))
     axes = sheet.show(
         0,
         render(window, partial(draw_frame, frame=frame, norm=norm)),
@@ -96,6 +114,7 @@ def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, o
         Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),
     ]
+    sheet.legend(handles, columns, below=2.6)
     sheet.figure.legend(
         handles=lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
         frameon=False, borderaxespad=0.0, labelcolor=INK,

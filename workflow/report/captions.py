@@ -43,7 +43,9 @@ CAPTIONS = (
     Caption(
         r"curves",
         "both",
-        "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh.",
+        "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh. Soil discs have "
+        "no plateau, since loose ground goes on to harden: their critical Kh is the largest that they bear, on average "
+        "over a fifth of the way, up to the vertical line.",
         True,
     ),
     Caption(r"slip_surfaces", "both", "Slip surfaces of the continuum and of the discs.", True),

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from fem.strength import Flow
 from workflow.report import after
-from workflow.report.findings import STILL, lies_still
+from workflow.report.findings import lies_still, moved_lately
 from workflow.report.numbers import metres
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
@@ -128,7 +128,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
                 f"Discs without any factor: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
-                "times the continuum's with the same sides."
+                "times that of the continuum that they are held against."
             )
         yield (
             f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
@@ -154,7 +154,7 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
     for name, which, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         if not case.settled and lies_still(case):
-            settled = f"; it moved less than {100 * STILL:.0f} cm in the last 10 s"
+            settled = f"; it moved {moved_lately([case])} in the last 10 s"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
@@ -213,4 +213,8 @@ def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     elif name == "slide":
         yield from slide_sentences(given, CasesAnswer.read(store))
     elif name == "report":
-        yield from Summary.read(store).in_short
+        found = Summary.read(store)
+        yield from found.in_short
+        if found.doubtful:
+            yield "What is doubtful, the most important first:"
+            yield from (f"- {doubt}" for doubt in found.doubtful)

@@ -8,6 +8,7 @@ from typing import Any
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
+from workflow.report.doubtful import of_cases
 from workflow.report.numbers import about, between, coefficient, listed, span
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
@@ -18,10 +19,10 @@ from workflow.settings import Input
 # Variants that tell how good the computation is, and those that tell what an assumption is worth.
 NUMERICAL, ASSUMED = ("mesh", "element", "step"), ("dilation", "sides")
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
-STILL = 0.01  # m in the last 10 s: a slide that moves less is told to lie still, though its discs may not
+# A slide that moves less in its last 10 s is told to lie still, though its discs may not: in m, and of all its way.
+STILL, STILL_SHARE = 0.01, 0.001
+ENDS = ("settled", "lying", "moving")  # how slides end, in the order in which they are told
 STAYS = 0.1  # m: a slide of less is told as none
-CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
-SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
 
 
 def springs_of(results: Results) -> dict[str, str]:
@@ -36,10 +37,10 @@ def springs_of(results: Results) -> dict[str, str]:
 
 
 def findings(results: Results) -> list[str]:
-    """Paragraphs: what was asked, where the section fails, how far it slides, and what of this is doubtful."""
+    """Paragraphs: what was asked, where the section fails, and how far it slides."""
     paragraphs = (
         _asked(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
-        _measured(results), _doubtful(results),
+        _measured(results),
     )  # fmt: skip
     return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]
 
@@ -182,33 +183,49 @@ def _alike(results: Results) -> str:
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
-    """The cases that come to rest, and those that were still moving."""
-    settled = {number: case.slide_max_m for number, case in cases.items() if case.settled}
-    lying = {number: case.slide_max_m for number, case in cases.items() if not case.settled and lies_still(case)}
-    moving = {number: case.slide_max_m for number, case in cases.items() if not case.settled and number not in lying}
-    stays = [number for number, slide in settled.items() if slide < STAYS]
-    slid = [number for number in settled if number not in stays]
+    """The cases that come to rest, and those that were still moving; apart where a side of the box stopped them."""
+    stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < STAYS]
     if stays:
-        yield f"In {_of(stays)} the section stays where it is, and moves less than {STAYS:g} m."
-    if slid:
-        yield f"In {_of(slid)} it slides about {about([settled[number] for number in slid])}, and comes to rest."
-    if lying:
-        yield (
-            f"In {_of(list(lying))} it slides about {about(list(lying.values()))}, and moved less than "
-            f"{100 * STILL:.0f} cm in the last 10 s."
-        )
-    if moving:
-        seconds = max(cases[number].seconds_simulated for number in moving)
-        lengths = about(list(moving.values()))
-        yield (
-            f"In {_of(list(moving))} it had slid about {lengths} after {seconds:.0f} s and was still moving: these are "
-            "no final values."
-        )
+        yield f"In {of_cases(stays)} the section stays where it is, and moves less than {STAYS:g} m."
+    ends: dict[tuple[str, str | None], list[int]] = {}
+    for number, case in cases.items():
+        if number not in stays:
+            end = "settled" if case.settled else "lying" if lies_still(case) else "moving"
+            ends.setdefault((end, case.stopped_by), []).append(number)
+    for (end, side), numbers in sorted(ends.items(), key=lambda one: ENDS.index(one[0][0])):
+        lengths = about([cases[number].slide_max_m for number in numbers])
+        until = f", until the {side} side of the discs' box stops it" if side else ""
+        if end == "settled":
+            yield f"In {of_cases(numbers)} it slides about {lengths}{until or ', and comes to rest'}."
+        elif end == "lying":
+            lately = moved_lately([cases[number] for number in numbers])
+            yield f"In {of_cases(numbers)} it slides about {lengths}{until}, and moved {lately} in the last 10 s."
+        else:
+            seconds = max(cases[number].seconds_simulated for number in numbers)
+            against = f", up against the {side} side of the discs' box," if side else ""
+            yield (
+                f"In {of_cases(numbers)} it had slid about {lengths}{against} after {seconds:.0f} s and was still "
+                "moving: these are no final values."
+            )
+    stopped = [number for number, case in cases.items() if case.stopped_by is not None]
+    if stopped:
+        yield "Its box ends where the section was cut off: in a longer section it would slide further."
+    flowing = {number: case.slide_by_weight_m for number, case in cases.items() if case.flows}
+    if flowing:
+        far = about([slide for slide in flowing.values() if slide is not None])
+        yield f"In {of_cases(list(flowing))} it is a flow failure: without any shaking it slides about {far} in 20 s."
 
 
 def lies_still(case: CaseNumbers) -> bool:
     """Whether a slide that never came to rest moved next to nothing in its last 10 s."""
-    return case.moved_lately_m is not None and case.moved_lately_m < STILL
+    still = max(STILL, STILL_SHARE * abs(case.slide_max_m))
+    return case.moved_lately_m is not None and case.moved_lately_m < still
+
+
+def moved_lately(cases: Sequence[CaseNumbers]) -> str:
+    """How far slides that lie still moved at most in their last 10 s."""
+    most = max(case.moved_lately_m or 0.0 for case in cases)
+    return f"less than {100 * STILL:.0f} cm" if most < STILL else f"{100 * most:.0f} cm"
 
 
 # How a sentence tells what is not a factor on something that the layers had before.
@@ -237,7 +254,7 @@ def _cases_are(given: Input) -> Iterator[str]:
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
     if given.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the paper's own discs keep no residual strength"
-    yield f"In {_of(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
+    yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
@@ -256,8 +273,7 @@ def _interval(results: Results) -> str:
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
     told = [
-        f"{about([spread.mean])} ({span(spread.values)}; mean of all packings {span(spread.mean_ci95)} with 95 %) in "
-        f"case {number}"
+        f"{_spread(spread.mean, spread.values, spread.mean_ci95)} in case {number}"
         for number, spread in spreads.items()
         if spread.mean is not None and spread.mean_ci95 is not None
     ]
@@ -267,12 +283,16 @@ def _interval(results: Results) -> str:
     order = ""
     softer = all(before.stiffness > after.stiffness for before, after in pairwise(results.given.cases))
     if random is not None and random.rising is not None and softer:
-        order = f" On {random.rising} of them every case slides further than the one before."
+        on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
+        order = f" On {on} of them every case slides further than the one before."
     return f"On {count} random packings that fail at the same Kh the largest slide is {listed(told)}.{order}"
 
 
-def _of(numbers: list[int]) -> str:
-    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
+def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:
+    """A slide on several packings: its mean, and how far packings differ, where that is more than its digits."""
+    told = [span(values)] if span(values) != about([mean]) else []
+    told += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
+    return about([mean]) + (f" ({'; '.join(told)})" if told else "")
 
 
 def _disagreement(results: Results) -> Iterator[str]:
@@ -294,7 +314,9 @@ def _disagreement(results: Results) -> Iterator[str]:
             "The regression says what gentle slopes of liquefied sand have done on average, whatever the shaking and "
             "their strength."
         )
-    if observed and max(discs) > DISAGREE * min(observed):
+    if observed and any(case.flows for case in cases.values()):
+        yield "The discs flow, by their weight alone: such a regression does not know that."
+    elif observed and max(discs) > DISAGREE * min(observed):
         yield (
             "Discs that slide much farther say that little in the model holds the ground back: look first at how soft "
             "the liquefied layers are taken to be, and whether the discs came to rest."
@@ -310,7 +332,7 @@ def _measured(results: Results) -> Iterator[str]:
         where = "at most" if there is None else f"there, at x = {one.x:g} m,"
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
         numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
-        yield f"{told}; the discs slide {where} {numbers} in {_of(list(cases))}."
+        yield f"{told}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
@@ -320,50 +342,3 @@ def _displacements(results: Results, kind: Kind) -> list[float]:
 
 def _slid(blocks: list[float]) -> str:
     return "does not move" if max(blocks) == 0.0 else f"slides about {span(blocks)}"
-
-
-def _doubtful(results: Results) -> Iterator[str]:
-    told = list(_doubts(results))
-    if told:
-        yield f"What is doubtful: {'; '.join(told)}."
-
-
-def _doubts(results: Results) -> Iterator[str]:
-    given, fem, discs = results.given, results.fem, results.dem
-    if given.reconstruction:
-        yield "the ground is a reconstruction"
-    if fem is not None and fem.verdict == "undecided":
-        yield f"the path of the finite elements ended undecided ({fem.reason})"
-    for doubt in results.doubts:
-        if doubt.contradiction:
-            yield doubt.what[0].lower() + doubt.what[1:].rstrip(".")
-    yield from _doubts_of_calibration(results)
-    apart = discs.slip_surface.mean_distance_m if discs is not None else None
-    if apart is not None:
-        heights = given.outline()[:, 1]
-        if apart > SURFACES_APART * float(heights.max() - heights.min()):
-            yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
-    if discs is not None and discs.model.packing != "random":
-        yield "the discs lie in rows, which must climb over each other to slide"
-    _, cases = results.case_set()
-    notes = dict.fromkeys(note for case in cases.values() for note in case.notes)
-    for note in notes:
-        yield f"{note} ({_of([number for number, case in cases.items() if note in case.notes])})"
-    escaped = [number for number, case in cases.items() if case.escaped]
-    if escaped:
-        yield f"discs have left the section in {_of(escaped)}"
-
-
-def _doubts_of_calibration(results: Results) -> Iterator[str]:
-    calibration = results.calibration
-    if calibration is None:
-        return
-    if calibration.verdict == "out of reach":
-        yield "no factor on the discs brings them to the critical Kh of the finite elements"
-    elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
-        name = calibration.parameter.replace("_", " ")
-        what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
-        yield (
-            f"the discs fail at the Kh of the finite elements only with {what} of their springs times "
-            f"{calibration.value:.2g}"
-        )

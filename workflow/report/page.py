@@ -17,7 +17,7 @@ from workflow.report import tables
 from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
-from workflow.report.findings import lies_still, springs_of
+from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
@@ -83,6 +83,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "most_tests": MOST_TESTS,
         "fonts": fonts.notice(tables.texts(given)),
         "lies_still": lies_still,
+        "moved_lately": moved_lately,
         "stages": results.stages,
         "parts": PARTS,
         "versions": versions(),

@@ -1,6 +1,7 @@
 """The numbers of a run for summary.json, gathered from what the stages found."""
 
 from workflow.estimates.comparison import estimates
+from workflow.report.doubtful import doubtful
 from workflow.report.findings import findings
 from workflow.report.paper import rows
 from workflow.results.answer import SectionLabel
@@ -32,6 +33,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
     paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
     return Summary(
         in_short=tuple(findings(results)),
+        doubtful=tuple(doubtful(results)),
         section=SectionLabel.of(given),
         mesh=_mesh(results),
         fem=_fem(results),

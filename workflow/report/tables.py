@@ -161,7 +161,7 @@ def plain(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, BaseModel):
-        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value)
+        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value if each != "")
     if isinstance(value, dict):
         return ", ".join(f"{name}: {plain(each)}" for name, each in value.items())
     if isinstance(value, tuple | list):

@@ -34,15 +34,18 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
             yield heading, f"{words} {seen[name]}".strip() if name in seen else words
     if results.bounds is not None:
         yield "Strict bounds", _bounds(results, results.bounds)
-    if results.dem is not None:
-        yield from _discs(results.dem)
     random = results.cases.random if results.cases is not None else None
+    if results.dem is not None:
+        yield from _discs(results.dem, several=random is not None and len(random.seeds) > 1)
     if random is not None and any(case.slide_max_m.values for case in random.cases.values()):
+        rows = results.dem is not None and results.dem.model.packing != "random"
         yield (
             "Random packing",
-            (
-                "The table below has the cases on random packings, calibrated to the same critical Kh: what they share "
-                "with the lattice does not come from its order."
+            "The table below has the cases on random packings, calibrated to the same critical Kh: "
+            + (
+                "what they share with the discs in rows does not come from their order."
+                if rows
+                else "what they do not share hangs on how the discs happen to lie."
             ),
         )
 
@@ -114,19 +117,23 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     return " ".join([told, *(doubts or ["Nothing that the finite elements found contradicts it."])])
 
 
-def _discs(dem: DiscsAnswer) -> Iterator[tuple[str, str]]:
+def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
+    """Of the discs; ``several`` packings of them have been computed, or one."""
     model, surfaces = dem.model, dem.slip_surface
     told = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m."
+    if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:
+        told += (
+            f" Before the slide their surface lies {model.surface_off_mean_m:.2f} m from the section's on average, and "
+            f"{model.surface_off_worst_m:.2f} m in the worst place."
+        )
     if model.packing != "random":
         told += (
             " On a triangular lattice rows must climb over each other, 30° of dilation that no parameter takes away: "
             "the critical Kh is calibrated, the volume change of the lattice is not."
         )
     else:
-        told += (
-            f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed packs them differently; "
-            "--set 'slide.seeds=[1, 2, 3]' says how much that matters."
-        )
+        told += f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed packs them differently"
+        told += "." if several else "; --set 'slide.seeds=[1, 2, 3]' says how much that matters."
     yield "Packing", told
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""

@@ -1,7 +1,7 @@
 """dem/cases.json: how far each case of liquefaction slides."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -39,6 +39,13 @@ class CaseNumbers(Part):
     slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
     slides_over_share_uphill: float = Field(description="the same of its uphill half")
     slides_over_share_downhill: float = Field(description="the same of its downhill half")
+    slide_by_weight_m: float | None = Field(
+        default=None, description="its largest slide in 20 s without any shaking, where that was looked at"
+    )
+    flows: bool | None = Field(default=None, description="whether that is a flow failure, of the weight alone")
+    stopped_by: Literal["left", "right"] | None = Field(
+        default=None, description="the side of the discs' box that the slide ran up against"
+    )
 
 
 class CaseSummary(CaseNumbers):

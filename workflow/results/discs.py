@@ -31,6 +31,12 @@ class DiscModelAnswer(Part):
     unbalanced_ratio: float = Field(description="mean unbalanced force over mean contact force")
     settling_seconds: float = Field(description="time of the model")
     pore_springs: int
+    surface_off_mean_m: float | None = Field(
+        default=None,
+        description="how far their surface, as the slides start from it, lies from the section's: mean of columns of "
+        "two diameters",
+    )
+    surface_off_worst_m: float | None = Field(default=None, description="the same in the worst column")
 
 
 class Parameters(Part):

@@ -120,6 +120,7 @@ class Summary(Answer):
     FILE: ClassVar[str] = "summary.json"
 
     in_short: tuple[str, ...] = Field(description="what was found, in plain sentences, a paragraph each")
+    doubtful: tuple[str, ...] = Field(description="what of it is doubtful, one doubt each, the most important first")
     section: SectionLabel
     mesh: MeshCount | None
     fem: FemSummary | None

@@ -5,11 +5,13 @@ a critical Kh, from which a stopped run goes on), critical.json, calibration.jso
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
@@ -17,6 +19,7 @@ from dem.model import DiscModel
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, Key, best, changed, key_of, sensitivities
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, unbalanced_ratio
+from dem.search.levelling import misfit
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.team import Team, Tell, alone
@@ -77,7 +80,8 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
-    answer.model_copy(update={"paper": papers_own}).write(store)
+    model = answer.model.model_copy(update=_off(given, discs.ground, sets["after"].settled))
+    answer.model_copy(update={"paper": papers_own, "model": model}).write(store)
     calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
     calibration_told.write(store)
     if tests := _layer_tests(given, discs, found, progress, team):
@@ -299,7 +303,16 @@ def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnsw
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
         pore_springs=int((settled.pore_length != 0.0).sum()),
+        **_off(given, ground, settled),
     )
+
+
+def _off(given: Input, ground: Ground, model: DiscModel) -> dict[str, float]:
+    """How far the surface of discs at rest lies from the section's (m), as fields of the answer."""
+    placed = copy(model)
+    placed.x, placed.z = ground.to_section(model.x, model.z)
+    off = np.abs(misfit(given, placed, ground.radius))
+    return {"surface_off_mean_m": float(off.mean()), "surface_off_worst_m": float(off.max())} if len(off) else {}
 
 
 def calibrate_pictures(given: Input, store: Store, team: Team = alone) -> None:

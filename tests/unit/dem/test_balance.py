@@ -1,6 +1,7 @@
 """What a slide may not do unnoticed: pass through the box, come near its sides, lose ground."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,11 +18,13 @@ from dem.slides.balance import (
     disc_area,
     ground_area,
     pressed_through,
+    stopped_by,
     thin_layers,
     volume_change,
 )
 from dem.slides.liquefaction import Slider
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
+from dem.slides.surface import Surface
 from dem.springs import Strength, soil_discs
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.section import Section
@@ -96,6 +99,34 @@ def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground
     right = ~piled.fixed & (piled.x > piled.x[~piled.fixed].max() - 4.0)
     piled.z[right] += 2.5 * RADIUS
     assert any("piled up" in told and "right" in told for told in at_the_sides(piled, start, ground))
+    assert (stopped_by(start, start, ground), stopped_by(piled, start, ground)) == (None, "right")
+
+
+@pytest.mark.parametrize(("columns", "side"), [(13, None), (8, "right")])
+def test_what_slid_far_and_ends_at_a_side_was_stopped_by_it(
+    columns: int, side: str | None, start: DiscModel, ground: Ground
+) -> None:
+    """A disc of the surface slid five columns to the right side; another one slid further, and ended before it."""
+    slid = start.copy()
+    discs = Surface.of(start, ground).discs
+    slid.x[discs[-6]] += 10.0 * RADIUS
+    slid.x[discs[2]] += 2.0 * columns * RADIUS
+    assert stopped_by(slid, start, ground) == side
+
+
+@pytest.mark.parametrize(("by_weight", "told"), [(9.9, True), (1.5, False)])
+def test_a_flow_failure_is_judged_by_what_weight_alone_does(
+    by_weight: float, told: bool, start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """9.9 m without shaking is one for a bank 8 m high, though it slid 47 m, five times as far, with Kh."""
+    slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
+    height = np.linspace(8.0, 0.0, len(slider.surface.z))
+    slider.surface = replace(slider.surface, z=height)
+    slider.slide.rows = [SimpleNamespace(slide_max_m=47.0, time_s=60.0)]
+    alone = SimpleNamespace(rows=[SimpleNamespace(slide_max_m=by_weight, time_s=20.0)])
+    monkeypatch.setattr(Slider, "run", lambda _: alone)
+    assert [("flow failure" in note) for note in slider._flow()] == [True] * told
+    assert (slider.slide.flows, slider.slide.slide_by_weight_m) == (told, by_weight)
 
 
 def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, ground: Ground) -> None:

@@ -6,10 +6,13 @@ from dem.settings import SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
+from workflow.report.doubtful import doubtful, joined
 from workflow.report.findings import findings
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
-from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Spread
-from workflow.results.continuum import Doubt, OtherWay, SkinFailure
+from workflow.report.uncertainty import doubts
+from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
+from workflow.results.continuum import Doubt, OtherWay, PathStep, SkinFailure
+from workflow.results.like_discs import LikeDiscs
 from workflow.results.results import Results
 from workflow.results.variants import VariantsAnswer
 from workflow.run.record import Entry
@@ -87,8 +90,7 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     assert "it would be 0.31 if the ground dilated fully (ψ = φ)." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
-    assert "What is doubtful: a finer mesh gives 0.20." in told
-    assert "The base is near" not in told
+    assert doubtful(results(run, fem=answer)) == ["A finer mesh gives 0.20."]
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))
 
@@ -114,6 +116,24 @@ def test_slides_that_end_and_slides_that_do_not(run: Input) -> None:
     assert (
         "Computed with the springs of the paper's Table 2 as printed instead: In case 1 it slides about 0.3 m" in told
     )
+
+
+def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Input) -> None:
+    """And one that needs no shaking is called a flow failure, however far it slides with it."""
+    stopped = {"stopped_by": "right", "flows": True, "slide_by_weight_m": 9.9, "settled": True}
+    first = dem_fixture.case(0.1, 47.2).model_copy(update=stopped)
+    second = first.model_copy(update={"settled": False, "moved_lately_m": 0.036, "slide_by_weight_m": 12.7})
+    third = dem_fixture.case(0.01, 3.0)
+    cases = CasesAnswer(sets={"calibrated": {1: first, 2: second, 3: third}}, random=None)
+    told = text(results(run, fem=fem(run), cases=cases))
+    assert "In case 1 it slides about 50 m, until the right side of the discs' box stops it." in told
+    assert "In case 3 it slides about 3 m, and comes to rest." in told
+    assert (
+        "In case 2 it slides about 50 m, until the right side of the discs' box stops it, and moved 4 cm in the last "
+        "10 s." in told
+    )
+    assert "in a longer section it would slide further" in told
+    assert "In cases 1 and 2 it is a flow failure: without any shaking it slides about 10 and 13 m in 20 s." in told
 
 
 def test_an_interval_where_there_are_several_packings(run: Input) -> None:
@@ -173,23 +193,70 @@ def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_predict
     cases = CasesAnswer(sets={"calibrated": {**noted, 2: dem_fixture.case(0.1, 3.0)}}, random=None)
     predicted = {"predicted_kc": 0.213, "predicted_ratio": 0.86}
     calibration = dem_fixture.calibration(0.24, True).model_copy(update=predicted)
-    told = text(results(run, fem=fem(run), calibration=calibration, cases=cases))
-    assert "discs overlap (cases 1 and 3)" in told
+    found = results(run, fem=fem(run), calibration=calibration, cases=cases)
+    assert "Discs overlap (cases 1 and 3)." in doubtful(found)
+    told = text(found)
     assert "Made from the soil alone they fail at Kh of about 0.21, 0.86 times that of the finite elements" in told
 
 
 def test_what_is_doubtful_is_told(run: Input) -> None:
     guessed = Input.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
     calibration = dem_fixture.calibration(0.24, True)
-    told = text(results(guessed, dem=dem_fixture.critical(guessed, 0.24), calibration=calibration))
-    assert "the ground is a reconstruction" in told
-    assert "only with the stiffness of their springs times 0.0075" in told
-    assert "the discs lie in rows" in told
+    discs = dem_fixture.critical(guessed, 0.24)
+    told = doubtful(results(guessed, dem=discs, calibration=calibration))
+    assert told[0] == "The ground is a reconstruction."
+    assert told[1].endswith("only with the stiffness of their springs times 0.0075.")
+    assert told[-1] == "The discs lie in rows, which must climb over each other to slide."
+    model = discs.model.model_copy(update={"packing": "random"})
+    loose = doubtful(results(guessed, dem=discs.model_copy(update={"model": model}), calibration=calibration))
+    assert "rows" not in " ".join(loose)
     slid = CasesAnswer(sets={"calibrated": {3: dem_fixture.case(0.1, 3.0)}}, random=None)
     assert "computed with discs that fail at the same Kh as" in text(results(run, calibration=calibration, cases=slid))
-    out_of_reach = text(results(run, calibration=dem_fixture.calibration(0.24, False), cases=slid))
-    assert "computed with discs that come as near as they can to the Kh of the finite elements." in out_of_reach
-    assert "no factor on the discs brings them to the critical Kh" in out_of_reach
+    out_of_reach = results(run, calibration=dem_fixture.calibration(0.24, False), cases=slid)
+    assert "computed with discs that come as near as they can to the Kh of the finite elements." in text(out_of_reach)
+    assert doubtful(out_of_reach) == ["No factor on the discs brings them to the critical Kh of the finite elements."]
+
+
+def test_notes_that_say_the_same_of_cases_are_one_doubt() -> None:
+    """Up to their colon, with a range where their numbers differ; numbers in names are no numbers."""
+    notes = {
+        1: (
+            "1.2 % of the area is gone: beyond 3 m²",
+            'stratum "layer 4" is 2.4 m thick: take less',
+            "sand of Ac1 is thin",
+        ),
+        2: ("it slides 10 m within 20 s, a flow failure: mind", "3.4 % of the area is gone: beyond 8 m²"),
+        3: ("it slides 9.9 m within 20 s, a flow failure: mind", 'stratum "layer 5" is 2.4 m thick: take less'),
+    }
+    assert list(joined(notes)) == [
+        "it slides 9.9 to 10 m within 20 s, a flow failure (cases 2 and 3)",
+        "1.2 to 3.4 % of the area is gone (cases 1 and 2)",
+        'stratum "layer 4" is 2.4 m thick (case 1)',
+        'stratum "layer 5" is 2.4 m thick (case 3)',
+        "sand of Ac1 is thin (case 1)",
+    ]
+
+
+def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Input) -> None:
+    """Where the path of the continuum went on far above its last equilibrium."""
+    step = PathStep(
+        length=1.0, displacement=0.02, factor=0.16, iterations=3, residual=0.0, plastic_share=0.3, cutbacks=0,
+        at_rest=False, balanced=True,
+    )  # fmt: skip
+    like = LikeDiscs.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
+    found = results(run, dem=dem_fixture.critical(run, 0.16), like_discs=like)
+    assert not any("held against" in told for told in doubtful(found))
+    wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
+    told = doubtful(results(run, dem=dem_fixture.critical(run, 0.16), like_discs=wide))
+    assert "held against (roller sides, ψ as given) fail at Kh of 0.16 to 0.23, and the lower one is taken." in told[0]
+
+
+def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Input) -> None:
+    """Those of the fixture fail at 0.3."""
+    assert "calibrated discs fail where Kh = 0.3 is held, though they bear 0.36 when" in " ".join(
+        doubtful(results(run, dem=dem_fixture.critical(run, 0.36)))
+    )
+    assert not any("is held" in told for told in doubtful(results(run, dem=dem_fixture.critical(run, 0.24))))
 
 
 @pytest.mark.parametrize(
@@ -227,3 +294,25 @@ def test_packings_by_their_seeds_or_by_their_number() -> None:
     assert (SlideSettings().packings("soil"), SlideSettings().packings("paper")) == ((1, 2), ())
     with pytest.raises(ValueError, match="seeds"):
         SlideSettings(seeds=0)
+
+
+def test_what_is_said_of_a_packing_is_of_its_kind(run: Input) -> None:
+    """Rows climb over each other on a lattice alone, and only random packings have another seed."""
+    spread = Spread.of([2.1, 3.0])
+    case = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
+    seeds = tuple(
+        Seed(seed=seed, kc_before=0.3, parameter="strength", value=1.0, kc=0.3, verdict="calibrated", reason="")
+        for seed in (0, 1)
+    )
+    cases = CasesAnswer(sets={}, random=RandomPackings(seeds=seeds, cases={1: case}))
+    discs = dem_fixture.critical(run, 0.24)
+    rows = dict(doubts(results(run, dem=discs, cases=cases)))
+    assert "rows must climb over each other" in rows["Packing"]
+    assert "Another seed" not in rows["Packing"]
+    assert "what they share with the discs in rows does not come from their order" in rows["Random packing"]
+    off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}
+    loose = discs.model_copy(update={"model": discs.model.model_copy(update=off)})
+    told = dict(doubts(results(run, dem=loose, cases=cases)))
+    assert "surface lies 0.10 m from the section's on average, and 0.27 m in the worst place." in told["Packing"]
+    assert "Another seed packs them differently." in told["Packing"]  # and two have been tried
+    assert not any(word in told["Packing"] + told["Random packing"] for word in ("lattice", "rows", "order"))
