@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
+from threading import Event
 from typing import Any, Generic
 
 from dem.team import Found, Given, Tell, alone
@@ -30,18 +31,39 @@ class Crew:
         """See `dem.team.Team`. A worker that dies costs its job a second try; the error of a job is raised."""
         if self.count < 2 or len(given) < 2:
             return alone(work, given, heard, done)
+        self.hire()
+        return self._shared(work, given, heard, done)
+
+    @property
+    def several(self) -> bool:
+        """Whether there is more than one process."""
+        return self.count > 1
+
+    def hire(self) -> None:
+        """Start the processes, if there are none yet."""
         if self.workers is None:
             self.workers = self.held.enter_context(hired(self.count))
-        return self._shared(self.workers, work, given, heard, done)
+
+    def beside(
+        self,
+        work: Callable[[Given, Tell], Found],
+        given: Given,
+        heard: Callable[[int, Any], None],
+        stop: Event,
+    ) -> Found:
+        """One job, while this process goes on; see `workflow.run.beside.TeamBeside`."""
+        return self._shared(work, [given], heard, None, stop)[0]
 
     def _shared(
         self,
-        workers: Workers,
         work: Callable[[Given, Tell], Found],
         given: Sequence[Given],
         heard: Callable[[int, Any], None] | None,
         done: Callable[[int, Found], None] | None,
+        stop: Event | None = None,
     ) -> list[Found]:
+        workers = self.workers
+        assert workers is not None
         client, topic = workers.client, f"noshiro-{uuid.uuid4()}"
         news: SimpleQueue[tuple[int, Any]] = SimpleQueue()
         client.subscribe_topic(topic, lambda event: news.put(event[1]))
@@ -51,6 +73,8 @@ class Crew:
         results: dict[int, Found] = {}
         try:
             while len(results) < len(given):
+                if stop is not None and stop.is_set():
+                    raise StoppedError
                 try:
                     place, message = news.get(timeout=LISTEN)
                 except Empty:
@@ -66,6 +90,10 @@ class Crew:
             client.cancel(futures)
             client.unsubscribe_topic(topic)
         return [results[place] for place in range(len(given))]
+
+
+class StoppedError(RuntimeError):
+    """A job beside others that was left."""
 
 
 DONE = "done"  # of a job, beside the plain values that it tells

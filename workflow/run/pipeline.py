@@ -1,13 +1,15 @@
 """A run: the stages one after the other, each from the input to the files it leaves behind."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
+from threading import RLock
 from typing import Protocol
 
 from workflow.run import mesh_options
+from workflow.run.beside import Beside
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
@@ -70,8 +72,10 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         try:
             with remembered() as check:
                 run = Run(job, record, log, Heeding(listener, check), failures)
-                for decision in decisions:
-                    run.do(decision)
+                try:
+                    run.do_all(decisions)
+                finally:
+                    run.beside.leave()
         except BaseException as error:
             log.stop(error)
             raise
@@ -92,6 +96,7 @@ class Run:
     log: log.txt.
     listener: who is told how it goes.
     failures: what kept stages from an answer, by their names, with those that need them.
+    beside: the stages that run beside others.
     """
 
     job: Job
@@ -99,6 +104,34 @@ class Run:
     log: Log
     listener: Listener
     failures: dict[str, NoAnswerError] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.beside = Beside.of(self.job)
+        self.one_at_a_time = RLock()  # who writes the record, the log and the input: stages beside others do so, too
+
+    def do_all(self, decisions: Sequence[Decision]) -> None:
+        """Do what was decided, stage by stage, and those stages beside others that can be."""
+        waiting = list(decisions)
+        while waiting:
+            for decision in [one for one in waiting if self._can_go_beside(one, waiting)]:
+                waiting.remove(decision)
+                self.work_beside(decision)
+            decision = waiting.pop(0)
+            if decision.stage.of_all:
+                self.beside.wait()
+            self.beside.look()
+            self.do(decision)
+        self.beside.wait()
+
+    def _can_go_beside(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
+        """Whether a stage can run now in another process, while this one has something else to do."""
+        stage = decision.stage
+        if self.beside.team is None or stage.beside is None or decision.action != "run":
+            return False
+        needed = {*stage.beside, *stage.needs}
+        if needed & {one.stage.name for one in waiting} or needed & self.failures.keys():
+            return False
+        return any(one.action == "run" and one.stage.beside is None and not one.stage.of_all for one in waiting)
 
     def do(self, decision: Decision) -> None:
         """Do what was decided about a stage, unless one that it needs has no answer."""
@@ -124,42 +157,61 @@ class Run:
 
     def work(self, decision: Decision) -> None:
         """Let a stage work, and keep how it ended."""
-        stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
-        inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
-        progress = self._logged(stage, self.listener.begin(decision))
-        goes_on = left is not None and left.inputs == inputs and decision.why != "asked for"
-        if not goes_on:
-            store.remove(stage.leftovers)
-        self.log.line(f"{stage.name}: begins ({decision.why})")
-        self.record.put(stage.name, Entry(inputs, "begun"))
-        before = store.marks((*stage.results, *stage.pictures))
-        start, failure = time.perf_counter(), None
+        begun, failure = self._begin(decision), None
         try:
-            stage.work(replace(self.job, progress=progress))
+            decision.stage.work(replace(self.job, progress=begun.progress))
         except NoAnswerError as error:  # all else is a fault of the input, of the machine, or of the program
             failure = error
-        seconds = time.perf_counter() - start
+        self._end(decision, begun, failure)
+
+    def work_beside(self, decision: Decision) -> None:
+        """Let a stage work in another process; how it ended is kept as soon as it has."""
+        begun = self._begin(decision)
+        self.beside.begin(
+            decision.stage, self.job, begun.progress, lambda failure: self._end(decision, begun, failure)
+        )  # fmt: skip
+
+    def _begin(self, decision: Decision) -> "Begun":
+        """Clear up before a stage, and remember that it has begun."""
+        stage, store, left = decision.stage, self.job.store, self.record[decision.stage.name]
+        inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
+        with self.one_at_a_time:
+            progress = self._logged(stage, self.listener.begin(decision))
+            goes_on = left is not None and left.inputs == inputs and decision.why != "asked for"
+            if not goes_on:
+                store.remove(stage.leftovers)
+            self.log.line(f"{stage.name}: begins ({decision.why})")
+            self.record.put(stage.name, Entry(inputs, "begun"))
+        return Begun(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
+
+    def _end(self, decision: Decision, begun: "Begun", failure: NoAnswerError | None) -> None:
+        """Keep how a stage has ended, and what it left."""
+        stage, store = decision.stage, self.job.store
+        seconds = time.perf_counter() - begun.start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
-        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, before)
+        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, begun.before)
         entry = Entry(
-            inputs,
+            begun.inputs,
             "no answer" if failure else "part" if stage.partial(self.job) else "done",
             failure.reason if failure else "",
             failure.remedy if failure else "",
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
-            self._drawn(stage, before),
+            self._drawn(stage, begun.before),
             drawing(stage),
         )
-        if failure is None:
-            leave_input(self.job.given, store)
-            mesh_options.keep(store, self.job.mesh_options)
-        else:
-            self.failures[stage.name] = failure
-        self.record.put(stage.name, entry)
-        self.log.line(f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else ""))
-        self.listener.end(decision, entry)
+        with self.one_at_a_time:
+            if failure is None:
+                leave_input(self.job.given, store)
+                mesh_options.keep(store, self.job.mesh_options)
+            else:
+                self.failures[stage.name] = failure
+            self.record.put(stage.name, entry)
+            self.log.line(
+                f"{stage.name}: {entry.outcome} after {seconds:.1f} s" + (f": {failure}" if failure else "")
+            )  # fmt: skip
+            self.listener.end(decision, entry)
 
     def redraw(self, decision: Decision, draw: Callable[[Job], None]) -> None:
         """Draw a stage's pictures again from what is stored."""
@@ -187,9 +239,20 @@ class Run:
             progress(line, share)
             if time.monotonic() - last > every:
                 last = time.monotonic()
-                self.log.line(f"{stage.name}: {line}")
+                with self.one_at_a_time:
+                    self.log.line(f"{stage.name}: {line}")
 
         return tell
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A stage that has begun: what it is made from, who hears of it, what was there before, and when that was (s)."""
+
+    inputs: dict[str, str]
+    progress: Progress
+    before: Mapping[str, tuple[int, int]]
+    start: float
 
 
 def leave_input(given: Input, store: Store) -> None:

@@ -68,6 +68,8 @@ class Stage:
         left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
     seconds: how long it takes, roughly, on two cores of the machine that times were measured on.
+    beside: the stages that must have ended before it may run beside others, in a process of the team; None where it
+        runs in this process. Nobody but a stage ``of_all`` may need it.
     of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
         them, and whether or not those that it needs have an answer.
     """
@@ -89,4 +91,5 @@ class Stage:
     wanted: Callable[[Input], bool] = lambda given: True
     partial: Callable[[Job], bool] = lambda job: False
     seconds: Callable[[Input], float] = lambda given: 1.0
+    beside: tuple[str, ...] | None = None
     of_all: bool = False

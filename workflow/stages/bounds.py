@@ -152,6 +152,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     tables=("fem", "bounds"),
+    beside=("fem",),
     seconds=lambda given: 15.0,
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,

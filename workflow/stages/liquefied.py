@@ -166,6 +166,7 @@ STAGE = Stage(
     tables=("fem", "bounds", "slide", "earthquake", "triggering"),
     ignores=("earthquake.record",),
     files=lambda job: job.given.files("earthquake"),
+    beside=("mesh",),
     seconds=lambda given: 20.0,
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,

@@ -168,6 +168,7 @@ STAGE = Stage(
     work=work,
     needs=("fem",),
     tables=("mesh", "fem", "variants"),
+    beside=("fem",),
     seconds=lambda given: 3.0 * len(given.variants.which),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
