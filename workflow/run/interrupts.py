@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-# Code that is called by what ignores exceptions: imports, what LLVM tells of a kernel that it has compiled, and what the
-# garbage collector tells the team.
+# Code that is called by what ignores exceptions: imports, what LLVM tells of a kernel that it has compiled, and what
+# the garbage collector tells the team.
 SWALLOWING = ("<frozen importlib", "llvmlite/binding/executionengine.py", "distributed/gc.py")
 
 
@@ -34,8 +34,8 @@ def remembered() -> Iterator[Callable[[], None]]:
 
     Yields a function to be called now and then: it raises KeyboardInterrupt if there was a Ctrl-C and the program has
     gone on all the same. Ctrl-C still raises KeyboardInterrupt at once, except in the middle of an import, or where the
-    compiler of kernels or the garbage collector calls back: there Python would print the exception and go on. A block within a block shares its
-    memory. A program that was told to ignore Ctrl-C (as by nohup) keeps ignoring it.
+    compiler of kernels or the garbage collector calls back: there Python would print the exception and go on. A block
+    within a block shares its memory. A program that was told to ignore Ctrl-C (as by nohup) keeps ignoring it.
     """
     before = signal.getsignal(signal.SIGINT)
     if isinstance(before, _Memory):
