@@ -127,7 +127,10 @@ def _views(mesh: QuadMesh, state: State) -> Views:
 
 def _state_sheet(given: Input, results: FemResults, state: State, views: Views) -> Sheet:
     window, slip = views.window, results.slip_surface(state)
-    title = f"{given.title or given.name}: FEM, {state.label}"
+    label = state.label
+    if results.answer.ended == "limit load":
+        label = label.replace("plateau", "end of the path")
+    title = f"{given.title or given.name}: FEM, {label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(given), legend_rows=3)
     shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
@@ -139,13 +142,13 @@ def _state_sheet(given: Input, results: FemResults, state: State, views: Views) 
     )
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
-    label = "mobilised / available shear strength (-); 1: failure"
-    sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), label, SAFETY_BOUNDS)
+    scale = "mobilised / available shear strength (-); 1: failure"
+    sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), scale, SAFETY_BOUNDS)
     note = f"{conditions(given, results.answer.element)}."
     if len(slip):
         note += " Dashed: slip surface."
     if state.past_equilibrium:
-        note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path, at the plateau."
+        note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path."
     sheet.note(note)
     return sheet
 
@@ -156,14 +159,19 @@ def nice_number(value: float) -> float:
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 
 
+def _most(answer: FemAnswer) -> str:
+    """What the critical Kh may be at most, where that is more than its digits."""
+    most = f"{answer.kc_upper:.3f}"
+    return f", at most {most}" if most != f"{answer.kc:.3f}" else ""
+
+
 def _curve_sheet(given: Input, answer: FemAnswer) -> Sheet:
     sheet = Sheet(f"{given.title or given.name}: FEM, rising Kh", [0.42], foot(given), legend_rows=2)
     axes = sheet.plot(
         0,
         "mean horizontal displacement, weighted by seismic mass (cm)",
         "seismic coefficient Kh (-)",
-        f"critical Kh = {answer.kc:.3f}, at most {answer.kc_upper:.3f}: {answer.verdict}; "
-        f"{conditions(given, answer.element)}",
+        f"critical Kh = {answer.kc:.3f}{_most(answer)}: {answer.ended}; {conditions(given, answer.element)}",
     )
     moving = [step for step in answer.curve if not step.at_rest]
     resting = [step for step in answer.curve if step.balanced]
@@ -178,7 +186,7 @@ def _curve_sheet(given: Input, answer: FemAnswer) -> Sheet:
     axes.set_ylim(bottom=0.0)
     handles = [
         Line2D([], [], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
-        Line2D([], [], color=CRITICAL, linewidth=1.0, label="largest Kh in equilibrium, and its bracket"),
+        Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh, and its bracket"),
     ]
     if resting:
         handles.append(

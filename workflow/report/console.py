@@ -45,7 +45,7 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
     yield (
         f"Critical Kh = {answer.kc:.4f}, on this mesh at most {answer.kc_upper:.4f}, pushed {answer.direction} (to the "
-        f"{answer.towards}), {FLOWS[answer.flow]}: {answer.verdict}, {answer.reason}."
+        f"{answer.towards}), {FLOWS[answer.flow]}: {answer.ended}, {answer.reason}."
     )
     yield from meshes_sentences(answer)
     yield from beside_sentences(answer)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from fem.settings import Element, FemSettings
+from fem.settings import YIELDED, Element, FemSettings
 from fem.strength import Flow
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
@@ -184,6 +184,15 @@ class FemAnswer(Answer):
     rigid_box: RigidBox | None = Field(
         default=None, description="with fixed sides, where those of the answer are others and discs are to be compared"
     )
+
+    @property
+    def ended(self) -> str:
+        """The verdict in words: a plateau only where the path itself came to one.
+
+        The limit load of the elements is found without it, and a path that was not followed so far may still rise.
+        """
+        known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
+        return "limit load" if known_before else self.verdict
 
     @property
     def has_kc(self) -> bool:

@@ -95,6 +95,12 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))
 
 
+def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Input) -> None:
+    """The river bank's path rises almost straight to 0.95 of what its elements bear."""
+    assert fem(run, 0.1096).ended == "plateau"
+    assert fem(run, 0.1096).model_copy(update={"kc_lower": 0.1041}).ended == "limit load"
+
+
 def test_a_slope_that_stands_and_one_that_does_not(run: Input) -> None:
     stands = text(results(run, fem=fem(run, 1.5, "no failure")))
     assert "so it does under every Kh up to 1.50, where the search ended" in stands
