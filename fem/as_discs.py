@@ -65,7 +65,7 @@ def as_discs(
 
     found = critical_coefficient(section, mesh, wish, comm, step)
     line = np.zeros((0, 2))
-    if found.verdict in ("plateau", "peak"):
+    if found.verdict != "no failure":
         last = next(state for state in reversed(found.states) if not state.past_equilibrium)
         yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))

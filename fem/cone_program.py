@@ -124,7 +124,7 @@ class Solution:
     sure : bool
         Whether it met its tolerances, at least almost, or proved that there is no solution, and not only almost.
     iterations : int
-        Iterations of the interior point method.
+        Iterations of the interior point method, over all regularisations.
     seconds : float
         Time it took.
     """
@@ -193,7 +193,7 @@ def _solve(
         ended="" if status in MET else status,
         none=none,
         sure=_poorness(found) <= 1,
-        iterations=found.iterations,
+        iterations=sum(end.iterations for end in ends),
         seconds=found.solve_time,
     )
 

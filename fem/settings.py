@@ -75,7 +75,8 @@ class FemSettings(Model):
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
 
 
-# How close bounds come in a run that nobody asked them for (relative gap), and how long they may take (s).
+# How close bounds come in a run that nobody asked them for (relative gap), and how much work they may take (s of a
+# reference machine).
 AUTO_GAP, AUTO_SECONDS = 0.05, 20.0
 
 
@@ -90,7 +91,13 @@ class BoundsSettings(Model):
         default=0.02, ge=1e-4, le=1.0, description="(upper - lower) over their mean at which to stop, such as 0.02"
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
-    seconds: float = Field(default=300.0, gt=0.0, le=86_400.0, description="time (s) after which to stop, such as 60")
+    seconds: float = Field(
+        default=300.0,
+        gt=0.0,
+        le=86_400.0,
+        description="work after which to stop, such as 60: counted in seconds of a reference machine, not on the "
+        "clock, so that a loaded machine finds the same bounds",
+    )
     safety_factor: StrictBool = Field(
         default=False,
         description="true if the factor of safety shall be bounded, too, at every safety_factor_at of [fem]",

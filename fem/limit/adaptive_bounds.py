@@ -1,6 +1,5 @@
 """Both bounds on a sequence of meshes, each refined where the one before leaves a gap between the bounds."""
 
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -21,8 +20,11 @@ from meshes.triangles import TriMesh
 GROWTH, BULK_SHARE = 2.0, 0.5
 # One step more may take this factor if it should close the gap, for which it aims so much beyond it.
 MOST_GROWTH, AIM_BEYOND = 3.0, 1.15
-# A mesh is worth its time if it has this many times as many cells as the one before; what time goes with.
-LEAST_GROWTH, COST_EXPONENT = 1.2, 1.2
+# A mesh is worth its work if it has this many times as many cells as the one before.
+LEAST_GROWTH = 1.2
+# Work is counted in seconds of a reference machine, so that its clock and its load decide nothing: an iteration of
+# either solver on this many cells takes so long, and goes with this power of the cells.
+COST_CELLS, COST_SECONDS, COST_EXPONENT = 1000, 0.021, 1.1
 # The search has stalled if so many meshes in a row left this share of the gap.
 STALLED_MESHES, STALLED_SHARE = 2, 0.9
 # The indicator of a cell is its share of the gap plus this much times its share of the yield work of the lower bound.
@@ -100,15 +102,15 @@ class MeshBounds:
         The strict bounds of the load multiplier, None where there is none.
     notes : tuple of str
         What went wrong.
-    seconds : float
-        Time it took.
+    work : float
+        Its work in seconds of the reference machine, counted and not measured (``work_of``).
     """
 
     cells: int
     lower: float | None
     upper: float | None
     notes: tuple[str, ...]
-    seconds: float
+    work: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +174,8 @@ class Limits:
     max_cells : int
         Triangles of the last mesh, at most.
     seconds : float
-        Time for all meshes. Another one is begun if it is likely to end by then.
+        Work for all meshes, in seconds of the reference machine. Another one is begun if it is likely to end by then.
+        The clock is not asked: the same input takes the same meshes, however loaded the machine is.
     enough : float
         An upper bound below this one is as good as any.
     """
@@ -198,10 +201,15 @@ class Limits:
             return "enough"
         if cells * LEAST_GROWTH > self.max_cells:
             return "triangles"
-        spent = sum(mesh.seconds for mesh in found.meshes)
-        if spent + GROWTH**COST_EXPONENT * found.meshes[-1].seconds > self.seconds:
+        spent = sum(mesh.work for mesh in found.meshes)
+        if spent + GROWTH**COST_EXPONENT * found.meshes[-1].work > self.seconds:
             return "time"
         return "stalled" if _stalled(found.meshes) else ""
+
+
+def work_of(cells: int, iterations: int) -> float:
+    """Seconds in which the reference machine makes so many iterations of a solver on a mesh of so many ``cells``."""
+    return COST_SECONDS * iterations * (cells / COST_CELLS) ** COST_EXPONENT
 
 
 def _stalled(meshes: list[MeshBounds]) -> bool:
@@ -227,7 +235,6 @@ def bracket(
     units = units_of(mesh, body)
     best = Bracket(None, None, [], mesh)
     while True:
-        started = time.perf_counter()
         problem = limit_problem(mesh, body, units)
         with ThreadPoolExecutor(1) as other:  # the solver lets go of Python's lock
             above = other.submit(proven_upper_bound, problem)
@@ -238,7 +245,7 @@ def bracket(
             stress.multiplier if stress else None,
             mechanism.multiplier if mechanism else None,
             (*low_notes, *high_notes),
-            time.perf_counter() - started,
+            work_of(len(problem.mesh.cells), max(low.solution.iterations, high.solution.iterations)),
         )
         best = Bracket(
             stress if stress and stress.multiplier > best.lower else best.stress,
@@ -290,7 +297,9 @@ def proven_upper_bound(problem: LimitProblem) -> tuple[UpperBound, list[str], Me
     some = bool(steep.any() and not steep.all())
     found, check, notes = _first_that_holds("upper bound", attempt, 1 if some else ATTEMPTS)
     if check is None and some and found.solution.none != "no stress":
+        before = found.solution.iterations
         found, check, more_notes = _first_that_holds("upper bound, steep ground held", partial(attempt, rigid=steep))
+        found = replace(found, solution=replace(found.solution, iterations=before + found.solution.iterations))
         notes += more_notes
     return found, notes, Mechanism(problem, check.multiplier, found.velocity, check) if check else None
 
@@ -309,9 +318,12 @@ def _first_that_holds(
     fell short of its margin, and is made with more regularisation where the solver broke down.
     """
     notes: list[str] = []
+    iterations = 0
     more_margin: np.ndarray | float = 0.0
     for _ in range(attempts):
         found, check = attempt(more_margin, bool(notes))
+        iterations += found.solution.iterations
+        found = replace(found, solution=replace(found.solution, iterations=iterations))  # the work of all attempts
         if found.solution.none:
             return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
         if found.solution.ended:

@@ -42,7 +42,7 @@ class MeshRound(Part):
     lower: float | None
     upper: float | None
     notes: tuple[str, ...]
-    seconds: float = Field(description="computing time")
+    work: float = Field(description="counted, in seconds of a reference machine")
 
 
 class BracketPart(Part):

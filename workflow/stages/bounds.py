@@ -127,7 +127,7 @@ def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
     x, z = found.open_at or (math.nan, math.nan)
     why = {
         "triangles": f"{last.cells} triangles, {asked.max_cells} allowed",
-        "time": f"{last.cells} triangles, and a finer mesh would end after the {asked.seconds:g} s allowed",
+        "time": f"{last.cells} triangles, and a finer mesh would take more than the work allowed ({asked.seconds:g} s)",
         "stalled": f"finer meshes, up to {last.cells} triangles, no longer close it",
     }[found.ended]
     why += f"; it is widest near x = {x:.1f} m, z = {z:.1f} m." + "".join(f" {note}." for note in last.notes)

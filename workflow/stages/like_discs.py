@@ -28,8 +28,8 @@ def like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
 
 def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
-    hardly any dilation; Davis's substitute, a lower estimate of it, where the path takes too long, ends without a
-    failure, or bears less than that.
+    hardly any dilation. A path that goes on to rise counts as far as equilibria were found on it: discs in a box have
+    no plateau either. Davis's substitute, a lower estimate, stands in where the path takes too long or comes to less.
     """
     from mpi4py import MPI
 
@@ -53,8 +53,8 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
         found = as_discs(given, mesh, settings, MPI.COMM_SELF, step)
     except NoAnswerError as error:
         return LikeDiscs.of(fem, f"with ψ as given there is no answer: {error.reason}")
-    if found.verdict not in ("plateau", "peak"):
-        return LikeDiscs.of(fem, f"with ψ as given the path ended without a failure: {found.reason}")
+    if found.verdict == "no failure":
+        return LikeDiscs.of(fem, f"with ψ as given there is {found.reason}")
     if found.kc < known.kc:
         return LikeDiscs.of(fem, f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's substitute")
     curve = tuple(PathStep.model_validate(each) for each in found.steps)

@@ -1,10 +1,16 @@
 """When the search for bounds goes on, how far the next mesh goes, and why it ends."""
 
+import itertools
+import time
+
 import numpy as np
 import pytest
 
 from fem.limit.adaptive_bounds import Bracket, Limits, MeshBounds
-from fem.settings import BoundsSettings
+from fem.limit.bounds import kh_bounds
+from fem.settings import BoundsSettings, FemSettings
+from meshes.section.section import Section
+from tests.support import SECTIONS
 
 
 class Found(Bracket):
@@ -67,3 +73,16 @@ def test_in_a_run_bounds_are_rough_and_quick_unless_they_are_asked_for():
     assert BoundsSettings().in_a_run.seconds == 20.0
     assert BoundsSettings(gap=0.1, seconds=5.0).in_a_run == BoundsSettings(gap=0.1, seconds=5.0)
     assert BoundsSettings(run=True).in_a_run == BoundsSettings(run=True)
+
+
+def test_a_slow_clock_changes_nothing(monkeypatch):
+    """Every look at any clock finds an hour gone: the meshes, and both bounds to the bit, are the same."""
+    section = Section.read(SECTIONS / "slope_2to1.toml")
+    asked = BoundsSettings(gap=0.001, seconds=1.0, davis=False)
+    quiet = kh_bounds(section, FemSettings(), asked)
+    hours = itertools.count(0.0, 3600.0)
+    for clock in ("time", "monotonic", "perf_counter", "process_time"):
+        monkeypatch.setattr(time, clock, lambda: next(hours))
+    loaded = kh_bounds(section, FemSettings(), asked)
+    assert quiet.ended == loaded.ended == "time"
+    assert quiet.meshes == loaded.meshes
