@@ -3,7 +3,10 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from workflow.report.numbers import coefficient, listed
+from workflow.results.discs import SlipSurfaces
 from workflow.results.results import Results
 
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
@@ -45,13 +48,23 @@ def _doubts(results: Results) -> Iterator[str]:
     if escaped:
         yield f"discs have left the section in {of_cases(escaped)}"
     yield from joined({number: case.notes for number, case in cases.items()})
-    apart = discs.slip_surface.mean_distance_m if discs is not None else None
-    if apart is not None:
-        heights = given.outline()[:, 1]
-        if apart > SURFACES_APART * float(heights.max() - heights.min()):
-            yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
+    if discs is not None:
+        yield from _elsewhere(discs.slip_surface, float(np.ptp(given.outline()[:, 1])))
     if discs is not None and discs.model.packing != "random":
         yield "the discs lie in rows, which must climb over each other to slide"
+
+
+def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
+    """That discs fail elsewhere than the continuum, in a section of that height (m)."""
+    apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
+    if apart is not None and apart > SURFACES_APART * height:
+        yield f"discs and finite elements fail along surfaces that lie {apart:.0f} m apart on average"
+    elif apart is None and all(lines):
+        discs, fem = ([point[0] for point in line] for line in lines)
+        yield (
+            f"discs fail elsewhere than the finite elements: from x = {min(discs):.0f} to {max(discs):.0f} m, and not "
+            f"from {min(fem):.0f} to {max(fem):.0f} m"
+        )
 
 
 def _held(results: Results) -> Iterator[str]:

@@ -257,6 +257,21 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Input) -> None:
     assert "held against (roller sides, ψ as given) fail at Kh of 0.16 to 0.23, and the lower one is taken." in told[0]
 
 
+def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Input) -> None:
+    discs = dem_fixture.critical(run, 0.16)
+
+    def told(**slip: object) -> list[str]:
+        surfaces = discs.slip_surface.model_copy(update=slip)
+        return doubtful(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
+
+    height = float(run.outline()[:, 1].max() - run.outline()[:, 1].min())
+    assert any("m apart on average" in doubt for doubt in told(mean_distance_m=0.3 * height))
+    assert not any("m apart on average" in doubt for doubt in told(mean_distance_m=0.2 * height))
+    beside = told(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
+    assert any("from x = 0 to 9 m, and not from 20 to 31 m" in doubt for doubt in beside)
+    assert not any("elsewhere" in doubt for doubt in told(mean_distance_m=None, fem=()))
+
+
 def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Input) -> None:
     """Those of the fixture fail at 0.3."""
     assert "calibrated discs fail where Kh = 0.3 is held, though they bear 0.36 when" in " ".join(
