@@ -50,7 +50,6 @@ def test_all_that_the_contract_names(whole: Path) -> None:
         "kc_target": fem["kc"], "strength_factor": None, "slip_surface_distance_m": 1.25, "layers": [],
         "kc_table2": 0.31, "kc": fem["kc"], "kc_lower": fem["kc"] - 0.005,
         "kc_upper": fem["kc"] + 0.005, "calibrated": {"parameter": "stiffness", "value": 0.0075},
-        "target_dilation": "Davis's substitute",
         "verdict": "calibrated",
     }  # fmt: skip
     assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
