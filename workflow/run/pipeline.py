@@ -82,7 +82,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         mesh_options.keep(job.store, job.mesh_options)
         log.done()
         if failures:
-            raise next(iter(failures.values()))
+            raise next(failures[one.stage.name] for one in decisions if one.stage.name in failures)
 
 
 @dataclass

@@ -19,11 +19,10 @@ class _TakesTooLongError(NoAnswerError):
     """The path is not worth any more time."""
 
 
-def like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
-    """What soil discs are held against, from the folder if an earlier run has left it there."""
+def like_discs(given: Input, store: Store, tell: Tell) -> None:
+    """Leave what soil discs are held against in the folder, unless a run that was stopped has done so."""
     if not store.has(LikeDiscs.FILE):
         continuum_like_discs(given, store, tell).write(store)
-    return LikeDiscs.read(store)
 
 
 def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
