@@ -41,10 +41,17 @@ class Continuum(NamedTuple):
         The critical Kh of the continuum with their sides.
     yielding : float
         Its mean displacement in the direction of the push once it has come to that (m).
+    upper : float
+        The largest critical Kh that it may have; where its path softens no more is known than that it lies between.
     """
 
     kc: float
     yielding: float
+    upper: float = 0.0
+
+    def nearest(self, kh: float) -> float:
+        """Of the critical Kh that the continuum may have, the one that discs which fail at ``kh`` are brought to."""
+        return float(np.clip(kh, self.kc, max(self.kc, self.upper)))
 
 
 class Machine(NamedTuple):
@@ -90,7 +97,7 @@ def pushed_over(
     on_trial hears of every point of the curve.
     Undecided where a DemError stopped the discs before the end.
     """
-    if min(continuum) <= 0.0:
+    if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
     search, model = Search(), settled.copy()
     reach = settings.ductility * continuum.yielding

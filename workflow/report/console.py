@@ -132,7 +132,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
             )
         yield (
             f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
-            f"{answer.target_kc:.4f} asked, with {answer.parameter} = {answer.value:.4g}."
+            f"{_asked(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
         )
     else:
         low, high = answer.range
@@ -140,6 +140,12 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
             f"Discs: {answer.parameter} from {low:g} to {high:g} does not reach critical Kh = "
             f"{answer.target_kc:.4f}; nearest {answer.kc:.4f} at {answer.value:.4g}: {answer.reason}."
         )
+
+
+def _asked(answer: CalibrationAnswer, target: float) -> str:
+    """The critical Kh that discs were to have; two ends where the continuum's lies between, and the discs' too."""
+    low, high = answer.continuum_kc or (target, target)
+    return f"{low:.4f} to {high:.4f} asked" if low < target < high else f"{target:.4f} asked"
 
 
 def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:

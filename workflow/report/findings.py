@@ -179,7 +179,8 @@ def _alike(results: Results) -> str:
     if like is None:
         return ""
     why = f" ({like.instead})" if like.instead else ""
-    return f" with {like.terms}{why}, {coefficient(like.kc)}"
+    most = f" (at most {coefficient(like.kc_upper)})" if coefficient(like.kc_upper) != coefficient(like.kc) else ""
+    return f" with {like.terms}{why}, {coefficient(like.kc)}{most}"
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:

@@ -152,7 +152,7 @@ class CalibrationAnswer(Answer):
 
     FILE: ClassVar[str] = "dem/calibration.json"
 
-    target_kc: float | None = Field(description="the critical Kh of the continuum; None where none was asked for")
+    target_kc: float | None = Field(description="the critical Kh that was asked for; None where none was")
     tolerance: float
     parameter: str
     value: float
@@ -168,6 +168,9 @@ class CalibrationAnswer(Answer):
     layers: tuple[LayerAnswer, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
     predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
     predicted_ratio: float | None = Field(default=None, description="that over the continuum's with the same sides")
+    continuum_kc: tuple[float, float] | None = Field(
+        default=None, description="soil discs: between which the continuum's lies; what was asked for is the nearest"
+    )
 
     @classmethod
     def of(cls, found: "Calibration", element_tests: tuple[LayerTest, ...] = ()) -> Self:

@@ -16,7 +16,17 @@ from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
-from dem.search.calibration import ONE_AT_A_TIME, Calibration, Calibrator, Key, best, changed, key_of, sensitivities
+from dem.search.calibration import (
+    ONE_AT_A_TIME,
+    Calibration,
+    Calibrator,
+    Key,
+    best,
+    changed,
+    key_of,
+    middle,
+    sensitivities,
+)
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.levelling import misfit
@@ -82,7 +92,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
     model = answer.model.model_copy(update=_off(given, discs.ground, sets["after"].settled))
     answer.model_copy(update={"paper": papers_own, "model": model}).write(store)
-    calibration_told = calibration_answer(given, found).model_copy(update={"layers": layers})
+    calibration_told = calibration_answer(given, found, continuum).model_copy(update={"layers": layers})
     calibration_told.write(store)
     if tests := _layer_tests(given, discs, found, progress, team):
         calibration_told.model_copy(update=tests).write(store)
@@ -171,7 +181,7 @@ def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> S
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         return Searched(base)
-    found = Searched(base, _solve(given, calibrator, continuum.kc))
+    found = Searched(base, _solve(given, calibrator, continuum))
     parameter, factor = next(iter(found.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
@@ -206,24 +216,28 @@ def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, 
     return calibrator
 
 
-def _solve(given: Input, calibrator: Calibrator, target: float) -> Calibration | None:
+def _solve(given: Input, calibrator: Calibrator, continuum: Continuum) -> Calibration | None:
     if given.dem.parameter == "none":
         return None
     # soil discs take one factor on strength, so there is nothing to choose from
     soil = given.dem.model == "soil"
-    table = [("", 1.0, calibrator.search("", 1.0))] if soil else sensitivities(calibrator)
-    return best(calibrator, target, given.dem.parameter, table)
+    base = calibrator.search("", 1.0)
+    table = [("", 1.0, base)] if soil else sensitivities(calibrator)
+    return best(calibrator, continuum.nearest(middle(base)), given.dem.parameter, table)
 
 
-def calibration_answer(given: Input, found: Searched) -> CalibrationAnswer:
-    """How the discs were brought to the critical Kh; of soil discs also what they had without a factor."""
+def calibration_answer(given: Input, found: Searched, continuum: Continuum | None) -> CalibrationAnswer:
+    """How the discs were brought to the critical Kh; of soil discs also what they had without a factor, beside that
+    of the ``continuum``."""
     base, calibration = found.base, found.calibration
     if calibration is None:
         return CalibrationAnswer.not_asked_for(base, given.dem.tolerance)
     answer = CalibrationAnswer.of(calibration)
-    if given.dem.model == "paper" or base.kc is None:
+    if continuum is None or base.kc is None:
         return answer
-    return answer.model_copy(update={"predicted_kc": base.kc, "predicted_ratio": base.kc / calibration.target})
+    known = (continuum.kc, continuum.nearest(np.inf))
+    predicted = {"predicted_kc": base.kc, "predicted_ratio": base.kc / continuum.kc}
+    return answer.model_copy(update={"continuum_kc": known, **predicted})
 
 
 def _paper(given: Input, store: Store, tell: Tell) -> Search:

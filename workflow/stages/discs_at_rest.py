@@ -58,7 +58,7 @@ def continuum_for(given: Input, store: Store) -> Continuum:
     """What discs are held against; the paper's against the continuum with its own sides, as in the paper."""
     if given.dem.model == "soil":
         like = LikeDiscs.read(store)
-        return Continuum(like.kc, like.yielding_m)
+        return Continuum(like.kc, like.yielding_m, like.kc_upper)
     fem = FemAnswer.read(store)
     return Continuum(fem.kc, LikeDiscs.of(fem).yielding_m)
 

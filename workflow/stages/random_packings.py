@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from dem.model import DiscModel
-from dem.search.calibration import Calibration, Calibrator, best, sensitivities
+from dem.search.calibration import Calibration, Calibrator, best, middle, sensitivities
 from dem.search.equilibrium import Trial
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
@@ -116,7 +116,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     if given.dem.model == "soil" and given.dem.parameter == "none":
         seed = _untouched(packing.seed)
     else:
-        found = _calibrated(calibrator, packing.continuum.kc, parameter)
+        found = _calibrated(calibrator, packing.continuum, parameter)
         parameter = found.parameter
         seed = _seed(packing.seed, calibrator, found)
     if seed.verdict == "out of reach":
@@ -143,11 +143,13 @@ def _calibrator(
     )  # fmt: skip
 
 
-def _calibrated(calibrator: Calibrator, target: float, parameter: str) -> Calibration:
-    """The factor that meets the target; "auto" looks first which parameter moves the critical Kh."""
-    base = ("", 1.0, calibrator.search("", 1.0))
+def _calibrated(calibrator: Calibrator, continuum: Continuum, parameter: str) -> Calibration:
+    """The factor that meets the continuum; "auto" looks first which parameter moves the critical Kh."""
+    base = calibrator.search("", 1.0)
+    table = [("", 1.0, base)]
     choose = parameter == "auto" and calibrator.settings.model == "paper"
-    return best(calibrator, target, parameter, sensitivities(calibrator) if choose else [base])
+    target = continuum.nearest(middle(base))
+    return best(calibrator, target, parameter, sensitivities(calibrator) if choose else table)
 
 
 def _untouched(seed: int) -> Seed:
