@@ -11,8 +11,18 @@ import numpy as np
 from dem import checkpoint
 from dem.acceleration import Acceleration
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
-from dem.kernels.neighbours import find_lines, find_pairs, share_out, spatial_order
+from dem.kernels.neighbours import (
+    carried_over,
+    cell_grid,
+    find_lines,
+    find_pairs,
+    known_pairs,
+    share_out,
+    spatial_order,
+    turned,
+)
 from dem.kernels.period import folded
+from dem.ranges import Ranges, at_once
 from dem.springs import Law, LayerSprings, Mean, pair_table
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
@@ -130,33 +140,37 @@ class DiscModel(DiscState):
         if self.lists_made == 0 or np.any(np.hypot(self.x - self.x_list, self.z - self.z_list) > self.leeway):
             self.make_list()
 
-    def make_list(self) -> None:
+    def make_list(self, in_ranges: Ranges = at_once) -> None:
         """Makes the neighbour list for where the discs are now; memory of contacts is carried over."""
         if self.lists_made % SORT_EVERY == 0:
             x, z = folded(self.x, self.z, self.repeats)
             self.order = spatial_order(x, z, 2.0 * self.radius.mean())
         self.lists_made += 1
-        self._list(1.0, self.skin)
+        self._list(1.0, self.skin, in_ranges)
         self.x_list, self.z_list = self.x.copy(), self.z.copy()
 
-    def _list(self, factor: float, skin: float) -> None:
+    def _list(self, factor: float, skin: float, in_ranges: Ranges = at_once) -> None:
         order = self.order
         number = np.empty(len(self), np.int32)
         number[order] = np.arange(len(self), dtype=np.int32)
         xs, zs, rs, still = self.x[order], self.z[order], self.radius[order], self.fixed[order]
-        i, j, old = find_pairs(
-            xs, zs, rs, still, factor, skin, number[self.pair_i], number[self.pair_j], self.pore_length,
-            self.repeats,
-        )  # fmt: skip
+        grid = cell_grid(xs, zs, rs, 2.0 * factor * rs.max() + skin, self.repeats)
+        known = known_pairs(self.pair_i, self.pair_j, number)
+
+        def near(begin: int, end: int) -> tuple[np.ndarray, ...]:
+            return find_pairs(
+                begin, end, xs, zs, rs, still, factor, skin, grid, known, self.pore_length, self.repeats
+            )  # fmt: skip
+
+        found = in_ranges(near, len(self))
+        i, j, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
         share_out(i, j, len(self))
-        for name in self.memory:
-            values = np.append(getattr(self, name), 0.0)
-            setattr(self, name, values[old])
+        owner, other = order[i], order[j]
         # a pair may have changed its owner
-        turned = np.append(self.pair_i, -1)[old] == order[j]
-        for name in set(TURNED) & set(self.memory):
-            getattr(self, name)[turned] *= -1.0
-        self.pair_i, self.pair_j = order[i], order[j]
+        sign = turned(self.pair_i, other, old)
+        for name in self.memory:
+            setattr(self, name, carried_over(getattr(self, name), old, sign if name in TURNED else None))
+        self.pair_i, self.pair_j = owner, other
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line

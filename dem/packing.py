@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from dem.kernels.neighbours import find_pairs
+from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import ENDLESS
 from dem.model import DiscModel
 from dem.springs import LayerSprings
@@ -137,11 +137,10 @@ def random_packing(
     sizes *= np.sqrt(room / np.sum(np.pi * sizes**2))
     x, z = _scatter(rng, outline, count)
     fixed = np.zeros(count, bool)
-    none = np.zeros(0, np.int32)
     deepest = np.inf
     for sweep in range(0, sweeps, 10):
         grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
-        i, j, _ = find_pairs(x, z, grown, fixed, 1.0, 0.5 * radius, none, none, np.zeros(0), ENDLESS)
+        i, j = pairs_within(x, z, grown, fixed, 0.5 * radius, ENDLESS)
         spread_out(x, z, grown, i, j, outline, 10)
         deepest = float(np.max(grown[i] + grown[j] - np.hypot(x[j] - x[i], z[j] - z[i]), initial=0.0))
         deepest = max(deepest, float(np.max(grown - clearance(x, z, outline))))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.kernels.neighbours import find_pairs
+from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import Period
 
 SWEEPS = 300  # in which discs grow to their size and are pushed apart
@@ -59,10 +59,10 @@ def tied_packing(
     sizes = radius * rng.uniform(1.0 - spread, 1.0 + spread, count)
     sizes *= np.sqrt(solid / np.sum(np.pi * sizes**2))
     x, z = rng.uniform(0.0, length, count), rng.uniform(0.0, height, count)
-    none, still = np.zeros(0, np.int32), np.zeros(count, bool)
+    still = np.zeros(count, bool)
     for sweep in range(SWEEPS):
         grown = sizes * min(1.0, 0.5 + sweep / SWEEPS)
-        i, j, _ = find_pairs(x, z, grown, still, 1.0, 0.2 * radius, none, none, np.zeros(0), Period(length, 0.0))
+        i, j = pairs_within(x, z, grown, still, 0.2 * radius, Period(length, 0.0))
         for _ in range(PUSHES):
             dx, dz = x[j] - x[i], z[j] - z[i]
             dx -= np.floor(dx / length + 0.5) * length

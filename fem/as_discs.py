@@ -70,3 +70,12 @@ def as_discs(
         yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
     return AsDiscs(found.kc, found.upper, found.verdict, found.reason, found.steps, line)
+
+
+def dilating_fully(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
+    """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).
+
+    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    """
+    wish = settings.model_copy(update={"flow": "associated", "sides": "fixed", "kh": ()})
+    return critical_coefficient(section, mesh, wish, comm).upper

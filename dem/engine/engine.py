@@ -15,7 +15,7 @@ from numba import config
 
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.ledger import Ledger
-from dem.engine.memory import give_back_large_arrays, large_zeros
+from dem.engine.memory import keep_freed_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
 from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
@@ -29,6 +29,7 @@ from dem.kernels.scratch import new_scratch
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.model import DiscModel
+from dem.ranges import by
 
 AUTO_SHARE = 0.2  # of the stable step
 CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
@@ -48,16 +49,23 @@ class StableStep:
 
 def largest_step(model: DiscModel) -> StableStep:
     """The largest stable step of a model as it stands, by the bound of `stable_step`."""
+    return step_finder(model)()
+
+
+def step_finder(model: DiscModel) -> Callable[[], StableStep]:
+    """Finds the largest stable step of a model as it stands now, while its contacts go into a layout perhaps."""
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
-    seconds, disc = stable_step(
-        Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio),
-        Pairs(model.pair_i, model.pair_j, model.kind(model.pair_i, model.pair_j), model.pore_length),
-        model.skin,
-        LineContacts(model.line_disc, model.line_id, model.layer[model.line_disc]),
-        springs_of(model),
-        model.repeats,
-    )
-    return StableStep(float(seconds), int(disc))
+    bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
+    i, j, length = model.pair_i, model.pair_j, model.pore_length
+    lines = LineContacts(model.line_disc, model.line_id, model.layer[model.line_disc])
+    springs = springs_of(model)
+
+    def find() -> StableStep:
+        pairs = Pairs(i, j, model.kind(i, j), length)
+        seconds, disc = stable_step(bodies, pairs, model.skin, lines, springs, model.repeats)
+        return StableStep(float(seconds), int(disc))
+
+    return find
 
 
 def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
@@ -211,7 +219,7 @@ class Run:
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
-        give_back_large_arrays()
+        keep_freed_arrays(len(model))
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
         # The main thread does not step itself: who is interrupted can wait for the kernel and still know how far it
@@ -236,7 +244,7 @@ class Run:
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout = pack(self.model, keep_pairs=False)
+            self.layout = pack(self.model, keep_pairs=False, pool=self.pool if self.threads > 1 else None)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 
@@ -289,12 +297,23 @@ class Run:
             if reason == OVERLAP:
                 check_overlap(model, engine.kept)
             if reason == MOVED:
-                model.make_list()
-                self.stable = largest_step(model)
-                engine._refuse(model, self.dt, self.stable)
+                self.list_anew()
             elif engine.ledger and model.steps < end:
                 self.balance()
         return self.balance() if engine.ledger else None
+
+    def list_anew(self) -> None:
+        """Makes the neighbour list, and looks for the stable step while others make the layout."""
+        model = self.model
+        model.make_list(by(self.pool, self.threads))
+        find = step_finder(model)
+        if self.pool is None or self.threads == 1:
+            self.stable = find()
+        else:
+            looking = self.pool.submit(find)
+            self.pack()
+            self.stable = looking.result()
+        self.engine._refuse(model, self.dt, self.stable)
 
     def balance(self) -> Ledger:
         """The ledger now. Raises EnergyBalanceError."""

@@ -1,12 +1,30 @@
-"""Kernel: the motion of the discs brought from the layout to the model, and whether they are where discs can be."""
+"""Kernel: the discs brought from the model to the layout and back, and whether they are where discs can be."""
 
 import numpy as np
 from numba import njit
 
-from dem.kernels.layout import ROLL, Layout, place
+from dem.kernels.layout import DISC_FIELDS, LANES, ROLL, Layout, place
 from dem.kernels.records import SHARED
 
 FAR_BEHIND = 1e3  # radii behind a line, from which on a disc has nothing to do with it
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_motion(order: np.ndarray, state: tuple[np.ndarray, ...], shared: np.ndarray) -> None:
+    """Writes the arrays of `state` into the shared fields of every disc, in their order."""
+    for i in range(len(order)):
+        disc = order[i]
+        for field in range(SHARED):
+            shared[i * SHARED + field] = state[field][disc]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.ndarray) -> None:
+    """Writes what else a disc has into its slice, a row of the slice for each of the fields."""
+    for i in range(len(order)):
+        disc = order[i]
+        for field in range(DISC_FIELDS):
+            discs[place(i, np.uint64(field * LANES))] = fields[field][disc]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

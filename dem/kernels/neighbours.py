@@ -5,6 +5,8 @@ cracked, at whatever distance: a cracked spring resists again when the discs com
 would make the result depend on the skin. Springs' memory is carried over as it stands.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -21,58 +23,108 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
     return np.lexsort((x, row, panel)).astype(np.int32)
 
 
-@inner(nogil=True)
-def cell_grid(
-    x: np.ndarray, z: np.ndarray, size: float, length: float
-) -> tuple[np.ndarray, np.ndarray, int, int, float, np.ndarray, np.ndarray]:
-    """Discs sorted into cells no smaller than `size` (m), and at most four cells a disc; square, but where the columns
-    have to fill a period of this length.
+class Grid(NamedTuple):
+    """Discs sorted into square cells, and at most four cells a disc.
 
-    Returns (column of each disc, row of each disc, columns, rows, their height (m), first item of each cell, items).
+    Attributes
+    ----------
+    column, row : (n,)
+        The cell of each disc.
+    columns, rows : int
+        How many there are.
+    size, low : float
+        Height of a cell, and where the lowest begins (m).
+    start : (cells + 1,)
+        First item of each cell, row by row from the left.
+    items : (n,)
+        Discs by cell.
+    places : (n, 3)
+        In the same order, where they are and their radii (m): what is compared lies side by side.
+    height : (n,)
+        Of every disc in the period that the grid covers (m).
     """
+
+    column: np.ndarray
+    row: np.ndarray
+    columns: int
+    rows: int
+    size: float
+    low: float
+    start: np.ndarray
+    items: np.ndarray
+    places: np.ndarray
+    height: np.ndarray
+
+
+class Known(NamedTuple):
+    """Pairs of an old list by their lower number.
+
+    Attributes
+    ----------
+    pair, higher : (pairs,)
+        Number of the pair, and of its other disc.
+    start : (n + 1,)
+        Where the pairs of each lower number begin.
+    """
+
+    pair: np.ndarray
+    higher: np.ndarray
+    start: np.ndarray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cell_grid(x: np.ndarray, z: np.ndarray, radius: np.ndarray, reach: float, period: Period) -> Grid:
+    """Discs in cells no smaller than `reach` (m); the columns fill the period, if there is one."""
     n = len(x)
-    left, low = x.min(), z.min()
-    width, height = x.max() - left, z.max() - low
+    xs, zs = folded(x, z, period)
+    left, low = xs.min(), zs.min()
+    width, height = xs.max() - left, zs.max() - low
+    size = reach
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 64.0:
         size *= 1.5
     columns, rows = int(width / size) + 1, int(height / size) + 1
     across = size
-    if length < ENDLESS.length:
-        columns = max(int(length / size), 1)
-        across = length / columns
+    if period.length < ENDLESS.length:
+        columns = max(int(period.length / size), 1)
+        across = period.length / columns
     column = np.empty(n, np.int32)
     row = np.empty(n, np.int32)
     start = np.zeros(columns * rows + 1, np.int32)
     for i in range(n):
-        column[i] = min(int((x[i] - left) / across), columns - 1)
-        row[i] = min(int((z[i] - low) / size), rows - 1)
+        column[i] = min(int((xs[i] - left) / across), columns - 1)
+        row[i] = min(int((zs[i] - low) / size), rows - 1)
         start[row[i] * columns + column[i] + 1] += 1
     for c in range(columns * rows):
         start[c + 1] += start[c]
     free = start[:-1].copy()
     items = np.empty(n, np.int32)
+    places = np.empty((n, 3))
     for i in range(n):
         c = row[i] * columns + column[i]
-        items[free[c]] = i
+        e = free[c]
+        items[e] = i
+        places[e, 0], places[e, 1], places[e, 2] = x[i], z[i], radius[i]
         free[c] += 1
-    return column, row, columns, rows, size, start, items
+    return Grid(column, row, columns, rows, size, low, start, items, places, zs)
 
 
-@inner(nogil=True)
-def sort_by_lower(i: np.ndarray, j: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Order of pairs by their lower number, and where each number's pairs begin."""
-    start = np.zeros(n + 1, np.int32)
+@njit(cache=True, nogil=True, error_model="numpy")
+def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
+    """The pairs of an old list; number: that of each disc in spatial order."""
+    start = np.zeros(len(number) + 1, np.int32)
     for c in range(len(i)):
-        start[min(i[c], j[c]) + 1] += 1
-    for a in range(n):
+        start[min(number[i[c]], number[j[c]]) + 1] += 1
+    for a in range(len(number)):
         start[a + 1] += start[a]
     free = start[:-1].copy()
-    by_lower = np.empty(len(i), np.int32)
+    pair = np.empty(len(i), np.int32)
+    higher = np.empty(len(i), np.int32)
     for c in range(len(i)):
-        a = min(i[c], j[c])
-        by_lower[free[a]] = c
-        free[a] += 1
-    return by_lower, start
+        a, b = number[i[c]], number[j[c]]
+        place = free[min(a, b)]
+        pair[place], higher[place] = c, max(a, b)
+        free[min(a, b)] += 1
+    return Known(pair, higher, start)
 
 
 @inner(nogil=True)
@@ -98,37 +150,45 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 
 @inner(nogil=True)
 def near_pairs(
-    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, factor: float, skin: float, period: Period
+    begin: int,
+    end: int,
+    x: np.ndarray,
+    z: np.ndarray,
+    radius: np.ndarray,
+    fixed: np.ndarray,
+    factor: float,
+    skin: float,
+    grid: Grid,
+    period: Period,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """All pairs i < j nearer than factor (r_i + r_j) + skin, not both fixed: where those of each i begin, and all j.
-
-    A period must be longer than three such distances.
-    """
-    xs, zs = folded(x, z, period)
-    low = zs.min()
-    reach = 2.0 * factor * radius.max() + skin
-    column, row, columns, rows, size, start, items = cell_grid(xs, zs, reach, period.length)
-    room = 4 * len(x) + 16
-    begin = np.empty(len(x) + 1, np.int32)
+    """The pairs i < j of `find_pairs` that are near: where those of each i begin, and all j."""
+    # by name: a field of a tuple of arrays is counted as referred to at every use
+    column, row, columns, rows = grid.column, grid.row, grid.columns, grid.rows
+    start, items, places, height = grid.start, grid.items, grid.places, grid.height
+    ends = period.length == ENDLESS.length
+    room = 4 * (end - begin) + 16
+    first = np.empty(end - begin + 1, np.int32)
     others = np.empty(room, np.int32)
     count = 0
-    for i in range(len(x)):
-        begin[i] = count
-        for side in range(-1, 2):
-            c, middle = column[i] + side, row[i]
-            if c < 0 or c >= columns:
-                if period.length == ENDLESS.length:
-                    continue
+    for i in range(begin, end):
+        first[i - begin] = count
+        # a row of cells at a time; across the sides of a period a column at a time
+        for side in range(0 if ends else -1, 1 if ends else 2):
+            left, right, middle = column[i] + side, column[i] + side, row[i]
+            if ends:
+                left, right = max(left - 1, 0), min(right + 1, columns - 1)
+            elif left < 0 or left >= columns:
                 # neighbours beyond a side are listed at the other one, higher or lower by the rise
-                c -= side * columns
-                middle = int(np.floor((zs[i] - side * period.rise - low) / size))
-            for cell in range(max(middle - 1, 0) * columns + c, min(middle + 2, rows) * columns + c, columns):
-                for e in range(start[cell], start[cell + 1]):
+                left -= side * columns
+                right = left
+                middle = int(np.floor((height[i] - side * period.rise - grid.low) / grid.size))
+            for line in range(max(middle - 1, 0), min(middle + 2, rows)):
+                for e in range(start[line * columns + left], start[line * columns + right + 1]):
                     j = items[e]
                     if j <= i or (fixed[i] and fixed[j]):
                         continue
-                    reach = factor * (radius[i] + radius[j]) + skin
-                    dx, dz = image(x[j] - x[i], z[j] - z[i], period)
+                    reach = factor * (radius[i] + places[e, 2]) + skin
+                    dx, dz = image(places[e, 0] - x[i], places[e, 1] - z[i], period)
                     if dx * dx + dz * dz >= reach * reach:
                         continue
                     if count == room:
@@ -136,53 +196,64 @@ def near_pairs(
                         others = longer(others, room)
                     others[count] = j
                     count += 1
-    begin[-1] = count
-    return begin, others[:count]
+    first[-1] = count
+    return first, others[:count]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_pairs(
+    begin: int,
+    end: int,
     x: np.ndarray,
     z: np.ndarray,
     radius: np.ndarray,
     fixed: np.ndarray,
     factor: float,
     skin: float,
-    old_i: np.ndarray,
-    old_j: np.ndarray,
+    grid: Grid,
+    known: Known,
     old_length: np.ndarray,
     period: Period,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
 
-    Arrays in spatial order; old pairs by their numbers in it. Returns (i, j, old) with i < j, sorted by both; old is
-    the number of the old pair with the same discs, or -1.
+    begin, end: of the lower numbers that are looked at. Arrays in spatial order; old pairs by their numbers in it. A
+    period must be longer than three cells. Returns (i, j, old) with i < j, sorted by both; old is the number of the old
+    pair with the same discs, or -1.
     """
-    near, others = near_pairs(x, z, radius, fixed, factor, skin, period)
-    by_lower, old_start = sort_by_lower(old_i, old_j, len(x))
-    room = len(others) + len(old_i)
-    first = np.empty(room, np.int32)
-    second = np.empty(room, np.int32)
-    known = np.empty(room, np.int32)
-    used = np.zeros(len(old_i), np.bool_)
+    near, others = near_pairs(begin, end, x, z, radius, fixed, factor, skin, grid, period)
+    pair, higher, old_start = known.pair, known.higher, known.start
+    room = len(others) + old_start[end] - old_start[begin]
+    first, second, old = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.int32)
+    used = np.zeros(old_start[end] - old_start[begin], np.bool_)
     count = np.int64(0)
-    for i in range(len(x)):
-        begin = count
-        for j in others[near[i] : near[i + 1]]:
+    for i in range(begin, end):
+        start = count
+        for j in others[near[i - begin] : near[i - begin + 1]]:
             match = -1
             for o in range(old_start[i], old_start[i + 1]):
-                if max(old_i[by_lower[o]], old_j[by_lower[o]]) == j:
-                    match = by_lower[o]
-                    used[match] = True
-            first[count], second[count], known[count] = i, j, match
+                if higher[o] == j:
+                    match = pair[o]
+                    used[o - old_start[begin]] = True
+            first[count], second[count], old[count] = i, j, match
             count += 1
         for o in range(old_start[i], old_start[i + 1]):
-            c = by_lower[o]
-            if not used[c] and old_length[c] != 0.0:
-                first[count], second[count], known[count] = i, max(old_i[c], old_j[c]), c
+            if not used[o - old_start[begin]] and old_length[pair[o]] != 0.0:
+                first[count], second[count], old[count] = i, higher[o], pair[o]
                 count += 1
-        sort_run(begin, count, second, known)
-    return first[:count].copy(), second[:count].copy(), known[:count].copy()
+        sort_run(start, count, second, old)
+    return first[:count].copy(), second[:count].copy(), old[:count].copy()
+
+
+def pairs_within(
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, period: Period
+) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed."""
+    none = np.zeros(0, np.int32)
+    grid = cell_grid(x, z, radius, 2.0 * radius.max() + skin, period)
+    known = known_pairs(none, none, np.zeros(len(x), np.int32))
+    i, j, _ = find_pairs(0, len(x), x, z, radius, fixed, 1.0, skin, grid, known, np.zeros(0), period)
+    return i, j
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -199,6 +270,26 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
             i[c], j[c] = b, a
             a = b
         owned[a] += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
+    """-1 for pairs whose disc that does not own them did so before, 1 for all others; old: as of `find_pairs`."""
+    sign = np.ones(len(old))
+    for c in range(len(old)):
+        if old[c] >= 0 and owner[old[c]] == other[c]:
+            sign[c] = -1.0
+    return sign
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def carried_over(memory: np.ndarray, old: np.ndarray, sign: np.ndarray | None) -> np.ndarray:
+    """What pairs of a new list remember, from the old list's memory times a sign; nothing where they are new."""
+    values = np.zeros(len(old))
+    for c in range(len(old)):
+        if old[c] >= 0:
+            values[c] = memory[old[c]] if sign is None else memory[old[c]] * sign[c]
+    return values
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

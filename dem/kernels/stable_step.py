@@ -24,6 +24,11 @@ from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
 from dem.kernels.inner import inner
 from dem.kernels.layout import INVMASS, LANES, LENGTH, LINK, RADII, RIM, ROLL_LINK, SHARE, Layout, X, Z, entry, place
 from dem.kernels.period import Period, image
+from dem.kernels.records import CONSTANT_RECORD
+
+ONE, TWO, THREE, FOUR, FIVE = (np.uint64(k) for k in range(1, 6))
+DASHPOTS = np.uint64(8)  # behind the block of stiffness
+BLOCKS = 16  # doubles of a disc: its two blocks, each in a cache line
 
 
 class Bodies(NamedTuple):
@@ -77,31 +82,43 @@ class LineContacts(NamedTuple):
     kind: np.ndarray
 
 
-@inner(nogil=True)
-def add_block(block: np.ndarray, nx: float, nz: float, lever: float, normal: float, tangential: float) -> None:
-    """Adds a spring along (nx, nz) and one across it, at a lever, to the six entries of a disc's block."""
-    block[0] += normal * nx * nx + tangential * nz * nz
-    block[1] += normal * nz * nz + tangential * nx * nx
-    block[2] += (normal - tangential) * nx * nz
-    block[3] += tangential * lever * nz
-    block[4] -= tangential * lever * nx
-    block[5] += tangential * lever * lever
+@inner(nogil=True, forceinline=True)
+def add_block(
+    blocks: np.ndarray, at: np.uint64, sign: float, way: tuple[float, float, float], normal: float, tangential: float
+) -> None:
+    """Adds a spring along a way and one across it to the six entries of a block; sign: -1 at the way's other end.
+
+    way: its direction, and the lever at which the spring across it pulls, in radii.
+    """
+    nx, nz, lever = way
+    blocks[at] += normal * nx * nx + tangential * nz * nz
+    blocks[at + ONE] += normal * nz * nz + tangential * nx * nx
+    blocks[at + TWO] += (normal - tangential) * nx * nz
+    blocks[at + THREE] += sign * (tangential * lever * nz)
+    blocks[at + FOUR] -= sign * (tangential * lever * nx)
+    blocks[at + FIVE] += tangential * lever * lever
 
 
-@inner(nogil=True)
-def bound(block: np.ndarray, invmass: float, rim: float) -> float:
-    """Gershgorin's bound of the block's largest eigenvalue over mass; rim: r^2/I with levers in radii."""
+@inner(nogil=True, forceinline=True)
+def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
+    """Gershgorin's bound of the largest eigenvalue of a block over mass; rim: r^2/I with levers in radii."""
     cross = np.sqrt(invmass * rim)
-    first = (block[0] + abs(block[2])) * invmass + abs(block[3]) * cross
-    second = (block[1] + abs(block[2])) * invmass + abs(block[4]) * cross
-    third = block[5] * rim + (abs(block[3]) + abs(block[4])) * cross
+    across, moment_x, moment_z = abs(blocks[at + TWO]), abs(blocks[at + THREE]), abs(blocks[at + FOUR])
+    first = (blocks[at] + across) * invmass + moment_x * cross
+    second = (blocks[at + ONE] + across) * invmass + moment_z * cross
+    third = blocks[at + FIVE] * rim + (moment_x + moment_z) * cross
     return max(first, second, third)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner(nogil=True, forceinline=True)
+def blocks_of(disc: int) -> np.uint64:
+    """Where the blocks of a disc begin: that of stiffness, then that of dashpots."""
+    return np.uint64(disc) * np.uint64(BLOCKS)
+
+
+@inner(nogil=True, forceinline=True)
 def add_pair(
-    stiffness: np.ndarray,
-    dashpots: np.ndarray,
+    blocks: np.ndarray,
     a: int,
     b: int,
     way: tuple[float, float],
@@ -110,7 +127,7 @@ def add_pair(
     length: float,
     kind: int,
     skin: float,
-    table: np.ndarray,
+    records: np.ndarray,
 ) -> None:
     """Adds a pair to the blocks of its discs a and b.
 
@@ -120,40 +137,46 @@ def add_pair(
     d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
     if length <= 0.0 and d > max(radii, -length) + skin:
         return
-    nx, nz = dx / d, dz / d
     # overlap only shortens the lever
-    lever = max(d / radii, 1.0)
-    kn, ks = table[KN, kind] + table[STOP, kind], table[KS, kind]
+    along = (dx / d, dz / d, max(d / radii, 1.0))
+    constant = np.uint64(kind) * np.uint64(CONSTANT_RECORD)
+    kn = records[constant + np.uint64(KN)] + records[constant + np.uint64(STOP)]
+    ks = records[constant + np.uint64(KS)]
+    rolls = ks if records[constant + np.uint64(MU_ROLLING)] > 0.0 else 0.0
     if length != 0.0:
-        kn, ks = kn + table[KPN, kind], ks + table[KPS, kind]
-    add_block(stiffness[a], nx, nz, lever, kn, ks)
-    add_block(stiffness[b], -nx, -nz, lever, kn, ks)
-    add_block(dashpots[a], nx, nz, lever, table[CN, kind], table[CT, kind])
-    add_block(dashpots[b], -nx, -nz, lever, table[CN, kind], table[CT, kind])
+        kn += records[constant + np.uint64(KPN)]
+        ks += records[constant + np.uint64(KPS)]
+    cn, ct = records[constant + np.uint64(CN)], records[constant + np.uint64(CT)]
+    turns = ct if rolls > 0.0 else 0.0
+    one, other = blocks_of(a), blocks_of(b)
+    add_block(blocks, one, 1.0, along, kn, ks)
+    add_block(blocks, one + DASHPOTS, 1.0, along, cn, ct)
+    add_block(blocks, other, -1.0, along, kn, ks)
+    add_block(blocks, other + DASHPOTS, -1.0, along, cn, ct)
+    if rolls > 0.0:
+        blocks[one + FIVE] += rolls * parts[1] ** 2
+        blocks[one + DASHPOTS + FIVE] += turns * parts[1] ** 2
+        blocks[other + FIVE] += rolls * parts[0] ** 2
+        blocks[other + DASHPOTS + FIVE] += turns * parts[0] ** 2
+
+
+@inner(nogil=True)
+def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Springs) -> None:
+    """Adds a rigid line to the blocks of a disc."""
+    table, at = springs.lines, blocks_of(disc)
+    against = (springs.walls[line, 2], springs.walls[line, 3], 1.0)
+    add_block(blocks, at, -1.0, against, table[KN, kind], table[KS, kind])
+    add_block(blocks, at + DASHPOTS, -1.0, against, table[CN, kind], table[CT, kind])
     if table[MU_ROLLING, kind] > 0.0:
-        stiffness[a, 5] += table[KS, kind] * parts[1] ** 2
-        dashpots[a, 5] += table[CT, kind] * parts[1] ** 2
-        stiffness[b, 5] += table[KS, kind] * parts[0] ** 2
-        dashpots[b, 5] += table[CT, kind] * parts[0] ** 2
+        blocks[at + FIVE] += table[KS, kind]
+        blocks[at + DASHPOTS + FIVE] += table[CT, kind]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def add_line(stiffness: np.ndarray, dashpots: np.ndarray, line: int, kind: int, springs: Springs) -> None:
-    """Adds a rigid line to the block of a disc."""
-    nx, nz = springs.walls[line, 2], springs.walls[line, 3]
-    table = springs.lines
-    add_block(stiffness, -nx, -nz, 1.0, table[KN, kind], table[KS, kind])
-    add_block(dashpots, -nx, -nz, 1.0, table[CN, kind], table[CT, kind])
-    if table[MU_ROLLING, kind] > 0.0:
-        stiffness[5] += table[KS, kind]
-        dashpots[5] += table[CT, kind]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def step_of(stiffness: np.ndarray, dashpots: np.ndarray, invmass: float, rim: float) -> float:
-    """Largest stable time step (s) of a disc with these blocks; inf if it moves nothing."""
-    k2 = 2.0 * bound(stiffness, invmass, rim)
-    c2 = 2.0 * bound(dashpots, invmass, rim)
+@inner(nogil=True)
+def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
+    """Largest stable time step (s) of a disc with its blocks; inf if it moves nothing."""
+    k2 = 2.0 * bound(blocks, blocks_of(disc), invmass, rim)
+    c2 = 2.0 * bound(blocks, blocks_of(disc) + DASHPOTS, invmass, rim)
     return 2.0 / (c2 + np.sqrt(c2 * c2 + k2)) if k2 > 0.0 else np.inf
 
 
@@ -166,22 +189,20 @@ def stable_step(
     skin (m): how much nearer a pair may come before the list is made anew.
     """
     x, z, radius = bodies.x, bodies.z, bodies.radius
-    stiffness = np.zeros((len(x), 6))
-    dashpots = np.zeros((len(x), 6))
+    blocks = np.zeros(len(x) * BLOCKS)
     for c in range(len(pairs.i)):
         a, b = pairs.i[c], pairs.j[c]
         radii = radius[a] + radius[b]
         add_pair(
-            stiffness, dashpots, a, b, image(x[b] - x[a], z[b] - z[a], period), radii,
-            (radius[a] / radii, radius[b] / radii), pairs.length[c], pairs.kind[c], skin, springs.pairs,
+            blocks, a, b, image(x[b] - x[a], z[b] - z[a], period), radii, (radius[a] / radii, radius[b] / radii),
+            pairs.length[c], pairs.kind[c], skin, springs.records,
         )  # fmt: skip
     for e in range(len(at_lines.disc)):
-        a = at_lines.disc[e]
-        add_line(stiffness[a], dashpots[a], at_lines.line[e], at_lines.kind[e], springs)
+        add_line(blocks, at_lines.disc[e], at_lines.line[e], at_lines.kind[e], springs)
     least = np.inf
     which = -1
     for a in range(len(x)):
-        step = step_of(stiffness[a], dashpots[a], bodies.invmass[a], bodies.rim[a])
+        step = step_of(blocks, a, bodies.invmass[a], bodies.rim[a])
         if step < least:
             least, which = step, a
     return least, which
@@ -190,8 +211,7 @@ def stable_step(
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
     """The same step (s), to rounding, from where the kernels keep the contacts; discs: how many there are."""
-    stiffness = np.zeros((discs, 6))
-    dashpots = np.zeros((discs, 6))
+    blocks = np.zeros(discs * BLOCKS)
     shared, links = layout.shared, layout.links
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
@@ -206,14 +226,12 @@ def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Spri
                 dx = shared[entry(b, X)] - shared[entry(a, X)]
                 dz = shared[entry(b, Z)] - shared[entry(a, Z)]
                 add_pair(
-                    stiffness, dashpots, a, b, image(dx, dz, period), links[at + RADII], (part, 1.0 - part),
-                    links[at + LENGTH], np.int64(layout.kinds[chunk * LANES + lane]), skin, springs.pairs,
+                    blocks, a, b, image(dx, dz, period), links[at + RADII], (part, 1.0 - part), links[at + LENGTH],
+                    np.int64(layout.kinds[chunk * LANES + lane]), skin, springs.records,
                 )  # fmt: skip
     for e in range(len(layout.line_disc)):
-        a = layout.line_disc[e]
-        add_line(stiffness[a], dashpots[a], layout.line_id[e], layout.line_kind[e], springs)
+        add_line(blocks, layout.line_disc[e], layout.line_id[e], layout.line_kind[e], springs)
     least = np.inf
     for a in range(discs):
-        invmass, rim = layout.discs[place(a, INVMASS)], layout.discs[place(a, RIM)]
-        least = min(least, step_of(stiffness[a], dashpots[a], invmass, rim))
+        least = min(least, step_of(blocks, a, layout.discs[place(a, INVMASS)], layout.discs[place(a, RIM)]))
     return least

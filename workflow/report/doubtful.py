@@ -40,7 +40,7 @@ def _doubts(results: Results) -> Iterator[str]:
     if like is not None and discs is not None and like.kc_upper > OPEN * like.kc:
         yield (
             f"the finite elements that the discs are held against ({like.terms}) fail at Kh of "
-            f"{coefficient(like.kc)} to {coefficient(like.kc_upper)}; discs that fail between these are taken as they are"
+            f"{coefficient(like.kc)} to {coefficient(like.kc_upper)}; discs that fail between are taken as they are"
         )
     yield from _held(results)
     _, cases = results.case_set()

@@ -18,7 +18,7 @@ class LikeDiscs(Answer):
     FILE: ClassVar[str] = "dem/continuum.json"
 
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_upper: float = Field(description="what this mesh may bear at most")
+    kc_upper: float = Field(description="what this mesh may bear at most, no more than with ψ = φ")
     verdict: Verdict
     reason: str
     sides: Sides

@@ -27,12 +27,13 @@ def like_discs(given: Input, store: Store, tell: Tell) -> None:
 
 def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
-    hardly any dilation. A path that goes on to rise counts as far as equilibria were found on it: discs in a box have
-    no plateau either. Davis's substitute, a lower estimate, stands in where the path takes too long or comes to less.
+    hardly any dilation. A path that goes on to rise leaves open where it fails: above the last equilibrium that was
+    found on it, but below what ground with ψ = φ bears. Davis's substitute, a lower estimate, stands in where the path
+    takes too long or comes to less.
     """
     from mpi4py import MPI
 
-    from fem.as_discs import as_discs
+    from fem.as_discs import as_discs, dilating_fully
     from fem.path import EquilibriumPath
 
     fem = FemAnswer.read(store)
@@ -50,6 +51,9 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
     try:
         found = as_discs(given, mesh, settings, MPI.COMM_SELF, step)
+        upper = found.upper
+        if found.upper > found.kc + given.dem.tolerance:
+            upper = max(found.kc, min(found.upper, dilating_fully(given, mesh, settings, MPI.COMM_SELF)))
     except NoAnswerError as error:
         return LikeDiscs.of(fem, f"with ψ as given there is no answer: {error.reason}")
     if found.verdict == "no failure":
@@ -59,7 +63,7 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     curve = tuple(PathStep.model_validate(each) for each in found.steps)
     return known.model_copy(
         update={
-            "kc": found.kc, "kc_upper": found.upper, "verdict": found.verdict, "reason": found.reason,
+            "kc": found.kc, "kc_upper": upper, "verdict": found.verdict, "reason": found.reason,
             "flow": "section", "curve": curve, "yielding_m": displacement_at(curve, found.kc, YIELDED),
             "slip_surface": line(found.slip_surface),
         }

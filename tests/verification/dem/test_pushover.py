@@ -96,3 +96,9 @@ def test_a_push_wants_a_displacement() -> None:
     ground, model = heap()
     with pytest.raises(ValueError, match="a displacement above 0"):
         pushed_over(model, ground, SETTINGS, Continuum(0.3, 0.0))
+
+
+def test_discs_are_brought_to_the_nearest_kh_at_which_the_continuum_may_fail() -> None:
+    softening = Continuum(0.16, 0.1, 0.23)
+    assert [softening.nearest(kh) for kh in (0.1, 0.2, 0.3)] == [0.16, 0.2, 0.23]
+    assert Continuum(0.16, 0.1).nearest(0.2) == 0.16

@@ -11,7 +11,7 @@ from dem.acceleration import tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.kernels.contact import COHESION, MU, MU_ROLLING
-from dem.kernels.neighbours import find_pairs
+from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import Period
 from dem.model import DiscModel
 from tests.support.dem_cases import EARTH, GRAVITY, KN, MASS, RADIUS, lattice
@@ -42,8 +42,7 @@ def test_neighbours_are_those_of_all_images(seed: int, count: int, length: float
     rng = np.random.default_rng(seed)
     x, z = rng.uniform(-50.0, 50.0, count), rng.uniform(0.0, 12.0, count)
     radius = rng.uniform(0.5, 1.2, count)
-    none = np.zeros(0, np.int32)
-    i, j, _ = find_pairs(x, z, radius, np.zeros(count, bool), 1.0, 0.5, none, none, np.zeros(0), Period(length, rise))
+    i, j = pairs_within(x, z, radius, np.zeros(count, bool), 0.5, Period(length, rise))
     near = np.zeros((count, count), bool)
     for n in range(-10, 11):
         dx, dz = x[None, :] - x[:, None] - n * length, z[None, :] - z[:, None] - n * rise
