@@ -9,7 +9,7 @@ M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
 LARGE = 1 << 20  # bytes
 LARGEST = 1 << 25  # bytes: above this glibc gives back every array in any case
 KEPT = 1 << 28  # bytes at the top of the heap, which it keeps
-MANY = 200_000  # discs
+MANY = 500_000  # discs
 LINE = 8  # doubles in a cache line
 
 
