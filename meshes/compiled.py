@@ -42,6 +42,11 @@ def keep_compiled_kernels() -> None:
         sys.modules["numba.core.config"].reload_config()
 
 
+def kept_kernels() -> Path:
+    """The folder of this process; call it after `keep_compiled_kernels`."""
+    return Path(os.environ[VARIABLE])
+
+
 def hash_of_kernels(top: Path) -> str:
     """Hash of all sources in the kernels' rooms of the packages in the folder `top`."""
     digest = hashlib.sha256()

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from dem.ahead import compile_ahead
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
@@ -67,6 +68,7 @@ NARROWING = 5  # searches that finding the factor takes, more or less
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
+    compile_ahead(team, lambda what: progress(what, None))
     found, paper, layers = _searched(given, store, progress, team)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:

@@ -1,0 +1,50 @@
+"""Kernels that are compiled ahead are those that a run asks for, and only once."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from dem import ahead
+
+PROGRAM = """
+from numba.core import event
+from dem.ahead import compile_ahead
+from dem.team import alone
+told = []
+compile_ahead(alone, told.append)
+names = []
+class Heard(event.Listener):
+    def on_start(self, e): names.append(e.data["dispatcher"].py_func.__name__)
+    def on_end(self, e): pass
+event.register("numba:compile", Heard())
+from dem.engine.engine import Engine
+from tests.benchmarks.dem_throughput import model_of
+for law in ("paper", "soil"):
+    Engine(dt=5e-4, ledger=law == "paper").run(model_of(200, law == "paper", law), steps=2)
+assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & set(names), names
+"""
+
+
+@pytest.mark.slow
+def test_a_run_compiles_none_of_them_again(tmp_path: Path) -> None:
+    given = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", PROGRAM], env=given, check=True)
+    assert list(tmp_path.glob(f"*/{ahead.MARK}"))
+
+
+def test_they_are_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ahead, "kept_kernels", lambda: tmp_path)
+    wanted: list[str] = []
+    told: list[str] = []
+
+    def team(work: object, given: tuple[str, ...], *_: object) -> list[None]:
+        wanted.extend(given)
+        return [None for _ in given]
+
+    for _ in range(2):
+        ahead.compile_ahead(team, told.append)  # type: ignore[arg-type]
+    assert wanted == ["steps", "energies"]
+    assert len(told) == 1
