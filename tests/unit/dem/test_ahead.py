@@ -23,7 +23,8 @@ event.register("numba:compile", Heard())
 from dem.engine.engine import Engine
 from tests.benchmarks.dem_throughput import model_of
 for law in ("paper", "soil"):
-    Engine(dt=5e-4, ledger=law == "paper").run(model_of(200, law == "paper", law), steps=2)
+    engine = Engine(dt=5e-4, ledger=law == "paper", balance=float("inf"))
+    engine.run(model_of(200, law == "paper", law), steps=2)
 assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & set(names), names
 """
 
