@@ -127,7 +127,8 @@ class AtSide(NamedTuple):
     piled: bool
 
 
-def _by_side(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
+def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
+    """What a slide from `start` to `model` has to do with each side of the box."""
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
     surface = Surface.of(start, ground)
     slide = np.abs(surface.movement(model, ground)[0])
@@ -143,19 +144,18 @@ def _by_side(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]
     return found
 
 
-def stopped_by(model: DiscModel, start: DiscModel, ground: Ground) -> str | None:
+def stopped_by(sides: Sequence[AtSide]) -> str | None:
     """The side that a slide ran up against, so that it would have gone on in a longer section: ground has piled up
     there, or what slid at least half as far as anything ended there. None where it ended by itself.
     """
-    sides = _by_side(model, start, ground)
     held = [side for side in sides if side.piled or side.furthest > STOPPED]
     return max(held, key=lambda side: (side.furthest, side.rise)).name if held else None
 
 
-def at_the_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[str]:
+def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
     """Which sides have something to do with the slide: discs of the surface come near, or ground piles up at them."""
     told = []
-    for side in _by_side(model, start, ground):
+    for side in sides:
         if side.piled:
             told.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
         if side.came:

@@ -23,6 +23,7 @@ from dem.slides.balance import (
     LOST,
     asked_for,
     at_the_sides,
+    both_sides,
     deepest_overlap,
     ground_area,
     pressed_through,
@@ -301,8 +302,9 @@ class Slider:
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
         asked = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
         told = self._flow() if asked else []
-        slide.stopped_by = stopped_by(model, start, self.ground)
-        told += at_the_sides(model, start, self.ground)
+        sides = both_sides(model, start, self.ground)
+        slide.stopped_by = stopped_by(sides)
+        told += at_the_sides(sides)
         if (through := pressed_through(model)) > 0:
             told.append(
                 f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "

@@ -14,6 +14,7 @@ from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.balance import (
     asked_for,
     at_the_sides,
+    both_sides,
     deepest_overlap,
     disc_area,
     ground_area,
@@ -94,12 +95,14 @@ def test_volume_change_is_told_by_stratum(start: DiscModel, ground: Ground) -> N
 
 
 def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground) -> None:
-    assert at_the_sides(start, start, ground) == []
+    before = both_sides(start, start, ground)
+    assert at_the_sides(before) == []
     piled = start.copy()
     right = ~piled.fixed & (piled.x > piled.x[~piled.fixed].max() - 4.0)
     piled.z[right] += 2.5 * RADIUS
-    assert any("piled up" in told and "right" in told for told in at_the_sides(piled, start, ground))
-    assert (stopped_by(start, start, ground), stopped_by(piled, start, ground)) == (None, "right")
+    after = both_sides(piled, start, ground)
+    assert any("piled up" in told and "right" in told for told in at_the_sides(after))
+    assert (stopped_by(before), stopped_by(after)) == (None, "right")
 
 
 @pytest.mark.parametrize(("columns", "side"), [(13, None), (8, "right")])
@@ -111,7 +114,7 @@ def test_what_slid_far_and_ends_at_a_side_was_stopped_by_it(
     discs = Surface.of(start, ground).discs
     slid.x[discs[-6]] += 10.0 * RADIUS
     slid.x[discs[2]] += 2.0 * columns * RADIUS
-    assert stopped_by(slid, start, ground) == side
+    assert stopped_by(both_sides(slid, start, ground)) == side
 
 
 @pytest.mark.parametrize(("by_weight", "told"), [(9.9, True), (1.5, False)])

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from dem.slides.slip import compare
 from fem.adaptive import adapted_answer
-from fem.as_discs import as_discs
+from fem.as_discs import as_discs, dilating_fully
 from fem.at_once import at_rest, critical_at_once
 from fem.cone_program import SOLVER_GAP
 from fem.critical import critical_coefficient, seismic_path
@@ -104,6 +104,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     assert apart is not None
     assert apart.columns > 50
     assert apart.mean_distance_m < 0.1
+    assert dilating_fully(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=1e-6)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
