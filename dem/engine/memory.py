@@ -33,4 +33,4 @@ def keep_freed_arrays(discs: int) -> None:
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:
         mallopt(M_MMAP_THRESHOLD, LARGE if discs > MANY else LARGEST)
-        mallopt(M_TRIM_THRESHOLD, KEPT)
+        mallopt(M_TRIM_THRESHOLD, LARGE if discs > MANY else KEPT)
