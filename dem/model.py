@@ -158,9 +158,8 @@ class DiscModel(DiscState):
         known = known_pairs(self.pair_i, self.pair_j, number)
 
         def near(begin: int, end: int) -> tuple[np.ndarray, ...]:
-            return find_pairs(
-                begin, end, xs, zs, rs, still, factor, skin, grid, known, self.pore_length, self.repeats
-            )  # fmt: skip
+            length, period = self.pore_length, self.repeats
+            return find_pairs(begin, end, xs, zs, rs, still, factor, skin, grid, known, length, period)
 
         found = in_ranges(near, len(self))
         i, j, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))

@@ -22,7 +22,7 @@ def at_once(work: Callable[[int, int], Any], n: int) -> list[Any]:
     return [work(0, n)]
 
 
-def by(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
+def side_by_side(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
     """As many ranges as there are threads, where that is worth their while."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:

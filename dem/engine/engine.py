@@ -29,7 +29,7 @@ from dem.kernels.scratch import new_scratch
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.model import DiscModel
-from dem.ranges import by
+from dem.ranges import side_by_side
 
 AUTO_SHARE = 0.2  # of the stable step
 CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
@@ -305,7 +305,7 @@ class Run:
     def list_anew(self) -> None:
         """Makes the neighbour list, and looks for the stable step while others make the layout."""
         model = self.model
-        model.make_list(by(self.pool, self.threads))
+        model.make_list(side_by_side(self.pool, self.threads))
         find = step_finder(model)
         if self.pool is None or self.threads == 1:
             self.stable = find()
