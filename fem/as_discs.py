@@ -72,10 +72,12 @@ def as_discs(
     return AsDiscs(found.kc, found.upper, found.verdict, found.reason, found.steps, line)
 
 
-def dilating_fully(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
+def dilating_fully(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+) -> float:
     """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).
 
     Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
     """
     wish = settings.model_copy(update={"flow": "associated", "sides": "fixed", "kh": ()})
-    return critical_coefficient(section, mesh, wish, comm).upper
+    return critical_coefficient(section, mesh, wish, comm, listener).upper

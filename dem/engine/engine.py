@@ -244,7 +244,7 @@ class Run:
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout = pack(self.model, keep_pairs=False, pool=self.pool if self.threads > 1 else None)
+            self.layout = pack(self.model, keep_pairs=False, pool=self.pool if self.threads > 2 else None)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 

@@ -28,7 +28,8 @@ def keep_freed_arrays(discs: int) -> None:
 
     A page that comes new from the system costs as much as a hundred doubles: lists of 30,000 discs took twice as long.
     Of many discs the holes in the heap count, which made a million take a third more memory: those arrays are given
-    back. Does nothing where the C library has no such switch.
+    back. It holds for the whole process from then on, which may keep `KEPT` bytes more than it uses. Does nothing where
+    the C library has no such switch.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:

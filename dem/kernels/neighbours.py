@@ -24,7 +24,7 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
 
 
 class Grid(NamedTuple):
-    """Discs sorted into square cells, and at most four cells a disc.
+    """Discs sorted into cells, at most four cells a disc: square ones, unless their columns have to fill a period.
 
     Attributes
     ----------

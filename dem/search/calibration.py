@@ -45,7 +45,7 @@ class Calibration:
     Attributes
     ----------
     target : float
-        Critical Kh of the continuum.
+        Critical Kh that is asked for: the continuum's, or of what it may have the nearest.
     tolerance : float
         Difference to it that is allowed.
     parameter : str
@@ -304,7 +304,7 @@ def calibrate(
         tried[factor] = calibrator.search(parameter, factor, settings.workers)
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
-    reason = f"critical Kh {middle(tried[value]):.4f}, the FEM's is {target:.4f}"
+    reason = f"critical Kh {middle(tried[value]):.4f} for {target:.4f} asked"
     if verdict != "calibrated":
         reason = _out_of_reach(settings, parameter, tried, value, target)
     return Calibration(

@@ -23,6 +23,7 @@ DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
+SEEN = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
@@ -110,7 +111,9 @@ def _brackets(results: Results) -> str:
         told.append(f"FEM {least}" + (f", at most {most}" if most != least else ""))
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
-        like = f" for {results.like_discs.kc:.3f} of the FEM (dashed)" if results.like_discs is not None else ""
+        alike = results.like_discs
+        most = "" if alike is None or alike.kc_upper < alike.kc + SEEN else f" to {alike.kc_upper:.3f}"
+        like = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
         told.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
     return f"critical Kh: {'; '.join(told)}" if told else ""
 
@@ -188,7 +191,7 @@ def _calibration(results: Results, name: str) -> bool:
         axes.axvline(answer.value, color=DISCS, linewidth=0.8, linestyle=DASHED)
         taken = f"factor taken, {answer.value:.3g}"
         handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
-    handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh of the FEM, and tolerance"))
+    handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh asked for, and tolerance"))
     sheet.legend(handles, 5)
     with results.store.writing(name) as file:
         sheet.save(file)

@@ -167,7 +167,9 @@ class CalibrationAnswer(Answer):
     element_tests: tuple[LayerTest, ...]
     layers: tuple[LayerAnswer, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
     predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
-    predicted_ratio: float | None = Field(default=None, description="that over the continuum's with the same sides")
+    predicted_ratio: float | None = Field(
+        default=None, description="that over the least the continuum has with the same sides"
+    )
     continuum_kc: tuple[float, float] | None = Field(
         default=None, description="soil discs: between which the continuum's lies; what was asked for is the nearest"
     )

@@ -58,7 +58,9 @@ class DemSummary(Part):
     boundary_elements: int
     sides: str = Field(description="of the continuum that the discs are held against")
     kc_uncalibrated: float | None = Field(description="soil discs: the prediction, without any factor")
-    kc_target: float | None = Field(description="the continuum's critical Kh that they are brought to")
+    kc_target: float | None = Field(
+        description="what they are brought to: of the critical Kh that the continuum may have, the nearest"
+    )
     strength_factor: float | None = Field(description="factor on friction and cohesion alike")
     slip_surface_distance_m: float | None
     layers: tuple[LayerAnswer, ...]

@@ -1,15 +1,24 @@
 """The continuum as the discs are: with their sides, and with ψ as given on a non-associated path."""
 
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
 from dem.team import Tell
-from fem.settings import YIELDED
+from fem.settings import YIELDED, FemSettings
 from fem.strength import is_dilating_fully
 from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer, PathStep, displacement_at
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
+
+if TYPE_CHECKING:
+    from fem.as_discs import AsDiscs
+    from fem.path import EquilibriumPath
+    from fem.plateau import PathListener
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
@@ -29,42 +38,62 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
     hardly any dilation. A path that goes on to rise leaves open where it fails: above the last equilibrium that was
     found on it, but below what ground with ψ = φ bears. Davis's substitute, a lower estimate, stands in where the path
-    takes too long or comes to less.
+    takes too long or comes to less; it fails above that then, and below the same.
     """
     from mpi4py import MPI
 
-    from fem.as_discs import as_discs, dilating_fully
-    from fem.path import EquilibriumPath
+    from fem.as_discs import dilating_fully
 
     fem = FemAnswer.read(store)
     known = LikeDiscs.of(fem)
     if known.sides != "fixed" or fem.settings.flow != "davis" or is_dilating_fully(given.strata):
         return known
     mesh = stored_mesh(given, store)
-
-    def step(path: EquilibriumPath) -> None:
-        tell((f"the continuum with ψ as given: Kh = {path.factor:.4f}", None))
-        if path.solves * len(mesh.cells) > WORK:
-            raise _TakesTooLongError("the path takes too long", "")
-
     depth = known.deeper_than_m or given.fem.least_depth
     settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
-    try:
-        found = as_discs(given, mesh, settings, MPI.COMM_SELF, step)
-        upper = found.upper
-        if found.upper > found.kc + given.dem.tolerance:
-            upper = max(found.kc, min(found.upper, dilating_fully(given, mesh, settings, MPI.COMM_SELF)))
-    except NoAnswerError as error:
-        return LikeDiscs.of(fem, f"with ψ as given there is no answer: {error.reason}")
-    if found.verdict == "no failure":
-        return LikeDiscs.of(fem, f"with ψ as given there is {found.reason}")
-    if found.kc < known.kc:
-        return LikeDiscs.of(fem, f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's substitute")
+    found = _with_psi_as_given(given, mesh, settings, known.kc, tell)
+    sharp = not isinstance(found, str) and found.upper <= found.kc + given.dem.tolerance
+    most = known.kc_upper if isinstance(found, str) else found.upper
+    if not sharp:
+        with suppress(NoAnswerError):
+            most = dilating_fully(given, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+    if isinstance(found, str):
+        return LikeDiscs.of(fem, found).model_copy(update={"kc_upper": max(known.kc_upper, most)})
     curve = tuple(PathStep.model_validate(each) for each in found.steps)
     return known.model_copy(
         update={
-            "kc": found.kc, "kc_upper": upper, "verdict": found.verdict, "reason": found.reason,
-            "flow": "section", "curve": curve, "yielding_m": displacement_at(curve, found.kc, YIELDED),
-            "slip_surface": line(found.slip_surface),
+            "kc": found.kc, "kc_upper": max(found.kc, min(found.upper, most)), "verdict": found.verdict,
+            "reason": found.reason, "flow": "section", "curve": curve,
+            "yielding_m": displacement_at(curve, found.kc, YIELDED), "slip_surface": line(found.slip_surface),
         }
     )  # fmt: skip
+
+
+def _with_psi_as_given(
+    given: Input, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
+) -> "AsDiscs | str":
+    """The path, or why Davis's substitute, which fails at Kh = ``davis``, has to stand in for it."""
+    from mpi4py import MPI
+
+    from fem.as_discs import as_discs
+
+    try:
+        found = as_discs(given, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
+    except NoAnswerError as error:
+        return f"with ψ as given there is no answer: {error.reason}"
+    if found.verdict == "no failure":
+        return f"with ψ as given there is {found.reason}"
+    if found.kc < davis:
+        return f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's substitute"
+    return found
+
+
+def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
+    """Tells how far a path is, and ends it where it takes too long."""
+
+    def step(path: "EquilibriumPath") -> None:
+        tell((f"the continuum with {flow}: Kh = {path.factor:.4f}", None))
+        if path.solves * len(mesh.cells) > WORK:
+            raise _TakesTooLongError("the path takes too long", "")
+
+    return step

@@ -148,7 +148,7 @@ def _calibrated(calibrator: Calibrator, continuum: Continuum, parameter: str) ->
     base = calibrator.search("", 1.0)
     table = [("", 1.0, base)]
     choose = parameter == "auto" and calibrator.settings.model == "paper"
-    target = continuum.nearest(middle(base))
+    target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
     return best(calibrator, target, parameter, sensitivities(calibrator) if choose else table)
 
 
