@@ -12,6 +12,7 @@ from dem import checkpoint
 from dem.acceleration import Acceleration
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.neighbours import (
+    Near,
     carried_over,
     cell_grid,
     find_lines,
@@ -154,14 +155,13 @@ class DiscModel(DiscState):
         number = np.empty(len(self), np.int32)
         number[order] = np.arange(len(self), dtype=np.int32)
         xs, zs, rs, still = self.x[order], self.z[order], self.radius[order], self.fixed[order]
-        grid = cell_grid(xs, zs, rs, 2.0 * factor * rs.max() + skin, self.repeats)
-        known = known_pairs(self.pair_i, self.pair_j, number)
+        near = Near(xs, zs, rs, still, factor, skin, self.repeats)
+        grid, known, length = cell_grid(near), known_pairs(self.pair_i, self.pair_j, number), self.pore_length
 
-        def near(begin: int, end: int) -> tuple[np.ndarray, ...]:
-            length, period = self.pore_length, self.repeats
-            return find_pairs(begin, end, xs, zs, rs, still, factor, skin, grid, known, length, period)
+        def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
+            return find_pairs(begin, end, near, grid, known, length)
 
-        found = in_ranges(near, len(self))
+        found = in_ranges(find, len(self))
         i, j, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
         share_out(i, j, len(self))
         owner, other = order[i], order[j]

@@ -244,7 +244,7 @@ class Run:
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout = pack(self.model, keep_pairs=False, pool=self.pool if self.threads > 2 else None)
+            self.layout = pack(self.model, keep_pairs=False)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 
@@ -303,7 +303,7 @@ class Run:
         return self.balance() if engine.ledger else None
 
     def list_anew(self) -> None:
-        """Makes the neighbour list, and looks for the stable step while others make the layout."""
+        """Makes the neighbour list, and looks for the stable step while the layout is made."""
         model = self.model
         model.make_list(side_by_side(self.pool, self.threads))
         find = step_finder(model)

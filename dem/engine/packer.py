@@ -1,7 +1,5 @@
 """DiscModel to Layout and back."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 
 from dem.engine.memory import large_zeros
@@ -32,16 +30,15 @@ _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
-def pack(model: DiscModel, *, keep_pairs: bool = True, pool: ThreadPoolExecutor | None = None) -> Layout:
+def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
     """The model as the stepping kernel wants it; the same model always gives the same layout.
 
     keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
-    twice. pool: who writes the discs while this thread writes their contacts.
+    twice.
     """
     n = len(model)
     slices = n // LANES + 1
     order = model.order
-    written = pool.submit(_records, model, slices) if pool is not None else None
     number = np.empty(n, np.int32)
     number[order] = np.arange(n, dtype=np.int32)
     owner, partner = number[model.pair_i], number[model.pair_j]
@@ -76,19 +73,15 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, pool: ThreadPoolExecutor 
             rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
     incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
-        **(written.result() if written is not None else _records(model, slices)), links=links.reshape(-1),
+        discs=_discs(model, slices), shared=_shared(model, slices), links=links.reshape(-1),
         rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
         line_disc=line_disc.astype(np.int64),
         line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
+        **_swings(model, slices),
     )  # fmt: skip
-
-
-def _records(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
-    """Those fields of the layout that are the discs' own."""
-    return {"discs": _discs(model, slices), "shared": _shared(model, slices), **_swings(model, slices)}
 
 
 def _discs(model: DiscModel, slices: int) -> np.ndarray:

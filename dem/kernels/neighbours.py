@@ -23,6 +23,30 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
     return np.lexsort((x, row, panel)).astype(np.int32)
 
 
+class Near(NamedTuple):
+    """Discs in spatial order, and what counts as near: less than factor (r_i + r_j) + skin apart, not both fixed.
+
+    Attributes
+    ----------
+    x, z, radius : (n,)
+        Places and radii (m).
+    fixed : (n,)
+        Whether they are.
+    factor, skin : float
+        (-) and m.
+    period : Period
+        Longer than three such distances.
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    radius: np.ndarray
+    fixed: np.ndarray
+    factor: float
+    skin: float
+    period: Period
+
+
 class Grid(NamedTuple):
     """Discs sorted into cells, at most four cells a disc: square ones, unless their columns have to fill a period.
 
@@ -73,13 +97,14 @@ class Known(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cell_grid(x: np.ndarray, z: np.ndarray, radius: np.ndarray, reach: float, period: Period) -> Grid:
-    """Discs in cells no smaller than `reach` (m); the columns fill the period, if there is one."""
+def cell_grid(near: Near) -> Grid:
+    """Discs in cells no smaller than what is near can be apart; the columns fill the period, if there is one."""
+    x, z, radius, period = near.x, near.z, near.radius, near.period
     n = len(x)
     xs, zs = folded(x, z, period)
     left, low = xs.min(), zs.min()
     width, height = xs.max() - left, zs.max() - low
-    size = reach
+    size = 2.0 * near.factor * radius.max() + near.skin
     while (width / size + 1.0) * (height / size + 1.0) > 4.0 * n + 64.0:
         size *= 1.5
     columns, rows = int(width / size) + 1, int(height / size) + 1
@@ -149,20 +174,10 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 
 
 @inner(nogil=True)
-def near_pairs(
-    begin: int,
-    end: int,
-    x: np.ndarray,
-    z: np.ndarray,
-    radius: np.ndarray,
-    fixed: np.ndarray,
-    factor: float,
-    skin: float,
-    grid: Grid,
-    period: Period,
-) -> tuple[np.ndarray, np.ndarray]:
+def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """The pairs i < j of `find_pairs` that are near: where those of each i begin, and all j."""
     # by name: a field of a tuple of arrays is counted as referred to at every use
+    x, z, radius, fixed, factor, skin, period = near
     column, row, columns, rows = grid.column, grid.row, grid.columns, grid.rows
     start, items, places, height = grid.start, grid.items, grid.places, grid.height
     ends = period.length == ENDLESS.length
@@ -202,26 +217,14 @@ def near_pairs(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_pairs(
-    begin: int,
-    end: int,
-    x: np.ndarray,
-    z: np.ndarray,
-    radius: np.ndarray,
-    fixed: np.ndarray,
-    factor: float,
-    skin: float,
-    grid: Grid,
-    known: Known,
-    old_length: np.ndarray,
-    period: Period,
+    begin: int, end: int, near: Near, grid: Grid, known: Known, old_length: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All pairs nearer than factor (r_i + r_j) + skin, not both fixed, and the old ones with a pore spring.
+    """All pairs that are near, and the old ones with a pore spring.
 
-    begin, end: of the lower numbers that are looked at. Arrays in spatial order; old pairs by their numbers in it. A
-    period must be longer than three cells. Returns (i, j, old) with i < j, sorted by both; old is the number of the old
-    pair with the same discs, or -1.
+    begin, end: of the lower numbers that are looked at; old pairs by their numbers in spatial order. Returns
+    (i, j, old) with i < j, sorted by both; old is the number of the old pair with the same discs, or -1.
     """
-    near, others = near_pairs(begin, end, x, z, radius, fixed, factor, skin, grid, period)
+    listed, others = near_pairs(begin, end, near, grid)
     pair, higher, old_start = known.pair, known.higher, known.start
     room = len(others) + old_start[end] - old_start[begin]
     first, second, old = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.int32)
@@ -229,7 +232,7 @@ def find_pairs(
     count = np.int64(0)
     for i in range(begin, end):
         start = count
-        for j in others[near[i - begin] : near[i - begin + 1]]:
+        for j in others[listed[i - begin] : listed[i - begin + 1]]:
             match = -1
             for o in range(old_start[i], old_start[i + 1]):
                 if higher[o] == j:
@@ -250,9 +253,9 @@ def pairs_within(
 ) -> tuple[np.ndarray, np.ndarray]:
     """All pairs (i, j), i < j, nearer than the sum of their radii and a skin (m), not both fixed."""
     none = np.zeros(0, np.int32)
-    grid = cell_grid(x, z, radius, 2.0 * radius.max() + skin, period)
+    near = Near(x, z, radius, fixed, 1.0, skin, period)
     known = known_pairs(none, none, np.zeros(len(x), np.int32))
-    i, j, _ = find_pairs(0, len(x), x, z, radius, fixed, 1.0, skin, grid, known, np.zeros(0), period)
+    i, j, _ = find_pairs(0, len(x), near, cell_grid(near), known, np.zeros(0))
     return i, j
 
 
