@@ -17,10 +17,12 @@ from meshes.errors import InputError
 from meshes.free import ALGORITHMS, Sizes, build_free
 from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
+from meshes.section.layering import Layering
 from meshes.section.section import BOUNDARIES, Section
 from meshes.settings import MeshSettings
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
+SAME = 1e-7  # share of the whole by which areas and lengths of a mesh may differ from the ground's
 
 # Where no algorithm makes a free mesh of the sizes that are wanted, one does of so much smaller ones.
 SCALES = (1.0, 0.8, 0.64)
@@ -64,16 +66,21 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
     for scale, algorithm in product(SCALES, ALGORITHMS):
+        build = partial(build_free, section, layers, sizes.times(scale), algorithm)
         try:
-            return _built(section, "free", partial(build_free, section, layers, sizes.times(scale), algorithm), path)
+            return _built(section, "free", build, path, layers)
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None
     raise failure
 
 
-def _built(section: Section, method: str, build: Callable[[], None], path: Path | str | None) -> QuadMesh:
-    """Mesh in a gmsh session of its own, check the mesh, and write it if a path is given."""
+def _built(
+    section: Section, method: str, build: Callable[[], None], path: Path | str | None, layers: Layering | None = None
+) -> QuadMesh:
+    """Mesh in a gmsh session of its own, check the mesh, against ``layers`` where they are given, and write it if a
+    path is given.
+    """
     with session(section.name):
         try:
             build()
@@ -83,6 +90,8 @@ def _built(section: Section, method: str, build: Callable[[], None], path: Path 
             raise BadMeshError(f"gmsh gave up: {error}; try another size") from error
         mesh = _from_gmsh(section, method)
         check(mesh)
+        if layers is not None:
+            refuse_other_ground(mesh, layers)
         if path is not None:
             gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
             _write(Path(path), section)
@@ -140,6 +149,28 @@ def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray
     if len(bare):
         x, z, _ = coordinates.reshape(-1, 3)[np.flatnonzero(tags == bare[0, 0])[0]]
         raise BadMeshError(f"gmsh left ground without cells near x = {x:.2f} m, z = {z:.2f} m; try another size")
+
+
+def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
+    """Raise BadMeshError unless every stratum has the area that it has in the layers, and the outline its length.
+
+    Beside the tip of a wedge gmsh has given ground to the wrong stratum, and left a slit between two.
+    """
+    areas, wanted = mesh.stratum_areas(), layers.areas()
+    worst = int(np.argmax(np.abs(areas - wanted)))
+    if abs(areas[worst] - wanted[worst]) > SAME * wanted.sum():
+        raise BadMeshError(
+            f'gmsh gave stratum "{mesh.strata[worst]}" {areas[worst]:.6g} m² for {wanted[worst]:.6g} m²; '
+            "try another size"
+        )
+    outline = layers.outline()
+    length = float(np.hypot(*(np.roll(outline, -1, axis=0) - outline).T).sum())
+    ends = mesh.points[np.concatenate(list(mesh.boundaries.values()))]
+    around = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+    if abs(around - length) > SAME * length:
+        raise BadMeshError(
+            f"gmsh left a slit in the ground: its outline is {around:.6g} m long for {length:.6g} m; try another size"
+        )
 
 
 def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> np.ndarray:

@@ -63,7 +63,8 @@ class Calibration:
     sensitivity : tuple of (parameter, factor, Search)
         The critical Kh with each parameter halved and doubled; parameter "" is that without any factor.
     trials : tuple of (factor, Search)
-        Every factor that the parameter was tried with, in the order of trying.
+        Every factor that the parameter was tried with, from the least to the largest: the order of trying hangs on
+        which of several searches ends first.
     """
 
     target: float
@@ -302,6 +303,7 @@ def calibrate(
             break
         factor = _between(tried, target, *ends)
         tried[factor] = calibrator.search(parameter, factor, settings.workers)
+    tried = dict(sorted(tried.items(), key=lambda pair: pair[0]))
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
     verdict: Verdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
     reason = f"critical Kh {middle(tried[value]):.4f} for {target:.4f} asked"
