@@ -6,6 +6,9 @@ continuum at the same displacement, since neither has a limit of its own in a bo
 it is pressed together. Their critical Kh is the largest that they bear, on average over a fifth of the way, up to
 `DemSettings.ductility` times the displacement at which the continuum yields. Grains want that much more strain than an
 elastic-plastic body of the same E to have the same strength: `settings.GROWTH` says how it was measured.
+
+Where they fail shows only later: at their critical Kh discs still harden, and shear all over. So the push goes on, and
+the discs at its end have a slip surface.
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,7 +32,10 @@ PULSES = 64  # of a period, between two looks at the displacement, at least;
 SWING = 0.2  # so many radians of the swing on the machine's spring at most: what is looked at more seldom builds up
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
-BEYOND = 1.1  # of the reach, where the push ends: the last window has the reach in its middle
+BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
+POINTS = round(BEYOND / BLOCK)  # of the curve
+FORMED = 3.0  # reaches, where the push ends: a band of shear has formed
+HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
 
 class Continuum(NamedTuple):
@@ -80,7 +86,9 @@ class Machine(NamedTuple):
 
     def speed(self, moved: float, cycle: float) -> float:
         """Of its far end (m/s), when the ground has moved so far (m) and has this period (s)."""
-        return self.reach * float(np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)) / cycle
+        reaches = moved / self.reach
+        share = HURRY if reaches >= BEYOND else float(np.clip(0.15 * reaches, SLOWEST, QUICKEST))
+        return self.reach * share / cycle
 
 
 def pushed_over(
@@ -92,10 +100,11 @@ def pushed_over(
     threads: int = 1,
     on_trial: OnTrial | None = None,
 ) -> tuple[Search, DiscModel]:
-    """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs at its end.
+    """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs once they
+    have been pushed on until a slip surface has formed.
 
     on_trial hears of every point of the curve.
-    Undecided where a DemError stopped the discs before the end.
+    Undecided where a DemError stopped the discs before the end of the curve; one that comes later only ends the push.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
@@ -109,7 +118,7 @@ def pushed_over(
     except DemError as error:
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
-    else:
+    if len(search.trials) == POINTS:
         search.verdict = "bracketed"
         search.reason = (
             f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields"
@@ -136,8 +145,8 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
 
 
 def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int) -> Iterator[Trial]:
-    """Moves the far end of the machine on and takes the discs along, until they have moved a little beyond the reach;
-    each point of the curve is the mean of what was measured since the last.
+    """Moves the far end of the machine on and takes the discs along, until they have failed; each point of the
+    curve, which ends a little beyond the reach, is the mean of what was measured since the last.
 
     Between two looks Kh is what spring and dashpot then carry.
     """
@@ -148,7 +157,7 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
     most, count = 0.0, 0
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP, threads) as pulses:
-        while moved < BEYOND * machine.reach:
+        while moved < FORMED * machine.reach:
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
@@ -158,11 +167,12 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
             now = displacement(model)
             moved, speed = now, (now - moved) / (model.time - then)
             since.append((moved, kh))
-            if moved >= BLOCK * machine.reach * (count + 1):
+            if count < POINTS and moved >= BLOCK * machine.reach * (count + 1):
                 pulses.whole()
                 there, borne = (float(value) for value in np.mean(since, axis=0))
                 yield _point(model, there, borne, most, model.time - start)
                 most, count, since = max(most, borne), count + 1, []
+        pulses.whole()
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

@@ -48,7 +48,13 @@ CAPTIONS = (
         "over a fifth of the way, up to the vertical line.",
         True,
     ),
-    Caption(r"slip_surfaces", "both", "Slip surfaces of the continuum and of the discs.", True),
+    Caption(
+        r"slip_surfaces",
+        "both",
+        "Slip surfaces of the continuum and of the discs; of soil discs once they have been pushed on to three times "
+        "the way on which their critical Kh is measured, and a band of shear has formed.",
+        True,
+    ),
     Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
     Caption(
         r"fem_kh_(\d+\.\d+)",

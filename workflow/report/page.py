@@ -17,7 +17,7 @@ from workflow.report import tables
 from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
-from workflow.report.findings import lies_still, moved_lately, springs_of
+from workflow.report.findings import fail_alike, lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
@@ -73,6 +73,7 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
+        "fail_alike": fail_alike(results),
         "estimates": estimates(given, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from workflow.report.console import meshes_sentences
+from workflow.report.findings import fail_alike
 from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer
@@ -41,7 +42,7 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
         rows = results.dem is not None and results.dem.model.packing != "random"
         yield (
             "Random packing",
-            "The table below has the cases on random packings, calibrated to the same critical Kh: "
+            f"The table below has the cases on random packings {fail_alike(results)}: "
             + (
                 "what they share with the discs in rows does not come from their order."
                 if rows

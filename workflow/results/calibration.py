@@ -174,6 +174,11 @@ class CalibrationAnswer(Answer):
         default=None, description="soil discs: between which the continuum's lies; what was asked for is the nearest"
     )
 
+    @property
+    def leaves_open(self) -> bool:
+        """Whether the continuum's critical Kh is known no closer than discs are asked to meet it."""
+        return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
+
     @classmethod
     def of(cls, found: "Calibration", element_tests: tuple[LayerTest, ...] = ()) -> Self:
         """The calibration as an answer holds it; sensitivities by parameter, then by factor."""

@@ -7,7 +7,7 @@ from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.report.doubtful import doubtful, joined
-from workflow.report.findings import findings
+from workflow.report.findings import fail_alike, findings
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
@@ -154,6 +154,13 @@ def test_an_interval_where_there_are_several_packings(run: Input) -> None:
         "On 3 random packings that fail at the same Kh the largest slide is 3 m (2 to 5 m; mean of all packings 0 to "
         "7 m with 95 %) in case 2." in told
     )
+
+
+def test_where_the_continuum_leaves_its_kh_open_the_packings_are_told_to_lie_within(run: Input) -> None:
+    open_end = dem_fixture.calibration(0.24, True).model_copy(update={"continuum_kc": (0.16, 0.2), "tolerance": 0.005})
+    assert fail_alike(results(run, calibration=open_end)) == "that fail within what the finite elements leave open"
+    met = open_end.model_copy(update={"continuum_kc": (0.16, 0.164)})
+    assert fail_alike(results(run, calibration=met)) == "that fail at the same Kh"
 
 
 def test_the_order_of_cases_goes_by_packings() -> None:
