@@ -33,7 +33,6 @@ SWING = 0.2  # so many radians of the swing on the machine's spring at most: wha
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
-POINTS = round(BEYOND / BLOCK)  # of the curve
 FORMED = 3.0  # reaches, where the push ends: a band of shear has formed
 HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
@@ -86,9 +85,8 @@ class Machine(NamedTuple):
 
     def speed(self, moved: float, cycle: float) -> float:
         """Of its far end (m/s), when the ground has moved so far (m) and has this period (s)."""
-        reaches = moved / self.reach
-        share = HURRY if reaches >= BEYOND else float(np.clip(0.15 * reaches, SLOWEST, QUICKEST))
-        return self.reach * share / cycle
+        share = HURRY if moved >= BEYOND * self.reach else np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)
+        return self.reach * float(share) / cycle
 
 
 def pushed_over(
@@ -108,17 +106,20 @@ def pushed_over(
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
-    search, model = Search(), settled.copy()
+    search, model, whole = Search(), settled.copy(), False
     reach = settings.ductility * continuum.yielding
     try:
         for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads):
+            if trial is None:
+                whole = True
+                continue
             search.trials.append(trial)
             if on_trial is not None:
                 on_trial(trial, model)
     except DemError as error:
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
-    if len(search.trials) == POINTS:
+    if whole:
         search.verdict = "bracketed"
         search.reason = (
             f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields"
@@ -144,9 +145,11 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
     return float(windows[best].mean()), float(windows[best].std() / np.sqrt(size)), best + size - 1
 
 
-def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int) -> Iterator[Trial]:
+def _points(
+    model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int
+) -> Iterator[Trial | None]:
     """Moves the far end of the machine on and takes the discs along, until they have failed; each point of the
-    curve, which ends a little beyond the reach, is the mean of what was measured since the last.
+    curve is the mean of what was measured since the last, and None follows where it ends, a little beyond the reach.
 
     Between two looks Kh is what spring and dashpot then carry.
     """
@@ -154,7 +157,7 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
     displacement = Displacement(before, ground)
     pulse = min(cycle / PULSES, SWING / machine.frequency)
     moved, speed, end = 0.0, 0.0, 0.0
-    most, count = 0.0, 0
+    most, count, curving = 0.0, 0, True
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP, threads) as pulses:
         while moved < FORMED * machine.reach:
@@ -167,11 +170,14 @@ def _points(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
             now = displacement(model)
             moved, speed = now, (now - moved) / (model.time - then)
             since.append((moved, kh))
-            if count < POINTS and moved >= BLOCK * machine.reach * (count + 1):
+            if curving and moved >= BLOCK * machine.reach * (count + 1):
                 pulses.whole()
                 there, borne = (float(value) for value in np.mean(since, axis=0))
                 yield _point(model, there, borne, most, model.time - start)
                 most, count, since = max(most, borne), count + 1, []
+            if curving and moved >= BEYOND * machine.reach:
+                curving = False
+                yield None
         pulses.whole()
 
 
