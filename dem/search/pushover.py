@@ -33,7 +33,9 @@ SWING = 0.2  # so many radians of the swing on the machine's spring at most: wha
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
-FORMED = 3.0  # reaches, where the push ends: a band of shear has formed
+FORMED = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
+FURTHEST = 3.0  # reaches, where the push ends at last: the sides take more and more part
+GROUND = 98  # per cent of the discs, which single ones that roll far do not stand for
 HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
 
@@ -160,7 +162,7 @@ def _points(
     most, count, curving = 0.0, 0, True
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP, threads) as pulses:
-        while moved < FORMED * machine.reach:
+        while curving or not (moved >= FURTHEST * machine.reach or _slid(model, before, ground)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
@@ -179,6 +181,12 @@ def _points(
                 curving = False
                 yield None
         pulses.whole()
+
+
+def _slid(model: DiscModel, before: DiscModel, ground: Ground) -> bool:
+    """Whether the ground has moved so far that a band of shear has formed."""
+    way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
+    return bool(np.percentile(way, GROUND) >= FORMED * ground.radius)
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

@@ -51,8 +51,8 @@ CAPTIONS = (
     Caption(
         r"slip_surfaces",
         "both",
-        "Slip surfaces of the continuum and of the discs; of soil discs once they have been pushed on to three times "
-        "the way on which their critical Kh is measured, and a band of shear has formed.",
+        "Slip surfaces of the continuum and of the discs; of soil discs once they have been pushed on "
+        "beyond the way on which their critical Kh is measured, until a band of shear has formed.",
         True,
     ),
     Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
