@@ -35,6 +35,7 @@ WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
 FORMED = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
 FURTHEST = 3.0  # reaches, where the push ends at last: the sides take more and more part
+APART = 5.0  # times the mean way, that ground moves which is a fifth of all and has come apart from it already
 GROUND = 98  # per cent of the discs, which single ones that roll far do not stand for
 HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
@@ -162,7 +163,7 @@ def _points(
     most, count, curving = 0.0, 0, True
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP, threads) as pulses:
-        while curving or not (moved >= FURTHEST * machine.reach or _slid(model, before, ground)):
+        while curving or not (moved >= FURTHEST * machine.reach or _slid(model, before, ground, moved)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
@@ -183,10 +184,12 @@ def _points(
         pulses.whole()
 
 
-def _slid(model: DiscModel, before: DiscModel, ground: Ground) -> bool:
-    """Whether the ground has moved so far that a band of shear has formed."""
+def _slid(model: DiscModel, before: DiscModel, ground: Ground, moved: float) -> bool:
+    """Whether the ground has moved so far that a band of shear has formed, or a small part so far ahead of the mean (m)
+    that to push on would only bring along the rest.
+    """
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    return bool(np.percentile(way, GROUND) >= FORMED * ground.radius)
+    return bool(np.percentile(way, GROUND) >= min(FORMED * ground.radius, APART * moved))
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:
