@@ -87,6 +87,8 @@ class LayerSprings:
         Stiffness of soil discs where they overlap by more than `STOP_DEPTH` (N/m); no effect where kn is larger.
     boundary : float
         Normal spring against boundary discs (N/m), where it is stiffer than kn: that of the layer before it liquefied.
+    undrained : bool
+        Whether its strength is (phi = 0), and its volume stays what it is while a slide lasts.
     """
 
     name: str
@@ -109,6 +111,7 @@ class LayerSprings:
     rolling_friction: float = 0.0
     stop: float = 0.0
     boundary: float = 0.0
+    undrained: bool = False
 
     def __post_init__(self) -> None:
         for key in ("kn", "density"):

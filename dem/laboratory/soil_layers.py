@@ -62,10 +62,11 @@ class SoilLayer:
         """The constants of discs of this mean radius (m) in a packing of this void ratio."""
         s = self.stratum
         strength = Strength(self.friction, self.cohesion * 2.0 * radius)
-        return soil_discs(
+        discs = soil_discs(
             s.name, self.stiffness, strength, s.density_seismic, s.density_ordinary, radius, void_ratio,
             allowed_overlap=OVERLAP,
         )  # fmt: skip
+        return replace(discs, undrained=s.friction_angle == 0.0)
 
 
 def failure_strength(stratum: Stratum, pressure: np.ndarray) -> np.ndarray:

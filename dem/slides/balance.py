@@ -3,20 +3,19 @@
 Areas stand for volumes per metre (m2).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import Delaunay
 
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.surface import Surface
+from dem.slides.volume import shortening
 
 LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
 NEAR = 2.0  # diameters from a side
-LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
 PILED = 2.0  # mean radii that the surface at a side rises
 STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side was stopped by it
 
@@ -34,55 +33,18 @@ def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:
     return float(np.sum(np.pi * model.radius[free] ** 2))
 
 
-def shortening(model: DiscModel, strata: Sequence[int]) -> float:
-    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch."""
-    i, j = model.pair_i, model.pair_j
-    touching = model.radius[i] + model.radius[j]
-    over = (touching - model.distance()) / touching
-    here = (over > 0.0) & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
-    return float(over[here].mean()) if here.any() else 0.0
+def asked_for(
+    start: DiscModel, model: DiscModel, strata: Sequence[int], area: float, drained: Mapping[int, float]
+) -> float:
+    """By how much the ground's area (m2) shall shrink: what drains, and what the softer springs of strata give way.
 
-
-def asked_for(start: DiscModel, model: DiscModel, strata: Sequence[int], area: float) -> float:
-    """By how much the ground's area (m2) shall shrink: what drains from strata, and what their softer springs give way.
-
-    Springs that shorten by a share of the distance of two discs take twice that share of the area of their stratum.
+    drained: by stratum, the share of its volume. Springs that shorten by a share of the distance of two discs take
+    twice that share of the area of their stratum.
     """
     discs = disc_area(start)
-    drained = (disc_area(start, strata) - disc_area(model, strata)) * area / discs
-    gave_way = 2.0 * (shortening(model, strata) - shortening(start, strata)) * disc_area(start, strata) * area / discs
-    return drained + max(0.0, gave_way)
-
-
-def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
-    """By how much the ground of each stratum has grown, in shares of its area (n,); below 0 where it got denser.
-
-    The area of a stratum is that of the triangles (Delaunay) whose corners were neighbours at the start and are so
-    still, voids and all: ground that has come apart is left out. A triangle between two strata counts to the lower one.
-    """
-    corners = Delaunay(np.column_stack([start.x, start.z])).simplices
-    longest = LONG * float(start.radius.mean())
-    for one in (start, model):
-        sides = np.array([_side(one, corners, k) for k in range(3)])
-        corners = corners[np.hypot(*sides.swapaxes(0, 1)).max(axis=0) < longest]
-    areas = np.array([_triangle_areas(one, corners) for one in (start, model)])
-    layer = start.layer[corners].max(axis=1)
-    whole = (layer >= 0) & (areas[0] * areas[1] > 0.0)
-    count = len(start.springs.layers)
-    before, after = (np.bincount(layer[whole], np.abs(one[whole]), count) for one in areas)
-    return np.divide(after - before, before, out=np.zeros(count), where=before > 0.0)
-
-
-def _side(model: DiscModel, corners: np.ndarray, number: int) -> np.ndarray:
-    """From one corner of triangles to the next (2, n), in m."""
-    first, second = corners[:, number], corners[:, (number + 1) % 3]
-    return np.array([model.x[second] - model.x[first], model.z[second] - model.z[first]])
-
-
-def _triangle_areas(model: DiscModel, corners: np.ndarray) -> np.ndarray:
-    """Areas of triangles of discs (n,), below 0 where one has been turned over (m2)."""
-    (ax, az), (bx, bz) = _side(model, corners, 0), _side(model, corners, 1)
-    return 0.5 * (ax * bz - az * bx)
+    gone = sum(share * disc_area(start, [k]) for k, share in drained.items())
+    gave_way = 2.0 * (shortening(model, strata) - shortening(start, strata)) * disc_area(start, strata)
+    return (gone + max(0.0, gave_way)) * area / discs
 
 
 def pressed_through(model: DiscModel) -> int:

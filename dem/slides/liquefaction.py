@@ -29,7 +29,6 @@ from dem.slides.balance import (
     pressed_through,
     stopped_by,
     thin_layers,
-    volume_change,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
@@ -37,6 +36,7 @@ from dem.slides.rest import at_rest, moved_lately, what_drives
 from dem.slides.row import Row
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
+from dem.slides.volume import area_per_disc, swollen, undrained, volume_change
 
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
 FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
@@ -171,6 +171,9 @@ class Slider:
         self.residual = residual_contacts(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.kept = -np.inf  # when the last checkpoint was left (s)
+        self.undrained = undrained(start, strata if case is not None else [])
+        self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
+        self.swelling: list[list[float]] = []  # before every look, of the discs of each undrained stratum
         self.model = self._resumed() or self._begun()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
@@ -179,6 +182,7 @@ class Slider:
         end = self.start.time + self.drive.end
         while not slide.reason:
             self._liquefy()
+            self._keep_volume()
             try:
                 dt = slide.step_share * largest_step(self.model).seconds
                 Engine(dt=dt, threads=threads).run(self.model, self._until())
@@ -217,7 +221,7 @@ class Slider:
         if self.folder is not None:
             (self.folder / "checkpoint.h5").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
-        self.slide.rows = []
+        self.slide.rows, self.swelling = [], []
         self.model = self._begun()
 
     def _liquefy(self) -> None:
@@ -233,14 +237,26 @@ class Slider:
             wanted = liquefied(wanted, which, self.case, share, self.residual)
         if list(self.model.springs.layers) != wanted:
             self.model.set_springs(wanted)
-        if self.case is not None and self.case.volumetric_strain > 0.0:
-            self._drain({k: share * self.case.volumetric_strain for k, share in shares.items()})
 
-    def _drain(self, lost: dict[int, float]) -> None:
-        """Discs of the liquefied layers shrink by the share of their volume that has drained; they keep their mass."""
-        factor = np.ones(len(self.start))
-        for k, share in lost.items():
-            factor[(self.start.layer == k) & ~self.start.fixed] = np.sqrt(1.0 - share)
+    def _drained(self) -> dict[int, float]:
+        """Share of their volume that strata have lost by now, as the case asks for it."""
+        since = self.model.time - self.start.time
+        if self.case is None or since < self.drive.first - SAME:
+            return {}
+        return {k: self.drive.share(k, since) * self.case.volumetric_strain for k in self.strata}
+
+    def _keep_volume(self) -> None:
+        """Discs of liquefied strata shrink by what has drained, those of undrained ones swell; they keep their mass."""
+        drained = self._drained()
+        sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)
+        if sizes:
+            sizes = swollen(self.model, self.start, self.area_per_disc, self.undrained, sizes, drained)
+        self.swelling.append(sizes)
+        area = np.ones(len(self.start.springs.layers) + 1)  # the boundary comes last
+        area[self.undrained] = sizes
+        for k, share in drained.items():
+            area[k] *= 1.0 - share
+        factor = np.where(self.start.fixed, 1.0, np.sqrt(area)[self.start.layer])
         radius = factor * self.start.radius
         if not np.array_equal(radius, self.model.radius):
             self.model.set_radius(radius)
@@ -321,7 +337,7 @@ class Slider:
         """A sentence on ground that is gone, or none."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
-        asked = asked_for(start, model, self.strata, before)
+        asked = asked_for(start, model, self.strata, before, self._drained())
         slide.area_lost_share = (before - after - asked) / before
         if slide.area_lost_share <= LOST:
             return []
@@ -371,6 +387,7 @@ class Slider:
             "settled": slide.settled,
             "step_share": slide.step_share,
             "overlap": slide.overlap,
+            "swelling": self.swelling,
         }
         beside.write_text(json.dumps(state))
         beside.replace(self.folder / "rows.json")
@@ -389,6 +406,7 @@ class Slider:
         since = model.time - self.start.time
         self.slide.rows = [Row(**row) for row in state["rows"] if row["time_s"] <= since + 1e-9]
         self.slide.overlap = state["overlap"]
+        self.swelling = state["swelling"][: len(self.slide.rows)]
         if len(self.slide.rows) == len(state["rows"]):
             self.slide.reason, self.slide.settled = state["reason"], state["settled"]
         return model

@@ -14,6 +14,7 @@ from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum, pushed_over
+from dem.slides.balance import LOST
 from dem.slides.liquefaction import Slide, Slider
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
@@ -131,6 +132,7 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
         assert slide.seconds_simulated <= 60.0
         assert slide.overlap < 0.5
         assert slide.escaped == 0
+        assert slide.area_lost_share < LOST
     one, two, three = (slide.rows[-1].slide_max_m for slide in slides)
     assert one < two < three
     assert one < 2.5

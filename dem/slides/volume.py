@@ -1,0 +1,87 @@
+"""Ground that cannot drain keeps its volume: its discs swell as they come to lie closer, as pore water holds grains.
+
+An earthquake is over before water has left clay, or sand that liquefies under it. Random discs are looser than such
+soil and get denser as they shear; what their ground loses so is given back, stratum by stratum, as pore pressure does.
+All discs of a stratum swell alike, so that their packing stays similar to itself and as strong as it was. Areas stand
+for volumes per metre (m2).
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from dem.model import DiscModel
+
+LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
+HEARD = 0.003  # of the area: less is left alone, so that ground at rest is not stirred
+PACE = 0.002  # of the area at one look: what holds the ground changes little
+
+
+def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
+    """Strata of soil discs that keep their volume: those that liquefy, and those whose strength is undrained."""
+    if start.law != "soil":
+        return []
+    return [k for k, layer in enumerate(start.springs.layers) if k in liquefy or layer.undrained]
+
+
+def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
+    """Area of the ground of each stratum, voids and all, over the area that its discs had at the start (n,).
+
+    Of triangles of neighbours (Delaunay), each shared out among its corners by their angles: 2 sqrt(3)/pi where equal
+    discs just touch. Not a number for a stratum without any.
+    """
+    points = np.column_stack([model.x, model.z])
+    corners = Delaunay(points).simplices
+    ahead = np.roll(points[corners], -1, axis=1) - points[corners]
+    lengths = np.hypot(ahead[..., 0], ahead[..., 1])
+    close = (lengths < LONG * float(start.radius.mean())).all(axis=1)
+    corners, ahead, lengths = corners[close], ahead[close], lengths[close]
+    behind = -np.roll(ahead, 1, axis=1)
+    cosine = (ahead * behind).sum(axis=-1) / (lengths * np.roll(lengths, 1, axis=1))
+    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+    area = 0.5 * np.abs(ahead[:, 0, 0] * ahead[:, 1, 1] - ahead[:, 0, 1] * ahead[:, 1, 0])
+    layer, count = model.layer[corners], len(model.springs.layers)
+    soil = layer >= 0
+    ground = np.bincount(layer[soil], (area[:, np.newaxis] * angle / np.pi)[soil], count)
+    discs = np.bincount(layer[soil], (0.5 * angle * start.radius[corners] ** 2)[soil], count)
+    return np.divide(ground, discs, out=np.full(count, np.nan), where=discs > 0.0)
+
+
+def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
+    """By how much the ground of each stratum has grown, in shares of its area (n,); below 0 where it got denser.
+
+    0 for a stratum of which no three discs are neighbours any more.
+    """
+    return np.nan_to_num(area_per_disc(model, start) / area_per_disc(start, start) - 1.0)
+
+
+def shortening(model: DiscModel, strata: Sequence[int]) -> float:
+    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch."""
+    i, j = model.pair_i, model.pair_j
+    touching = model.radius[i] + model.radius[j]
+    over = (touching - model.distance()) / touching
+    here = (over > 0.0) & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
+    return float(over[here].mean()) if here.any() else 0.0
+
+
+def swollen(
+    model: DiscModel,
+    start: DiscModel,
+    before: np.ndarray,
+    strata: Sequence[int],
+    sizes: Sequence[float],
+    drained: Mapping[int, float],
+) -> list[float]:
+    """How large in area the discs of some strata are to be, over what they were at the start, and are by now: `sizes`.
+
+    before: `area_per_disc` at the start; drained: by stratum, the share of its volume that was asked to go. What softer
+    springs give way is not given back.
+    """
+    now = area_per_disc(model, start)
+    out = []
+    for k, size in zip(strata, sizes, strict=True):
+        gave_way = max(0.0, 2.0 * (shortening(model, [k]) - shortening(start, [k])))
+        missing = before[k] * (1.0 - drained.get(k, 0.0) - gave_way) / now[k] - 1.0
+        out.append(size * (1.0 + min(missing, PACE)) if missing > HEARD else size)
+    return out
