@@ -13,7 +13,7 @@ from dem.acceleration import Acceleration
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.neighbours import (
     Near,
-    carried_over,
+    carry_over,
     cell_grid,
     find_lines,
     find_pairs,
@@ -168,7 +168,7 @@ class DiscModel(DiscState):
         # a pair may have changed its owner
         sign = turned(self.pair_i, other, old)
         for name in self.memory:
-            setattr(self, name, carried_over(getattr(self, name), old, sign if name in TURNED else None))
+            self._carry(name, old, sign if name in TURNED else None, in_ranges)
         self.pair_i, self.pair_j = owner, other
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
@@ -176,6 +176,12 @@ class DiscModel(DiscState):
         before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
         for name in LINE_MEMORY:
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
+
+    def _carry(self, name: str, old: np.ndarray, sign: np.ndarray | None, in_ranges: Ranges) -> None:
+        """What pairs of a new list remember of one kind, see `carry_over`."""
+        before, values = getattr(self, name), np.empty(len(old))
+        in_ranges(lambda begin, end: carry_over(begin, end, before, old, sign, values), len(old))
+        setattr(self, name, values)
 
     def set_pore_springs(self) -> int:
         """Sets a pore spring, free of force, between all discs with D <= alpha (r_i + r_j), eq. (14).

@@ -15,7 +15,7 @@ from numba import config
 
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.ledger import Ledger
-from dem.engine.memory import keep_freed_arrays, large_zeros
+from dem.engine.memory import Room, keep_freed_arrays, large_zeros
 from dem.engine.packer import pack, unpack, unpack_motion
 from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
@@ -227,6 +227,8 @@ class Run:
         alone = self.threads == 1 and current_thread() is not main_thread()
         self.pool = None if alone else ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
+        self.in_ranges = side_by_side(self.pool, self.threads)
+        self.room = Room(len(model))
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
@@ -244,14 +246,14 @@ class Run:
     def pack(self) -> Layout:
         """The layout, made from the model if there is none."""
         if self.layout is None:
-            self.layout = pack(self.model, keep_pairs=False)
+            self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
         return self.layout
 
     def update(self) -> None:
         """Makes the model whole again; the layout goes."""
         if self.layout is not None:
-            unpack(self.layout, self.model)
+            unpack(self.layout, self.model, self.in_ranges)
             self.layout = None
 
     def show(self) -> None:
@@ -305,7 +307,7 @@ class Run:
     def list_anew(self) -> None:
         """Makes the neighbour list, and looks for the stable step while the layout is made."""
         model = self.model
-        model.make_list(side_by_side(self.pool, self.threads))
+        model.make_list(self.in_ranges)
         find = step_finder(model)
         if self.pool is None or self.threads == 1:
             self.stable = find()

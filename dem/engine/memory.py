@@ -11,6 +11,7 @@ LARGEST = 1 << 25  # bytes: above this glibc gives back every array in any case
 KEPT = 1 << 28  # bytes at the top of the heap, which it keeps
 MANY = 500_000  # discs
 LINE = 8  # doubles in a cache line
+MORE = 1.02  # times what is wanted now: the next list is a little longer, or shorter
 
 
 def large_zeros(*shape: int) -> np.ndarray:
@@ -21,6 +22,29 @@ def large_zeros(*shape: int) -> np.ndarray:
     values = room[begin : begin + size].reshape(shape)
     values[...] = 0.0
     return values
+
+
+class Room:
+    """Where zeros are made again and again, each time of about the same size, by name: what was there before is gone.
+
+    glibc gives back every array above `LARGEST`, and half of the time of a new list went into getting such pages anew.
+    """
+
+    def __init__(self, discs: int = MANY + 1) -> None:
+        self.keeps = discs <= MANY  # of more, what a run holds at once counts
+        self.rooms: dict[str, np.ndarray] = {}
+
+    def zeros(self, name: str, *shape: int) -> np.ndarray:
+        """Zeros in large pages, as of `large_zeros`."""
+        size = math.prod(shape)
+        if not self.keeps:
+            return large_zeros(*shape)
+        if name not in self.rooms or len(self.rooms[name]) < size:
+            self.rooms.pop(name, None)
+            self.rooms[name] = large_zeros(int(MORE * size))
+        values = self.rooms[name][:size].reshape(shape)
+        values[...] = 0.0
+        return values
 
 
 def keep_freed_arrays(discs: int) -> None:

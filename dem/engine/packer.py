@@ -1,8 +1,10 @@
 """DiscModel to Layout and back."""
 
+from functools import partial
+
 import numpy as np
 
-from dem.engine.memory import large_zeros
+from dem.engine.memory import Room, large_zeros
 from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
@@ -11,6 +13,7 @@ from dem.kernels.layout import (
     X0,
     Z0,
     Layout,
+    count_links,
     count_slots,
     find_fresh,
     list_links,
@@ -20,6 +23,7 @@ from dem.kernels.layout import (
 from dem.kernels.motion import list_motion, place_fields, place_motion
 from dem.kernels.records import SHARED
 from dem.model import DiscModel
+from dem.ranges import Ranges, at_once
 from dem.state import MEMORY, ROLLING_MEMORY
 
 FAR = 1e15  # m: where lanes without a disc are
@@ -30,12 +34,13 @@ _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
-def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
+def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = at_once, room: Room | None = None) -> Layout:
     """The model as the stepping kernel wants it; the same model always gives the same layout.
 
     keep_pairs: False takes the pairs out of the model, until `unpack` brings them back: there is no need to hold them
-    twice.
+    twice. room: what the largest arrays lie in; a layout made in it before is gone then.
     """
+    room = Room() if room is None else room
     n = len(model)
     slices = n // LANES + 1
     order = model.order
@@ -47,19 +52,20 @@ def pack(model: DiscModel, *, keep_pairs: bool = True) -> Layout:
     tail = -(-len(model.line_disc) // LANES)
     line_disc = number[model.line_disc]
 
-    links = large_zeros(chunks + 1 + tail, LINK_FIELDS, LANES)
+    links = room.zeros("links", chunks + 1 + tail, LINK_FIELDS, LANES)
     links[:, 0] = 1.0
-    rolling = large_zeros(chunks + 1 + tail if model.law == "soil" else 0, ROLL_FIELDS, LANES)
+    rolling = room.zeros("rolling", chunks + 1 + tail if model.law == "soil" else 0, ROLL_FIELDS, LANES)
     partners = np.full((chunks, LANES), n, np.uint32)
     # the disc that stands for nobody cannot be its own partner: their distance would be nothing
     partners[chunk_start[-2] :, n % LANES] = n + 1 if (n + 1) % LANES else 0
     kinds = np.zeros(chunks * LANES, np.uint16)
-    place_links(
-        owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
-        tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), links.reshape(-1),
-        rolling.reshape(-1), partners.reshape(-1), kinds,
+    placed = partial(
+        place_links, owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
+        tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), links.reshape(-1), rolling.reshape(-1),
+        partners.reshape(-1), kinds,
     )  # fmt: skip
-    del owner, partner, turn
+    in_ranges(placed, len(owner))
+    del placed, owner, partner, turn
     fresh, fresh_start = find_fresh(partners.reshape(-1), n, kinds)
     if not keep_pairs:
         model.pair_i = model.pair_j = np.zeros(0, np.int32)
@@ -115,11 +121,12 @@ def _far(lanes: np.ndarray) -> np.ndarray:
 def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     """Those fields of the layout that belong to discs which carry what shakes with the ground."""
     order = model.order
-    there = np.flatnonzero((model.swing_x[order] != 0.0) | (model.swing_z[order] != 0.0))
+    swinging = (model.swing_x != 0.0) | (model.swing_z != 0.0)
+    there = np.flatnonzero(swinging[order]) if swinging.any() else np.zeros(0, np.int64)
     fields = (*model.pull, model.swing_x, model.swing_z)
     return {
         "swing_disc": there,
-        "swing": np.column_stack([values[order][there] for values in fields]),
+        "swing": np.column_stack([values[order[there]] for values in fields]),
         "swing_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
     }
 
@@ -129,12 +136,21 @@ def unpack_motion(layout: Layout, model: DiscModel) -> None:
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
 
 
-def unpack(layout: Layout, model: DiscModel) -> None:
+def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = at_once) -> None:
     """Writes what a run has changed back into the model."""
     unpack_motion(layout, model)
-    order = model.order
-    model.pair_i, model.pair_j, memory = list_links(layout, order, len(model.memory))
-    for name, values in zip(model.memory, memory, strict=True):
+    start = count_links(layout, len(model))
+    count = int(start[-1])
+    owner, other = np.empty(count, np.int32), np.empty(count, np.int32)
+    memory = tuple(np.empty(count if name in model.memory else 0) for name in MEMORY + ROLLING_MEMORY)
+
+    def listed(begin: int, end: int) -> None:
+        slices = -(-begin // LANES), min(-(-end // LANES), len(start) - 1)
+        list_links(*slices, start, layout, model.order, owner, other, memory)
+
+    in_ranges(listed, len(model))
+    model.pair_i, model.pair_j = owner, other
+    for name, values in zip(MEMORY + ROLLING_MEMORY, memory, strict=True):
         setattr(model, name, values)
     e = np.arange(len(model.line_disc))
     chunk, lane = layout.chunk_start[-1] + 1 + e // LANES, e % LANES

@@ -151,12 +151,14 @@ def place_links(
     rolling: np.ndarray,
     where: np.ndarray,
     kind: np.ndarray,
+    begin: int,
+    end: int,
 ) -> None:
-    """Writes the contacts into their lanes; the last four arrays come filled with those of no contact.
+    """Writes contacts begin to end into their lanes; links to kind come filled with those of no contact.
 
-    memory: of each contact, as named in `model.MEMORY`, then in `model.ROLLING_MEMORY` (empty for the paper's discs).
+    memory: of each contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs).
     """
-    for c in range(len(owner)):
+    for c in range(begin, end):
         i = owner[c]
         chunk = chunk_start[i // LANES] + turn[c]
         lane = i % LANES
@@ -243,22 +245,37 @@ def place_incoming(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def list_links(layout: Layout, order: np.ndarray, fields: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The contacts back from their lanes, slice by slice, slot by slot, lane by lane.
-
-    Returns owner, partner (numbers of the user), and what they remember, a row for each of the `fields`, the
-    names in `DiscModel.memory`.
-    """
-    discs = len(order)
-    count = 0
-    for p in range(len(layout.chunk_start) - 1):
+def count_links(layout: Layout, discs: int) -> np.ndarray:
+    """Where the contacts of each slice begin in their list, and where the last ones end (slices + 1,)."""
+    slices = len(layout.chunk_start) - 1
+    start = np.zeros(slices + 1, np.int64)
+    for p in range(slices):
+        count = 0
         for place in range(layout.chunk_start[p] * LANES, layout.chunk_start[p + 1] * LANES):
             count += p * LANES + place % LANES < discs and layout.partner[place] < discs
-    owner = np.empty(count, np.int32)
-    other = np.empty(count, np.int32)
-    memory = np.empty((fields, count))
-    found = 0
-    for p in range(len(layout.chunk_start) - 1):
+        start[p + 1] = start[p] + count
+    return start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_links(
+    begin: int,
+    end: int,
+    start: np.ndarray,
+    layout: Layout,
+    order: np.ndarray,
+    owner: np.ndarray,
+    other: np.ndarray,
+    memory: tuple[np.ndarray, ...],
+) -> None:
+    """The contacts of slices begin to end back from their lanes, slice by slice, slot by slot, lane by lane.
+
+    start: as `count_links` has it. Writes owner, partner (numbers of the user), and what they remember, as named in
+    `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs).
+    """
+    discs = len(order)
+    for p in range(begin, end):
+        found = start[p]
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
             for lane in range(LANES):
                 i = p * LANES + lane
@@ -269,10 +286,9 @@ def list_links(layout: Layout, order: np.ndarray, fields: int) -> tuple[np.ndarr
                 other[found] = order[j]
                 base = chunk * LINK_FIELDS * LANES + lane
                 for k in range(5):
-                    memory[k, found] = layout.links[base + (k + 1) * LANES]
+                    memory[k][found] = layout.links[base + (k + 1) * LANES]
                 if len(layout.rolling) > 0:
                     base = chunk * ROLL_FIELDS * LANES + lane
-                    memory[5, found] = layout.rolling[base + LANES]
-                    memory[6, found] = layout.rolling[base + 2 * LANES]
+                    memory[5][found] = layout.rolling[base + LANES]
+                    memory[6][found] = layout.rolling[base + 2 * LANES]
                 found += 1
-    return owner, other, memory

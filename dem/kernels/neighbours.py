@@ -286,13 +286,15 @@ def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def carried_over(memory: np.ndarray, old: np.ndarray, sign: np.ndarray | None) -> np.ndarray:
-    """What pairs of a new list remember, from the old list's memory times a sign; nothing where they are new."""
-    values = np.zeros(len(old))
-    for c in range(len(old)):
-        if old[c] >= 0:
+def carry_over(
+    begin: int, end: int, memory: np.ndarray, old: np.ndarray, sign: np.ndarray | None, values: np.ndarray
+) -> None:
+    """What pairs begin to end of a new list remember, from the old list's memory times a sign; nothing if new."""
+    for c in range(begin, end):
+        if old[c] < 0:
+            values[c] = 0.0
+        else:
             values[c] = memory[old[c]] if sign is None else memory[old[c]] * sign[c]
-    return values
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -14,6 +14,7 @@ import pytest
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
+from dem.engine.memory import Room
 from dem.engine.pulses import Pulses
 from dem.model import DiscModel
 from dem.springs import Law
@@ -43,6 +44,14 @@ def same(a: DiscModel, b: DiscModel) -> bool:
     )
 
 
+@pytest.fixture(params=["lists by one thread", "lists by all threads"])
+def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few discs are listed, laid out and brought back by one thread, unless they count as many."""
+    if request.param == "lists by all threads":
+        monkeypatch.setattr("dem.ranges.FEW", 0)
+
+
+@pytest.mark.usefixtures("lists")
 @pytest.mark.parametrize("law", ["paper", "soil"])
 @pytest.mark.parametrize("ledger", [True, False])
 def test_number_of_threads_changes_no_bit(ledger: bool, law: Law) -> None:
@@ -94,6 +103,21 @@ def test_restart_changes_no_bit(tmp_path: Path, law: Law) -> None:
     assert same(whole, part)
     assert part.springs.layers == whole.springs.layers
     assert np.any(whole.rolled != 0.0) == (law == "soil")
+
+
+def test_room_is_used_again() -> None:
+    """Zeros each time, in the same place where they fit; in another where they do not, or where many discs count."""
+    room = Room(100)
+    first = room.zeros("links", 7, 3)
+    place = first.ctypes.data
+    first[...] = 1.0
+    again = room.zeros("links", 5, 4)
+    assert (again == np.zeros((5, 4))).all()
+    assert again.ctypes.data == place
+    assert room.zeros("rolling", 5, 4).ctypes.data != place
+    assert room.zeros("links", 50, 4).shape == (50, 4)
+    assert (Room().zeros("links", 2, 2) == np.zeros((2, 2))).all()
+    assert not Room().rooms
 
 
 def test_checkpoint_holds_everything(tmp_path: Path) -> None:
