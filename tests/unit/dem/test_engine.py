@@ -105,8 +105,9 @@ def test_restart_changes_no_bit(tmp_path: Path, law: Law) -> None:
     assert np.any(whole.rolled != 0.0) == (law == "soil")
 
 
-def test_room_is_used_again() -> None:
+def test_room_is_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Zeros each time, in the same place where they fit; in another where they do not, or where many discs count."""
+    monkeypatch.setattr("dem.engine.memory.LARGEST", 40)
     room = Room(100)
     first = room.zeros("links", 7, 3)
     place = first.ctypes.data
@@ -116,8 +117,11 @@ def test_room_is_used_again() -> None:
     assert again.ctypes.data == place
     assert room.zeros("rolling", 5, 4).ctypes.data != place
     assert room.zeros("links", 50, 4).shape == (50, 4)
-    assert (Room().zeros("links", 2, 2) == np.zeros((2, 2))).all()
-    assert not Room().rooms
+    assert (room.zeros("few", 2, 2) == np.zeros((2, 2))).all()
+    assert "few" not in room.rooms
+    many = Room()
+    assert (many.zeros("links", 5, 4) == np.zeros((5, 4))).all()
+    assert not many.rooms
 
 
 def test_checkpoint_holds_everything(tmp_path: Path) -> None:
