@@ -8,9 +8,7 @@ as well, in the paper at once; soil discs stand under it before anything liquefi
 import json
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -32,8 +30,9 @@ from dem.slides.balance import (
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
-from dem.slides.rest import at_rest, moved_lately, what_drives
+from dem.slides.rest import at_rest, what_drives
 from dem.slides.row import Row
+from dem.slides.slide import Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import area_per_disc, swollen, undrained, volume_change
@@ -44,88 +43,9 @@ FLOWS = 0.25  # of the height of the ground's surface: a slide by weight alone t
 ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
 KEEP = 2.0  # s of the clock between two checkpoints: no more is computed again after a stop
-MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
 
 
 OnLook = Callable[[DiscModel, Row, bool], None]
-
-
-@dataclass
-class Slide:
-    """A slide as it went: its history, and how it ended.
-
-    Attributes
-    ----------
-    rows : list of Row
-        One for every look.
-    settled : bool
-        Whether the surface has come to rest.
-    reason : str
-        Why the slide is over.
-    escaped : int
-        Discs outside of the rigid lines.
-    slide_max_at_x_m : float
-        Where the surface slid furthest (m).
-    slide : list of float
-        How far each disc of the surface slid, smoothed, from uphill to downhill (m).
-    slide_along : list of [x, slide]
-        The same from left to right, over where the disc was before (m).
-    surface_before, surface_after : list of [x, z]
-        Tops of the discs that are the surface then (m).
-    seconds_simulated : float
-        Since the onset (s).
-    step_share : float
-        Time step over the stable one.
-    overlap : float
-        Deepest overlap of two discs at any look, over their mean radius.
-    area_lost_share : float
-        Share of the ground's area that is gone beyond what drained away and what springs gave way.
-    slide_by_weight_m : float or None
-        How far the same case slides at most without any shaking, where that was looked at (m).
-    flows : bool or None
-        Whether that is a flow failure.
-    stopped_by : str or None
-        "left" or "right", the side of the box that the slide ran up against.
-    notes : list of str
-        What a reader must know to believe the numbers, what weighs most first: that it flows without shaking, sides
-        that take part, discs in the walls, ground that was lost, discs that are too strong, layers too thin.
-    """
-
-    rows: list[Row] = field(default_factory=list)
-    settled: bool = False
-    reason: str = ""
-    escaped: int = 0
-    slide_max_at_x_m: float = 0.0
-    slide: list[float] = field(default_factory=list)
-    slide_along: list[list[float]] = field(default_factory=list)
-    surface_before: list[list[float]] = field(default_factory=list)
-    surface_after: list[list[float]] = field(default_factory=list)
-    seconds_simulated: float = 0.0
-    step_share: float = 0.3
-    overlap: float = 0.0
-    area_lost_share: float = 0.0
-    slide_by_weight_m: float | None = None
-    flows: bool | None = None
-    stopped_by: str | None = None
-    notes: list[str] = field(default_factory=list)
-
-    def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
-        """The numbers of a case. alone: the same ground under Kh alone, to tell sliding from giving way."""
-        last = asdict(self.rows[-1])
-        kept = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}
-        out = {
-            **kept,
-            **{one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("rows", "slide")},
-            "cracked_pore_springs": self.rows[-1].cracked,
-            "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
-        }
-        if alone is not None:
-            moving = np.array(self.slide) > MOVES * np.maximum(np.array(alone.slide), 0.0)
-            half = len(moving) // 2
-            out["slides_over_share"] = float(moving.mean())
-            out["slides_over_share_uphill"] = float(moving[:half].mean())
-            out["slides_over_share_downhill"] = float(moving[half:].mean())
-        return out
 
 
 class Slider:

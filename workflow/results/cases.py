@@ -10,7 +10,7 @@ from scipy.stats import t as student
 from workflow.results.answer import Answer, Line, Part
 
 if TYPE_CHECKING:
-    from dem.slides.liquefaction import Slide
+    from dem.slides.slide import Slide
 
 
 class CaseNumbers(Part):

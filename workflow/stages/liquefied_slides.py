@@ -10,7 +10,7 @@ from typing import Any
 
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.slides.liquefaction import Slide
+from dem.slides.slide import Slide
 from dem.team import Team, Tell, alone
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings

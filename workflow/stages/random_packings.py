@@ -8,7 +8,7 @@ from dem.search.calibration import Calibration, Calibrator, best, middle, sensit
 from dem.search.equilibrium import Trial
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
-from dem.slides.liquefaction import Slide
+from dem.slides.slide import Slide
 from dem.team import Tell
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import Case
-from dem.slides.liquefaction import Slide, Slider
+from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
+from dem.slides.slide import Slide
 from dem.team import Tell
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store

@@ -13,9 +13,10 @@ from dem.packing import lattice_box
 from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.drive import Shaking
-from dem.slides.liquefaction import LEAST_STEP, Slide, Slider
+from dem.slides.liquefaction import LEAST_STEP, Slider
 from dem.slides.lost_strength import liquefied
 from dem.slides.row import Row
+from dem.slides.slide import Slide
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
 from meshes.section.section import Section

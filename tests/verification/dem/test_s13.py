@@ -9,7 +9,8 @@ from dem.model import DiscModel
 from dem.search.critical import Search, critical_kh
 from dem.search.equilibrium import Rise, settle, try_kh, unbalanced_ratio
 from dem.settings import SlideSettings
-from dem.slides.liquefaction import Slide, Slider
+from dem.slides.liquefaction import Slider
+from dem.slides.slide import Slide
 from dem.slides.slip import cracked_shares
 from tests.support import SECTIONS
 from workflow.settings import Input

@@ -15,7 +15,8 @@ from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum, pushed_over
 from dem.slides.balance import LOST
-from dem.slides.liquefaction import Slide, Slider
+from dem.slides.liquefaction import Slider
+from dem.slides.slide import Slide
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
 from fem.as_discs import as_discs
