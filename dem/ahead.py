@@ -4,16 +4,23 @@ Left to themselves, all processes of a team come to the step loop at once and ea
 """
 
 import hashlib
+import os
+import pickle
+import subprocess
+import sys
 from contextlib import suppress
 from pathlib import Path
 
 import numba
 import numpy as np
 from llvmlite.binding import get_host_cpu_name
-from numba import config
+from numba import config, typeof
+from numba.core.types import Type
 
-from dem.engine.engine import Engine
+from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.packer import pack, unpack
 from dem.kernels import stepping
+from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 from dem.springs import LayerSprings
 from dem.team import Team, Tell
@@ -44,10 +51,33 @@ def _kept_for() -> str:
 
 
 def _compiled(what: str, _: Tell) -> None:
-    """Compiles the step loop, or what measures energies, by calling it on three discs."""
-    x = np.array([0.0, 1.9, 3.8])
-    model = DiscModel.create(x, np.zeros(3), 1.0, [SOIL], law="soil")
+    """Compiles the step loop, or all that is needed around it, and what measures energies."""
     if what == "steps":
-        Engine(ledger=False).run(model, steps=1)
-    else:
-        Engine().measure(model)
+        take_steps.compile(types_of_a_step())
+        return
+    model = three_discs()
+    largest_step(model)
+    layout = pack(model)
+    Engine().measure_layout(model, layout)
+    unpack(layout, model)
+
+
+def types_of_a_step() -> tuple[Type, ...]:
+    """Types of what the step loop is called with, of three discs in a process that compiles nothing.
+
+    Here the lists of neighbours would be compiled for it, as they are by the rest of the team at the same time.
+    """
+    without_compiler = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-m", __name__], env=without_compiler, capture_output=True, check=True)
+    found: tuple[Type, ...] = pickle.loads(done.stdout)
+    return found
+
+
+def three_discs() -> DiscModel:
+    """A row of discs that touch."""
+    return DiscModel.create(np.array([0.0, 1.9, 3.8]), np.zeros(3), 1.0, [SOIL], law="soil")
+
+
+if __name__ == "__main__":
+    given = Run(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
+    sys.stdout.buffer.write(pickle.dumps(tuple(typeof(one) for one in given)))

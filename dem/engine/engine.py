@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from threading import current_thread, main_thread
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numba import config
@@ -331,25 +331,27 @@ class Run:
 
     def call_kernel(self, steps: int) -> int:
         """Up to `steps` steps in all threads; returns why it came back."""
-        model, engine = self.model, self.engine
-        barrier = new_barrier(self.threads)
-        stops = np.zeros((2, self.threads), np.int64)
+        given = self.arguments(steps)
+        if self.pool is None:
+            return self.add(*take_steps(*given[0]))
+        self.working = [self.pool.submit(take_steps, *one) for one in given]
+        return self.collect()
+
+    def arguments(self, steps: int) -> list[tuple[Any, ...]]:
+        """What every thread calls the kernel with."""
+        model, threads = self.model, self.threads
+        barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()
         clock = Clock(steps, self.dt, model.last_dt, model.time)
-        springs, law = self.springs, self.law
         loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
-        entries = Entries(engine.ledger, model.energy_sums)
-
-        def work(thread: int) -> tuple[int, float, int]:
-            return take_steps(
-                Team(thread, self.threads, barrier, stops), clock, layout, springs, law, loads, entries,
-                model.leeway**2, *needs(thread, self.threads, layout), new_scratch(),
-            )  # fmt: skip
-
-        if self.pool is None:
-            return self.add(*work(0))
-        self.working = [self.pool.submit(work, k) for k in range(self.threads)]
-        return self.collect()
+        entries = Entries(self.engine.ledger, model.energy_sums)
+        return [
+            (
+                Team(thread, threads, barrier, stops), clock, layout, self.springs, self.law, loads, entries,
+                model.leeway**2, *needs(thread, threads, layout), new_scratch(),
+            )
+            for thread in range(threads)
+        ]  # fmt: skip
 
     def collect(self) -> int:
         """Waits for the kernel and adds the steps it took; returns why it came back."""

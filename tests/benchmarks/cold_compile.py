@@ -4,7 +4,7 @@ python -m tests.benchmarks.cold_compile [--json FILE]
 
 A process of its own, with an empty folder for what it compiles, takes a few steps of the paper's discs and of soil
 discs, with the ledger and a new list of neighbours: CPU and clock, then both again from what is kept. Imports are not
-counted.
+counted. Then, with another empty folder, the clock of what a run waits for: two processes that compile ahead.
 """
 
 import argparse
@@ -27,11 +27,23 @@ for law in ("paper", "soil"):
 print(json.dumps({"cpu_s": time.process_time() - begin[0], "clock_s": time.perf_counter() - begin[1]}))
 """
 
+AHEAD = """
+import json, time
+from dem.ahead import compile_ahead
+from workflow.ensemble.team import crew
+if __name__ == "__main__":
+    with crew(2) as team:
+        team.hire()
+        begin = time.perf_counter()
+        compile_ahead(team, lambda _: None)
+        print(json.dumps({"clock_s": time.perf_counter() - begin}))
+"""
 
-def once(folder: str) -> dict[str, float]:
+
+def once(folder: str, program: str = PROGRAM) -> dict[str, float]:
     """Seconds of CPU and on the clock, of a process that keeps in `folder` what it compiles."""
     run = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=os.environ | {"NUMBA_CACHE_DIR": folder}, capture_output=True, check=True,
+        [sys.executable, "-c", program], env=os.environ | {"NUMBA_CACHE_DIR": folder}, capture_output=True, check=True,
         text=True,
     )  # fmt: skip
     found: dict[str, float] = json.loads(run.stdout)
@@ -44,9 +56,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
-        rows = [{"kept": kept, **once(folder)} for kept in (False, True)]
+        rows = [{"what": what, **once(folder)} for what in ("compiled", "kept")]
+    with tempfile.TemporaryDirectory(prefix="noshiro-") as folder:
+        rows.append({"what": "compiled ahead by two processes", **once(folder, AHEAD)})
     for row in rows:
-        print(f"{'kept' if row['kept'] else 'compiled'}: {row['cpu_s']} s of CPU, {row['clock_s']} s on the clock")
+        of_cpu = f"{row['cpu_s']} s of CPU, " if "cpu_s" in row else ""
+        print(f"{row['what']}: {of_cpu}{row['clock_s']} s on the clock")
     if options.json:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
 
