@@ -21,10 +21,15 @@ STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side w
 
 
 def ground_area(model: DiscModel, ground: Ground) -> float:
-    """Area below the surface of the discs, above the lowest of them."""
+    """Area below the surface of the discs, above the lowest of them, between the outermost of them.
+
+    The disc on top of the first column lies anywhere in it: the ground goes on level from there to the side.
+    """
     x, z = Surface.of(model, ground).points(model, ground).T
-    lowest = float(ground.to_section(model.x, model.z)[1][~model.fixed].min())
-    return float(np.sum(0.5 * (z[1:] + z[:-1] - 2.0 * lowest) * np.diff(x)))
+    free_x, free_z = ground.to_section(model.x[~model.fixed], model.z[~model.fixed])
+    x = np.concatenate([[free_x.min()], x, [free_x.max()]])
+    z = np.concatenate([z[:1], z, z[-1:]]) - free_z.min()
+    return float(np.sum(0.5 * (z[1:] + z[:-1]) * np.diff(x)))
 
 
 def disc_area(model: DiscModel, strata: Sequence[int] | None = None) -> float:

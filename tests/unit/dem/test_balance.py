@@ -81,6 +81,16 @@ def test_areas(start: DiscModel, ground: Ground) -> None:
     assert ground_area(start, ground) - ground_area(lowered, ground) == pytest.approx(0.3 * width, rel=0.1)
 
 
+def test_the_area_does_not_hang_on_where_in_its_column_the_first_disc_lies(start: DiscModel, ground: Ground) -> None:
+    """A disc that rolled by a radius along the left side took half a per cent of a river bank with it."""
+    surface = Surface.of(start, ground)
+    first = surface.discs[np.argmin(surface.x)]
+    rolled = start.copy()
+    rolled.x[first] += 0.9 * RADIUS
+    slip = 0.9 * RADIUS * np.ptp(start.z[~start.fixed])
+    assert ground_area(rolled, ground) == pytest.approx(ground_area(start, ground), abs=0.05 * slip)
+
+
 def test_volume_change_is_told_by_stratum(start: DiscModel, ground: Ground) -> None:
     """Ground that is 2 % lower has lost 2 % of its area, in every stratum; ground that is carried away and turned over
     on its side, none."""
