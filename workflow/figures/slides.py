@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from PIL import Image, ImageDraw, ImageFont
 
+from dem.settings import Case
 from workflow.figures import fonts
 from workflow.figures.canvas import (
     CONTINUUM,
@@ -76,6 +77,16 @@ def name_of(given: Input, springs: str, case: int) -> str:
     return f"{given.title or given.name}: {given.called(case)}, {SPRINGS.get(springs, springs)}"
 
 
+def left_by(case: Case) -> str:
+    """What liquefaction leaves of stiffness and strength of a layer, in words."""
+    told = f"{case.stiffness:g} of their stiffness"
+    if isinstance(case.residual, dict) or isinstance(case.residual_strength, dict):
+        return f"{told} and a residual strength of their own"
+    if case.residual_strength:
+        return f"{told} and a strength of {case.residual_strength / 1e3:.3g} kPa"
+    return f"{told} and {case.residual:g} of their vertical stress as strength" if case.residual else told
+
+
 def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
@@ -92,7 +103,9 @@ def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, o
         f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2g} m, settles "
         f"{case.settlement_uphill_m:.2g} m uphill"
     )
-    foot = f"after {frame.seconds:.1f} s: {case.reason}. Stiffness of the liquefied layers times {case.stiffness:g}."
+    soil = given.dem.model == "soil" and springs == "calibrated"
+    kept = left_by(given.cases[number - 1] if soil else Case(stiffness=case.stiffness))
+    foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
     handles: list[Artist] = [
         Patch(color=soil_colour(k), label=stratum.name)
         for k, stratum in enumerate(given.strata)

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
+from dem.settings import Case
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
@@ -294,11 +295,26 @@ def _interval(results: Results) -> str:
         return "No interval is known, since only one packing was computed; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
-    softer = all(before.stiffness > after.stiffness for before, after in pairwise(results.given.cases))
-    if random is not None and random.rising is not None and softer:
+    weaker = all(_is_weaker(after, before) for before, after in pairwise(results.given.cases))
+    if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
         order = f" On {on} of them every case slides further than the one before."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(told)}.{order}"
+
+
+def _is_weaker(case: Case, other: Case) -> bool:
+    """Whether a case leaves less of stiffness or strength than another, and no more of either; not if strata differ."""
+    less = False
+    for name in ("stiffness", "friction", "cohesion", "residual", "residual_strength"):
+        its, others = getattr(case, name), getattr(other, name)
+        if isinstance(its, dict) or isinstance(others, dict):
+            if its != others:
+                return False
+        elif its > others:
+            return False
+        else:
+            less |= its < others
+    return less
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:

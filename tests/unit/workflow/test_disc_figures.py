@@ -12,10 +12,11 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
+from dem.settings import Case
 from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.figures import discs as dem_figures
-from workflow.figures.slides import profiles
+from workflow.figures.slides import left_by, profiles
 from workflow.results.cases import Profile
 from workflow.settings import Input
 
@@ -71,3 +72,10 @@ def test_profiles_are_drawn_for_any_number_of_cases(tmp_path: Path) -> None:
     profile = Profile(x=flat[0], before=flat[1], after=flat[1], after_low=(9.0, 8.0, 7.0), after_high=(11.0, 10.0, 9.0))
     profiles(Input.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36, tmp_path / "p.png")
     assert imread(tmp_path / "p.png").shape[1] > 1000
+
+
+def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
+    assert left_by(Case(stiffness=0.02)) == "0.02 of their stiffness"
+    assert left_by(Case(stiffness=0.1, residual=0.2)).endswith("and 0.2 of their vertical stress as strength")
+    assert left_by(Case(residual_strength=8e3)).endswith("and a strength of 8 kPa")
+    assert left_by(Case(residual={"Sand": 0.2})).endswith("and a residual strength of their own")

@@ -174,6 +174,30 @@ def test_the_order_of_cases_goes_by_packings() -> None:
     assert RandomPackings(seeds=(), cases={1: one(1.0, 2.0)}).rising is None
 
 
+@pytest.mark.parametrize(
+    ("cases", "told"),
+    [
+        ([{"residual": 0.2}, {"residual": 0.15}, {"residual": 0.13}], True),
+        ([{"stiffness": k, "residual": 0.2} for k in (0.1, 0.02, 0.01)], True),
+        ([{"stiffness": k, "residual": 0.25 - k} for k in (0.1, 0.02, 0.01)], False),
+        ([{"residual": 0.2}] * 3, False),
+        ([{"residual": {"Sand": k}} for k in (0.2, 0.15, 0.1)], False),
+    ],
+)
+def test_the_order_of_cases_is_told_where_each_leaves_less(
+    run: Input, cases: list[dict[str, object]], told: bool
+) -> None:
+    def rising(first: float) -> RandomCase:
+        spread = Spread.of([first, first + 0.1, first + 0.2])
+        return RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
+
+    random = RandomPackings(seeds=(), cases={k: rising(float(k)) for k in range(1, len(cases) + 1)})
+    sets = {"calibrated": {k: dem_fixture.case(0.1, float(k)) for k in random.cases}}
+    given = run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
+    words = text(results(given, fem=fem(given), cases=CasesAnswer(sets=sets, random=random)))
+    assert ("every case slides further than the one before" in words) is told
+
+
 def test_methods_that_disagree_are_told_to(run: Input) -> None:
     """Hamada gives 3.2 m for this slope, and the block does not move at Kh = 0.1 with kc = 0.24."""
     far = text(results(run, fem=fem(run), cases=CasesAnswer(sets={"calibrated": {3: moving(39.5)}}, random=None)))
