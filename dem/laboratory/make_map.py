@@ -1,7 +1,7 @@
 """Computes the map of `strength_map` anew: python -m dem.laboratory.make_map [FILE] [--seeds N] [--workers N].
 
-All patches at one pressure: what counts are the two groups, and that kappa = kn / p is 400. Twelve minutes of
-CPU with sixteen seeds.
+All patches at one pressure: what counts are the two groups, and that kappa = kn / p is 400. Forty minutes of
+CPU with forty-eight seeds.
 """
 
 import argparse
@@ -51,7 +51,7 @@ def main() -> None:
     """Writes the file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", nargs="?", type=Path, default=Path(__file__).with_name(MAP))
-    parser.add_argument("--seeds", type=int, default=16)
+    parser.add_argument("--seeds", type=int, default=48)
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
     places = [(mu, c) for mu in FRICTION for c in COHESION]
