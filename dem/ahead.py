@@ -67,7 +67,9 @@ def types_of_a_step() -> tuple[Type, ...]:
 
     Here the lists of neighbours would be compiled for it, as they are by the rest of the team at the same time.
     """
-    without_compiler = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    path = os.pathsep.join(folder for folder in sys.path if folder)
+    # nor may a module beside what the user works on stand in for one of ours
+    without_compiler = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
     done = subprocess.run([sys.executable, "-m", __name__], env=without_compiler, capture_output=True, check=True)
     found: tuple[Type, ...] = pickle.loads(done.stdout)
     return found

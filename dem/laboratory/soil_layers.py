@@ -94,8 +94,7 @@ def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
     found = table.fit(aimed, pressures, cohesive)
     real = table.normal_stiffness(stratum.youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
     stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
-    # that of clay at its half stress: at each pressure by itself it would ask friction to follow it
-    gain = table.gained_by_softness(stiffness, pressures if not cohesive else np.array(0.5 * stress), found.cohesion)
+    gain = table.gained_by_softness(stiffness, pressures, found.cohesion)
     found = table.fit(aimed / gain, pressures, cohesive)
     found = replace(found, expected=found.expected * gain)
     notes = []

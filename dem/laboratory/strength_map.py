@@ -1,11 +1,11 @@
 """Strength and stiffness of random patches of soil discs, over the two groups that govern them.
 
 Discs that do not turn, of law "soil", in random packings of porosity `patch.POROSITY`. Once they are stiff for their
-stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers alone: the friction mu
-of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of a contact (N per
-metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them together as a pressure
-a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 % of axial compression,
-after any peak: the continuum is perfectly plastic, and knows no peak.
+stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers, and by a few per cent
+on kappa: the friction mu of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion
+C of a contact (N per metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them
+together as a pressure a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 %
+of axial compression, after any peak: the continuum is perfectly plastic, and knows no peak.
 
 Discs without friction at their contacts still have some 8 degrees by their geometry. A clay has none: its contacts have
 a friction below zero beside their cohesion, so that they hold less where they are pressed harder.
@@ -32,8 +32,9 @@ LOOSENS = 0.22, 0.16
 # at 29, measured with mu = -0.2 and C/(2 r p) of 0.8 to 6.4.
 SOFT, SOFTER = 15.5, 1.6
 # Those without cohesion are weaker, since discs pressed into each other dilate less: strength goes with kappa to this
-# power, measured from 200 to 6000 with mu of 0.2 (0.027), 0.35 (0.024) and 0.5 (0.046), 48 seeds each.
-DILATES = 0.027
+# power up to `DENSEST`, measured from 200 to there with mu of 0.2 (0.027), 0.35 (0.021) and 0.5 (0.058), 48 seeds each.
+# A cohesion number of 0.4 leaves a seventh of it (mu = 0.3), as the weight of EARLY over it and EARLY does.
+DILATES, DENSEST = 0.027, 6000.0
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
@@ -95,9 +96,11 @@ class StrengthMap:
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
         """Strength of discs of this kn (N/m) at these pressures (Pa) over that of the map; cohesion: C over the
-        diameter (Pa)."""
-        kappa = stiffness / (np.asarray(pressure, float) + ATTRACTION * cohesion)
-        return np.asarray(1.0 + (SOFT / kappa) ** SOFTER if cohesion > 0.0 else (kappa / KAPPA) ** DILATES)
+        diameter (Pa). What holds for no cohesion goes over into what holds for much of it."""
+        kappa = stiffness / (pressure + ATTRACTION * cohesion)
+        dry = EARLY / (EARLY + cohesion / pressure)
+        dilating = (np.minimum(kappa, DENSEST) / KAPPA) ** DILATES
+        return np.asarray(dry * dilating + (1.0 - dry) * (1.0 + (SOFT / kappa) ** SOFTER))
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
         """A table (m, k) between its points, at one friction and some cohesion numbers."""

@@ -35,8 +35,8 @@ WINDOW = 4  # blocks over which Kh is averaged for the critical one
 BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
 FORMED = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
 FURTHEST = 8.0  # reaches, where the push ends at last: the sides take more and more part
-APART = 5.0  # times the mean way, that ground moves which is a fifth of all and has come apart from it already
-GROUND = 98  # per cent of the discs, which single ones that roll far do not stand for
+APART = 5.0  # times the mean way of all discs: ground that is so far ahead of the rest has come apart from it already
+GROUND = 98  # per cent of the discs move less than what is looked at: single ones that roll far do not stand for ground
 HURRY = 0.1  # reaches in a period of the ground, once the curve is known
 
 

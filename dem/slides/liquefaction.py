@@ -111,6 +111,8 @@ class Slider:
                     self._begin_again()
                     continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"
+                if not slide.rows:  # there is no other state to tell of
+                    self._look()
                 break
             row = self._look()
             if self._at_rest():
@@ -141,7 +143,7 @@ class Slider:
         if self.folder is not None:
             (self.folder / "checkpoint.h5").unlink(missing_ok=True)
         self.slide.step_share *= 0.5
-        self.slide.rows, self.swelling = [], []
+        self.slide.rows, self.swelling, self.slide.overlap = [], [], 0.0
         self.model = self._begun()
 
     def _liquefy(self) -> None:
@@ -320,13 +322,13 @@ class Slider:
         try:
             state = json.loads((self.folder / "rows.json").read_text())
             model = DiscModel.load(self.folder / "checkpoint.h5")
-            self.slide.step_share = state["step_share"]
-        except (OSError, KeyError, ValueError):
+            self.slide.step_share, self.slide.overlap = state["step_share"], state["overlap"]
+            swelling = state["swelling"]
+        except (OSError, KeyError, TypeError, ValueError):
             return None
         since = model.time - self.start.time
         self.slide.rows = [Row(**row) for row in state["rows"] if row["time_s"] <= since + 1e-9]
-        self.slide.overlap = state["overlap"]
-        self.swelling = state["swelling"][: len(self.slide.rows)]
+        self.swelling = swelling[: len(self.slide.rows)]
         if len(self.slide.rows) == len(state["rows"]):
             self.slide.reason, self.slide.settled = state["reason"], state["settled"]
         return model

@@ -83,5 +83,5 @@ def swollen(
     for k, size in zip(strata, sizes, strict=True):
         gave_way = max(0.0, 2.0 * (shortening(model, [k]) - shortening(start, [k])))
         missing = before[k] * (1.0 - drained.get(k, 0.0) - gave_way) / now[k] - 1.0
-        out.append(size * (1.0 + min(missing, PACE)) if missing > HEARD else size)
+        out.append(size * (1.0 + PACE) if missing > HEARD else size)
     return out

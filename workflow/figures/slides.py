@@ -84,7 +84,7 @@ def left_by(case: Case) -> str:
         return f"{told} and a residual strength of their own"
     if case.residual_strength:
         return f"{told} and a strength of {case.residual_strength / 1e3:.3g} kPa"
-    return f"{told} and {case.residual:g} of their vertical stress as strength" if case.residual else told
+    return f"{told} and {case.residual:g} of their vertical effective stress as strength" if case.residual else told
 
 
 def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:

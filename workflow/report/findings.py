@@ -31,7 +31,7 @@ def springs_of(results: Results) -> dict[str, str]:
     found = results.calibration
     if found is not None and found.verdict == "out of reach":
         own = "that come as near as they can to the Kh of the finite elements"
-    elif found is not None and found.leaves_open:
+    elif found is not None and (found.leaves_open or found.verdict == "not asked for"):
         own = fail_alike(results)
     else:
         own = "that fail at the same Kh as the finite elements"
@@ -44,6 +44,8 @@ def springs_of(results: Results) -> dict[str, str]:
 def fail_alike(results: Results) -> str:
     """What calibrated packings have in common, in words."""
     found = results.calibration
+    if found is not None and found.verdict == "not asked for":
+        return "as their element tests have them, not brought to the Kh of the finite elements"
     if found is not None and found.leaves_open:
         return "that fail within what the finite elements leave open"
     return "that fail at the same Kh"

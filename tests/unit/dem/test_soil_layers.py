@@ -100,6 +100,8 @@ def test_stiff_sand_is_asked_for_less_since_its_discs_dilate_more() -> None:
     assert float(table.gained_by_softness(400.0 * 1e5, np.array(1e5), 0.0)) == 1.0
     one, ten = (soil_layers(homogeneous(cohesion="0 kPa", youngs_modulus=f"{e} MPa"))[0] for e in (20, 200))
     assert ten.friction < one.friction
+    hardly = float(table.gained_by_softness(6000.0 * 1e5, np.array(1e5), 1.0))
+    assert hardly == pytest.approx(stiff, rel=1e-3)  # a pascal of cohesion is none
 
 
 @pytest.mark.parametrize("ratio", [0.14, 0.2, 0.4, 0.6])

@@ -13,7 +13,7 @@ from dem.packing import lattice_box, random_packing
 from dem.search.equilibrium import settle
 from dem.settings import Case, DemSettings, SlideSettings
 from dem.slides.liquefaction import Slider
-from dem.slides.volume import PACE, area_per_disc, swollen, undrained
+from dem.slides.volume import area_per_disc, swollen, undrained
 from dem.springs import Strength, soil_discs
 from tests.support.dem_cases import RADIUS
 
@@ -85,19 +85,20 @@ def volume_lost(start: DiscModel, model: DiscModel) -> float:
 def test_loose_ground_that_liquefies_keeps_its_volume(
     wedge: tuple[DiscModel, Ground], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It gets denser by 3 % otherwise; now only discs of the stratum are larger, none heavier."""
+    """It gets denser by 6 % otherwise; now only discs of the stratum are larger, none heavier."""
     start, ground = wedge
-    kept = Slider(start, ground, [1], CASE, SETTINGS)
+    settings = SETTINGS.model_copy(update={"duration": 20.0})  # discs swell by 2 % in five seconds
+    kept = Slider(start, ground, [1], CASE, settings)
     kept.run()
     monkeypatch.setattr("dem.slides.liquefaction.undrained", lambda *_: [])
-    drained = Slider(start, ground, [1], CASE, SETTINGS)
+    drained = Slider(start, ground, [1], CASE, settings)
     drained.run()
-    assert volume_lost(start, drained.model) > 0.02
-    assert abs(volume_lost(start, kept.model)) < 0.008
+    assert volume_lost(start, drained.model) > 0.03
+    assert abs(volume_lost(start, kept.model)) < 0.006
     other = start.layer != 1
     assert (kept.model.radius[other] == start.radius[other]).all()
     assert (kept.model.mass == start.mass).all()
-    assert 1.02 < kept.swelling[-1][0] < (1.0 + PACE) ** len(kept.swelling)
+    assert 1.03 < kept.swelling[-1][0] < 1.1
 
 
 def test_what_swells_goes_on_with_the_same_bits(

@@ -76,6 +76,6 @@ def test_profiles_are_drawn_for_any_number_of_cases(tmp_path: Path) -> None:
 
 def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
     assert left_by(Case(stiffness=0.02)) == "0.02 of their stiffness"
-    assert left_by(Case(stiffness=0.1, residual=0.2)).endswith("and 0.2 of their vertical stress as strength")
+    assert left_by(Case(stiffness=0.1, residual=0.2)).endswith("and 0.2 of their vertical effective stress as strength")
     assert left_by(Case(residual_strength=8e3)).endswith("and a strength of 8 kPa")
     assert left_by(Case(residual={"Sand": 0.2})).endswith("and a residual strength of their own")

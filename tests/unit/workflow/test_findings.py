@@ -7,7 +7,7 @@ from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.report.doubtful import doubtful, joined
-from workflow.report.findings import fail_alike, findings
+from workflow.report.findings import fail_alike, findings, springs_of
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
@@ -161,6 +161,9 @@ def test_where_the_continuum_leaves_its_kh_open_the_packings_are_told_to_lie_wit
     assert fail_alike(results(run, calibration=open_end)) == "that fail within what the finite elements leave open"
     met = open_end.model_copy(update={"continuum_kc": (0.16, 0.164)})
     assert fail_alike(results(run, calibration=met)) == "that fail at the same Kh"
+    untouched = met.model_copy(update={"verdict": "not asked for", "continuum_kc": None})
+    assert "not brought to the Kh of the finite elements" in fail_alike(results(run, calibration=untouched))
+    assert "not brought to" in springs_of(results(run, calibration=untouched))["calibrated"]
 
 
 def test_the_order_of_cases_goes_by_packings() -> None:
