@@ -7,10 +7,10 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     """Where moving ground meets ground at rest, (k, 2) in m; empty where nothing moves.
 
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
-    fast the ground there moves, not a number where there is none. Moving is what exceeds the mean of the means of what
-    moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630): half of the jump across a
-    thin band of shear, half of the way across a thick one. Counted are columns that move from the ground downwards, and
-    of these the longest row without a gap.
+    fast the ground there moves, not a number where there is none. A column counts if its top exceeds the mean of the
+    means of what moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630); the line is
+    where it moves half as much as its own top: within a thin band of shear, half of the way across a thick one, also
+    where the ground turns as it slides. Of the columns that count it is the longest row without a gap.
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
@@ -35,14 +35,15 @@ def _threshold(moved: np.ndarray) -> float:
 
 
 def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
-    """The height at which a column begins to move, seen from its top; not a number where the top is at rest."""
+    """The height, seen from its top, at which a column moves half as much; not a number where its top is at rest."""
     ground = np.isfinite(moved)
     z, moved = z[ground], moved[ground]
     if not len(z) or moved[-1] < limit:
         return np.nan
-    still = np.flatnonzero(moved < limit)
+    half = 0.5 * moved[-1]
+    still = np.flatnonzero(moved < half)
     if not len(still):
         return float(z[0])
     below = int(still[-1])
-    share = (limit - moved[below]) / (moved[below + 1] - moved[below])
+    share = (half - moved[below]) / (moved[below + 1] - moved[below])
     return float(z[below] + share * (z[below + 1] - z[below]))

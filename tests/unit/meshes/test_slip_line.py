@@ -19,6 +19,12 @@ def test_a_thick_zone_is_cut_half_way() -> None:
     np.testing.assert_allclose(line[:, 1], 2.0, atol=0.15)
 
 
+def test_a_thick_zone_is_cut_half_way_where_the_ground_turns() -> None:
+    speed = np.linspace(0.8, 1.4, 11)[:, None]
+    line = slip_line(X, Z, speed * np.clip((Z - 1.0) / 2.0, 0.0, 1.0))
+    np.testing.assert_allclose(line, np.column_stack([X, np.full(11, 2.0)]))
+
+
 def test_it_ends_where_the_ground_above_is_at_rest_and_the_longest_row_counts() -> None:
     moved = np.where((Z > 2.04) & np.isin(np.arange(11), (0, 1, 4, 5, 6, 7, 10))[:, None], 1.0, 0.0)
     assert slip_line(X, Z, moved)[:, 0].tolist() == [4.0, 5.0, 6.0, 7.0]
