@@ -128,7 +128,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
                 f"Discs without any factor: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
-                "times the least at which the continuum like them may fail."
+                "times the lower end of that of the continuum like them."
             )
         yield (
             f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
