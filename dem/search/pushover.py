@@ -102,10 +102,11 @@ def pushed_over(
     on_trial: OnTrial | None = None,
 ) -> tuple[Search, DiscModel]:
     """The critical Kh of settled discs, which stay as they are, the curve that leads to it, and the discs once they
-    have been pushed on until a slip surface has formed.
+    have been pushed on until a slip surface has formed, a part has come apart, or it is far enough.
 
     on_trial hears of every point of the curve.
-    Undecided where a DemError stopped the discs before the end of the curve; one that comes later only ends the push.
+    Undecided where a DemError stopped the discs before the end of the curve; where one comes later, the discs are
+    those of the end of the curve.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
@@ -117,9 +118,11 @@ def pushed_over(
                 whole = True
                 continue
             search.trials.append(trial)
+            last_point = model.copy()
             if on_trial is not None:
                 on_trial(trial, model)
     except DemError as error:
+        model = last_point if whole else model
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
     if whole:

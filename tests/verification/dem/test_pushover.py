@@ -1,15 +1,19 @@
 """The critical Kh of one push, against blocks that slide at Kh = mu, and what a push must not depend on."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from dem.errors import NotFiniteError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
+from dem.search import pushover
 from dem.search.calibration import Calibrator, calibrate
-from dem.search.equilibrium import settle, step_on, stop
+from dem.search.equilibrium import Trial, settle, step_on, stop
 from dem.search.pushover import BEYOND, Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
@@ -40,6 +44,26 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     assert found.verdict == "bracketed"
     assert found.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
     assert found.lower <= found.kc <= found.upper
+
+
+def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A disc that is nowhere is no ground that slid: the answer is whole, and the slip surface that of the curve."""
+    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    points = pushover._points
+
+    def lost(discs: DiscModel, *given: Any) -> Iterator[Trial | None]:
+        for trial in points(discs, *given):
+            yield trial
+            if trial is None:
+                discs.x[:] = np.nan
+                raise NotFiniteError("a disc is nowhere")
+
+    whole = pushed_over(model, ground, SETTINGS, continuum)[0]
+    monkeypatch.setattr(pushover, "_points", lost)
+    found, pushed = pushed_over(model, ground, SETTINGS, continuum)
+    assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
+    assert np.isfinite(pushed.x).all()
+    assert (pushed.x - model.x).mean() == pytest.approx(found.trials[-1].displacement_m, rel=0.05)
 
 
 def test_the_curve_is_elastic_and_then_level() -> None:
