@@ -53,7 +53,8 @@ def _kept_for() -> str:
 def _compiled(what: str, _: Tell) -> None:
     """Compiles the step loop, or all that is needed around it, and what measures energies."""
     if what == "steps":
-        take_steps.compile(types_of_a_step())
+        with suppress(subprocess.CalledProcessError):  # it is compiled where it is first called, then
+            take_steps.compile(types_of_a_step())
         return
     model = three_discs()
     largest_step(model)

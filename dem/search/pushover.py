@@ -110,12 +110,12 @@ def pushed_over(
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")
-    search, model, whole = Search(), settled.copy(), False
+    search, model, whole, ended = Search(), settled.copy(), False, ""
     reach = settings.ductility * continuum.yielding
     try:
         for trial in _points(model, settled, ground, Machine(reach, MACHINE * continuum.kc / reach), threads):
-            if trial is None:
-                whole = True
+            if trial is None or isinstance(trial, str):
+                whole, ended = True, trial or ""
                 continue
             search.trials.append(trial)
             last_point = model.copy()
@@ -128,7 +128,7 @@ def pushed_over(
     if whole:
         search.verdict = "bracketed"
         search.reason = (
-            f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields"
+            f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields{ended}"
         )
     if search.trials:
         kc, half, last = critical_point(search.trials)
@@ -153,9 +153,10 @@ def critical_point(points: Sequence[Trial]) -> tuple[float, float, int]:
 
 def _points(
     model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, threads: int
-) -> Iterator[Trial | None]:
+) -> Iterator[Trial | str | None]:
     """Moves the far end of the machine on and takes the discs along, until they have failed; each point of the
-    curve is the mean of what was measured since the last, and None follows where it ends, a little beyond the reach.
+    curve is the mean of what was measured since the last, None follows where it ends, a little beyond the reach, and
+    at last where and why the push ends, in words.
 
     Between two looks Kh is what spring and dashpot then carry.
     """
@@ -163,10 +164,10 @@ def _points(
     displacement = Displacement(before, ground)
     pulse = min(cycle / PULSES, SWING / machine.frequency)
     moved, speed, end = 0.0, 0.0, 0.0
-    most, count, curving = 0.0, 0, True
+    most, count, curving, ended = 0.0, 0, True, ""
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP, threads) as pulses:
-        while curving or not (moved >= FURTHEST * machine.reach or _slid(model, before, ground, moved)):
+        while curving or not (ended := _failed(model, before, ground, machine, moved)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
@@ -185,14 +186,18 @@ def _points(
                 curving = False
                 yield None
         pulses.whole()
+    yield f"; pushed on to {moved:.2g} m, {ended}"
 
 
-def _slid(model: DiscModel, before: DiscModel, ground: Ground, moved: float) -> bool:
-    """Whether the ground has moved so far that a band of shear has formed, or a small part so far ahead of the mean (m)
-    that to push on would only bring along the rest.
-    """
+def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Machine, moved: float) -> str:
+    """Why the push ends once the ground has moved so far on the mean (m), in words; empty while it goes on."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    return bool(np.percentile(way, GROUND) >= min(FORMED * ground.radius, APART * moved))
+    most = np.percentile(way, GROUND)
+    if most >= FORMED * ground.radius:
+        return "where a band of shear has formed"
+    if most >= APART * moved:
+        return "where a part has come apart, and to push on would only bring along the rest"
+    return "as far as discs are pushed" if moved >= FURTHEST * machine.reach else ""
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

@@ -36,6 +36,7 @@ from dem.slides.slide import Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import area_per_disc, swollen, undrained, volume_change
+from meshes.files import whole
 
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
 FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
@@ -300,8 +301,6 @@ class Slider:
         young = time.monotonic() - self.kept < KEEP and not self.slide.reason
         if self.folder is None or young:
             return
-        self.folder.mkdir(parents=True, exist_ok=True)
-        beside = self.folder / "rows.json.part"
         slide = self.slide
         state = {
             "rows": [vars(row) for row in slide.rows],
@@ -311,8 +310,8 @@ class Slider:
             "overlap": slide.overlap,
             "swelling": self.swelling,
         }
-        beside.write_text(json.dumps(state))
-        beside.replace(self.folder / "rows.json")
+        with whole(self.folder / "rows.json") as beside:
+            beside.write_text(json.dumps(state))
         self.model.save(self.folder / "checkpoint.h5")
         self.kept = time.monotonic()
 

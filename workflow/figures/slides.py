@@ -79,12 +79,15 @@ def name_of(given: Input, springs: str, case: int) -> str:
 
 def left_by(case: Case) -> str:
     """What liquefaction leaves of stiffness and strength of a layer, in words."""
-    told = f"{case.stiffness:g} of their stiffness"
+    shares = {"stiffness": case.stiffness, "friction": case.friction, "cohesion": case.cohesion}
+    told = [f"{share:g} of their {name}" for name, share in shares.items() if share > 0.0]
     if isinstance(case.residual, dict) or isinstance(case.residual_strength, dict):
-        return f"{told} and a residual strength of their own"
-    if case.residual_strength:
-        return f"{told} and a strength of {case.residual_strength / 1e3:.3g} kPa"
-    return f"{told} and {case.residual:g} of their vertical effective stress as strength" if case.residual else told
+        told.append("a residual strength of their own")
+    elif case.residual_strength:
+        told.append(f"a strength of {case.residual_strength / 1e3:.3g} kPa")
+    elif case.residual:
+        told.append(f"{case.residual:g} of their vertical effective stress as strength")
+    return ", ".join(told[:-1]) + " and " * (len(told) > 1) + told[-1]
 
 
 def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:

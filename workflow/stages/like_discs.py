@@ -1,6 +1,5 @@
 """The continuum as the discs are: with their sides, and with ψ as given on a non-associated path."""
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from dem.team import Tell
@@ -55,8 +54,11 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     sharp = not isinstance(found, str) and found.upper <= found.kc + given.dem.tolerance
     most = known.kc_upper if isinstance(found, str) else found.upper
     if not sharp:
-        with suppress(NoAnswerError):
+        try:
             most = dilating_fully(given, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+        except NoAnswerError as error:
+            if isinstance(found, str):
+                found += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
     if isinstance(found, str):
         return LikeDiscs.of(fem, found).model_copy(update={"kc_upper": max(known.kc_upper, most)})
     curve = tuple(PathStep.model_validate(each) for each in found.steps)

@@ -79,3 +79,5 @@ def test_the_foot_of_a_case_says_what_liquefaction_leaves() -> None:
     assert left_by(Case(stiffness=0.1, residual=0.2)).endswith("and 0.2 of their vertical effective stress as strength")
     assert left_by(Case(residual_strength=8e3)).endswith("and a strength of 8 kPa")
     assert left_by(Case(residual={"Sand": 0.2})).endswith("and a residual strength of their own")
+    some = Case(stiffness=0.1, friction=0.15, residual=0.2)
+    assert left_by(some).startswith("0.1 of their stiffness, 0.15 of their friction and 0.2 of their vertical")

@@ -14,7 +14,7 @@ from dem.packing import Packing, lattice_box
 from dem.search import pushover
 from dem.search.calibration import Calibrator, calibrate
 from dem.search.equilibrium import Trial, settle, step_on, stop
-from dem.search.pushover import BEYOND, Continuum, pushed_over
+from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
@@ -51,7 +51,7 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
     ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     points = pushover._points
 
-    def lost(discs: DiscModel, *given: Any) -> Iterator[Trial | None]:
+    def lost(discs: DiscModel, *given: Any) -> Iterator[Trial | str | None]:
         for trial in points(discs, *given):
             yield trial
             if trial is None:
@@ -64,6 +64,30 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
     assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
     assert np.isfinite(pushed.x).all()
     assert (pushed.x - model.x).mean() == pytest.approx(found.trials[-1].displacement_m, rel=0.05)
+
+
+def test_a_push_tells_where_and_why_it_ends() -> None:
+    """A block whose reach is short moves by eight of them, one whose reach is long by eight radii."""
+    ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    for continuum, way, why in (
+        (short, FURTHEST * SETTINGS.ductility * short.yielding, "as far as discs are pushed"),
+        (short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility), FORMED * RADIUS, "a band of shear has formed"),
+    ):
+        found, pushed = pushed_over(model, ground, SETTINGS, continuum)
+        assert found.reason.endswith(why)
+        assert f"pushed on to {(pushed.x - model.x).mean():.2g} m" in found.reason
+        assert (pushed.x - model.x).mean() == pytest.approx(way, rel=0.05)
+
+
+def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
+    """One disc of four is twenty times as far as the others."""
+    ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ahead = model.copy()
+    ahead.x += 0.1 * RADIUS
+    machine = pushover.Machine(RADIUS, 1.0)
+    assert not pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
+    ahead.x[-1] += 2.0 * RADIUS
+    assert "come apart" in pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
 
 
 def test_the_curve_is_elastic_and_then_level() -> None:
