@@ -9,8 +9,9 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
     fast the ground there moves, not a number where there is none. A column counts if its top exceeds the mean of the
     means of what moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630); the line is
-    where it moves half as much as its own top: within a thin band of shear, half of the way across a thick one, also
-    where the ground turns as it slides. Of the columns that count it is the longest row without a gap.
+    where it moves half as much as the upper half of what lies above does on average: within a thin band of shear, half
+    of the way across a thick one, also where the ground turns as it slides, or grains roll ahead on its surface. Of the
+    columns that count it is the longest row without a gap.
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
@@ -35,15 +36,22 @@ def _threshold(moved: np.ndarray) -> float:
 
 
 def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
-    """The height, seen from its top, at which a column moves half as much; not a number where its top is at rest."""
+    """The least height at which a column moves half as much as the upper half of what lies above, below which it moves
+    less; not a number where its top is at rest.
+    """
     ground = np.isfinite(moved)
     z, moved = z[ground], moved[ground]
     if not len(z) or moved[-1] < limit:
         return np.nan
-    half = 0.5 * moved[-1]
-    still = np.flatnonzero(moved < half)
-    if not len(still):
+    beyond = moved - 0.5 * _upper_halves(z, moved)
+    below = np.flatnonzero((beyond[:-1] < 0.0) & (beyond[1:] >= 0.0))
+    if not len(below):
         return float(z[0])
-    below = int(still[-1])
-    share = (half - moved[below]) / (moved[below + 1] - moved[below])
-    return float(z[below] + share * (z[below + 1] - z[below]))
+    k = below[0]
+    return float(z[k] - beyond[k] / (beyond[k + 1] - beyond[k]) * (z[k + 1] - z[k]))
+
+
+def _upper_halves(z: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """For every height the mean of what moves in the upper half of what lies above."""
+    first = np.searchsorted(z, 0.5 * (z + z[-1]))
+    return np.cumsum(moved[::-1])[::-1][first] / (len(z) - first)

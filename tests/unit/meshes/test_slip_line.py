@@ -25,6 +25,17 @@ def test_a_thick_zone_is_cut_half_way_where_the_ground_turns() -> None:
     np.testing.assert_allclose(line, np.column_stack([X, np.full(11, 2.0)]))
 
 
+def test_grains_that_roll_ahead_on_the_surface_do_not_draw_it_up() -> None:
+    moved = np.clip((Z - 1.0) / 2.0, 0.0, 1.0)
+    line = slip_line(X, Z, np.where(Z > 4.85, 2.5, moved))
+    np.testing.assert_allclose(line[:, 1], 2.0, atol=0.25)
+
+
+def test_ground_of_which_all_shears_is_cut_below_its_middle() -> None:
+    """Of a depth of 5 m at (3 * 5 + h)/8 = h, 15/7 m above its base."""
+    np.testing.assert_allclose(slip_line(X, Z, Z)[:, 1], 15.0 / 7.0, atol=0.05)
+
+
 def test_it_ends_where_the_ground_above_is_at_rest_and_the_longest_row_counts() -> None:
     moved = np.where((Z > 2.04) & np.isin(np.arange(11), (0, 1, 4, 5, 6, 7, 10))[:, None], 1.0, 0.0)
     assert slip_line(X, Z, moved)[:, 0].tolist() == [4.0, 5.0, 6.0, 7.0]
