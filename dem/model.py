@@ -167,8 +167,7 @@ class DiscModel(DiscState):
         owner, other = order[i], order[j]
         # a pair may have changed its owner
         sign = turned(self.pair_i, other, old)
-        for name in self.memory:
-            self._carry(name, old, sign if name in TURNED else None, in_ranges)
+        self._carry(old, sign, in_ranges)
         self.pair_i, self.pair_j = owner, other
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         kept = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
@@ -177,11 +176,14 @@ class DiscModel(DiscState):
         for name in LINE_MEMORY:
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
 
-    def _carry(self, name: str, old: np.ndarray, sign: np.ndarray | None, in_ranges: Ranges) -> None:
-        """What pairs of a new list remember of one kind, see `carry_over`."""
-        before, values = getattr(self, name), np.empty(len(old))
-        in_ranges(lambda begin, end: carry_over(begin, end, before, old, sign, values), len(old))
-        setattr(self, name, values)
+    def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
+        """What pairs of a new list remember, see `carry_over`."""
+        before = tuple(getattr(self, name) for name in self.memory)
+        after = tuple(np.empty(len(old)) for _ in before)
+        turns = np.array([name in TURNED for name in self.memory])
+        in_ranges(lambda begin, end: carry_over(begin, end, before, old, sign, turns, after), len(old))
+        for name, values in zip(self.memory, after, strict=True):
+            setattr(self, name, values)
 
     def set_pore_springs(self) -> int:
         """Sets a pore spring, free of force, between all discs with D <= alpha (r_i + r_j), eq. (14).

@@ -4,7 +4,8 @@ What is found does not depend on it: ranges are put one behind the other.
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from itertools import pairwise
 from typing import Any, Protocol
 
 FEW = 20_000  # of fewer discs one thread has found the neighbours before another has begun
@@ -29,6 +30,11 @@ def side_by_side(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
         if pool is None or threads == 1 or n < FEW:
             return at_once(work, n)
         ends = [n * k // threads for k in range(threads + 1)]
-        return list(pool.map(work, ends[:-1], ends[1:]))
+        others = [pool.submit(work, *one) for one in pairwise(ends[1:])]
+        try:
+            first = work(0, ends[1])
+        finally:
+            wait(others)
+        return [first, *(other.result() for other in others)]
 
     return shared

@@ -287,14 +287,24 @@ def turned(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def carry_over(
-    begin: int, end: int, memory: np.ndarray, old: np.ndarray, sign: np.ndarray | None, values: np.ndarray
+    begin: int,
+    end: int,
+    before: tuple[np.ndarray, ...],
+    old: np.ndarray,
+    sign: np.ndarray,
+    turns: np.ndarray,
+    after: tuple[np.ndarray, ...],
 ) -> None:
-    """What pairs begin to end of a new list remember, from the old list's memory times a sign; nothing if new."""
-    for c in range(begin, end):
-        if old[c] < 0:
-            values[c] = 0.0
-        else:
-            values[c] = memory[old[c]] if sign is None else memory[old[c]] * sign[c]
+    """What pairs begin to end of a new list remember: each array of the old list's memory, times a sign if it turns
+    with the pair; nothing if new.
+    """
+    for k in range(len(before)):
+        memory, values, turning = before[k], after[k], turns[k]
+        for c in range(begin, end):
+            if old[c] < 0:
+                values[c] = 0.0
+            else:
+                values[c] = memory[old[c]] * sign[c] if turning else memory[old[c]]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
