@@ -51,18 +51,19 @@ class TimeLeft:
 class SearchShare:
     """How much is done of some searches that go by trials: whole searches, and the trials of the one that goes on."""
 
-    TRIALS = 8  # that a search takes, before one has shown it
     ALMOST = 0.9  # of a search that takes longer than the others did
 
-    def __init__(self, searches: int) -> None:
-        self.searches, self.trials, self.done, self.before = searches, 0, 0, 0
+    def __init__(self, searches: int, usual: int = 8) -> None:
+        """searches: how many, more or less; usual: trials that one takes, before one has shown it."""
+        self.searches, self.usual = searches, usual
+        self.trials, self.done, self.before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
         """The share after one more trial, when so many searches are done; never all of it."""
         if done > self.done:
             self.done, self.before = done, self.trials
         self.trials += 1
-        usual = self.before / self.done if self.done else self.TRIALS
+        usual = self.before / self.done if self.done else self.usual
         return min(0.99, (done + min(self.ALMOST, (self.trials - self.before) / usual)) / self.searches)
 
 

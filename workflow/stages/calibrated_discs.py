@@ -63,6 +63,9 @@ JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
 CALIBRATED = "dem/calibrated.h5"
 NARROWING = 5  # searches that finding the factor takes, more or less
+# Of soil discs, more or less: searches, with the factor; points on the curve of one; element tests that take as long.
+PUSHES, POINTS, TESTS = 3, 22, 30
+FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
 def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
@@ -135,25 +138,29 @@ def _searched(
     come to rest."""
     if given.dem.model != "soil":
         return _calibrated(given, store, lambda message: progress(*message), team), None, ()
-    done: float | None = None  # of the searches of the section's own discs, which take longer
+    searched, ended = 0.0, 0
+
+    def tell(words: str) -> None:
+        work = TESTS * PUSHES
+        share = FIRST + (1.0 - FIRST) * (ended + work * searched) / (len(tests) + work)
+        progress(words, share if ended or searched else None)
 
     def heard(_: int, message: tuple[str, float | None]) -> None:
-        nonlocal done
+        nonlocal searched
         words, share = message
-        done = share if share is not None else done
-        progress(words, done)
+        searched = searched if share is None else share
+        tell(words)
 
     programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
     first: list[Piece] = [(like_discs, (given, store)), (_at_rest, (given, store))]
     first += [(_paper, (given, store))] if given.dem.paper else []
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
-    ended = 0
 
     def one_more(place: int, _: Any) -> None:
         nonlocal ended
         if place > 0:
             ended += 1
-            progress(f"element tests of the discs of every layer: {ended} of {len(tests)}", done)
+            tell(f"element tests of the discs of every layer: {ended} of {len(tests)}")
 
     begun = team(_done, first, heard)
     found, *tested = team(_done, [(_calibrated, (given, store)), *tests], heard, one_more)
@@ -195,10 +202,9 @@ def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> S
 
 def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, tell: Tell, team: Team) -> Calibrator:
     journal = Journal(store, JOURNAL)
-    single = given.dem.parameter == "none"
-    wanted = 1 if single else NARROWING + (1 if given.dem.model == "soil" else 1 + 2 * len(ONE_AT_A_TIME))
-
-    share_of = SearchShare(wanted)
+    soil = given.dem.model == "soil"
+    wanted = PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)
+    share_of = SearchShare(1 if given.dem.parameter == "none" else wanted, POINTS if soil else 8)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = share_of.after_trial(len(calibrator.searches))
