@@ -1,6 +1,7 @@
 """The slip surface of ground that moves, defined alike for finite elements and discs: in the middle of the shear."""
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 
 def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
@@ -11,7 +12,8 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     means of what moves and of what does not (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630); the line is
     where it moves half as much as the upper half of what lies above does on average: within a thin band of shear, half
     of the way across a thick one, also where the ground turns as it slides, or grains roll ahead on its surface. Of the
-    columns that count it is the longest row without a gap.
+    columns that count it is the longest row without a gap; the median of three neighbours leaves out what one column
+    alone has.
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
@@ -22,7 +24,7 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     starts, ends = edges[0::2], edges[1::2]
     longest = int(np.argmax(ends - starts))
     row = slice(starts[longest], ends[longest])
-    return np.column_stack([x[row], np.array(depths)[row]])
+    return np.column_stack([x[row], median_filter(np.array(depths)[row], size=3, mode="nearest")])
 
 
 def _threshold(moved: np.ndarray) -> float:

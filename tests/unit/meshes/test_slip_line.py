@@ -31,6 +31,12 @@ def test_grains_that_roll_ahead_on_the_surface_do_not_draw_it_up() -> None:
     np.testing.assert_allclose(line[:, 1], 2.0, atol=0.25)
 
 
+def test_what_one_column_alone_has_is_left_out() -> None:
+    moved = np.where(Z > 2.04, 1.0, 0.0)
+    moved[5, :45] = 0.0
+    np.testing.assert_allclose(slip_line(X, Z, moved)[:, 1], 2.05)
+
+
 def test_ground_of_which_all_shears_is_cut_below_its_middle() -> None:
     """Of a depth of 5 m at (3 * 5 + h)/8 = h, 15/7 m above its base."""
     np.testing.assert_allclose(slip_line(X, Z, Z)[:, 1], 15.0 / 7.0, atol=0.05)
