@@ -187,6 +187,7 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
     count = 0
     for i in range(begin, end):
         first[i - begin] = count
+        xi, zi, ri, still = x[i], z[i], radius[i], fixed[i]
         # a row of cells at a time; across the sides of a period a column at a time
         for side in range(0 if ends else -1, 1 if ends else 2):
             left, right, middle = column[i] + side, column[i] + side, row[i]
@@ -198,19 +199,17 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
                 right = left
                 middle = int(np.floor((height[i] - side * period.rise - grid.low) / grid.size))
             for line in range(max(middle - 1, 0), min(middle + 2, rows)):
-                for e in range(start[line * columns + left], start[line * columns + right + 1]):
+                begins, ends_at = start[line * columns + left], start[line * columns + right + 1]
+                if count + ends_at - begins > room:
+                    room += room // 2 + ends_at - begins
+                    others = longer(others, room)
+                for e in range(begins, ends_at):
                     j = items[e]
-                    if j <= i or (fixed[i] and fixed[j]):
-                        continue
-                    reach = factor * (radius[i] + places[e, 2]) + skin
-                    dx, dz = image(places[e, 0] - x[i], places[e, 1] - z[i], period)
-                    if dx * dx + dz * dz >= reach * reach:
-                        continue
-                    if count == room:
-                        room += room // 2
-                        others = longer(others, room)
+                    reach = factor * (ri + places[e, 2]) + skin
+                    dx, dz = image(places[e, 0] - xi, places[e, 1] - zi, period)
+                    # written in any case and kept if near: which it will be, no processor guesses
                     others[count] = j
-                    count += 1
+                    count += (j > i) & (dx * dx + dz * dz < reach * reach) & (not (still and fixed[j]))
     first[-1] = count
     return first, others[:count]
 
