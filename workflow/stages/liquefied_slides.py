@@ -24,6 +24,8 @@ from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
 from workflow.stages.sliding import ALONE, Run, Task, liquefying, slid, task
 
+USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
+
 
 def slide_stage(job: Job) -> None:
     """Slides of the cases asked for, or of all."""
@@ -106,7 +108,7 @@ class Hearer:
             told = piece.told(message)
         else:
             seconds, slide, settlement, speed = message
-            self.done[place] = min(1.0, seconds / self.given.slide.duration)
+            self.done[place] = _share(seconds / self.given.slide.duration)
             told = (
                 f"{case_name(piece.task.springs, piece.task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
                 f"{settlement:.2f} m, {speed:.2g} m/s"
@@ -116,6 +118,12 @@ class Hearer:
     def ended(self, place: int, _: Any) -> None:
         """A slide has come to its end, or a packing with all of its slides."""
         self.done[place] = 1.0
+
+
+def _share(of_duration: float) -> float:
+    """How much of a slide is done after a part of the time that it may last: most are at rest long before its end."""
+    late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
+    return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
 
 
 def slide_pictures(given: Input, store: Store, team: Team = alone) -> None:
