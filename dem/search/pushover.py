@@ -125,6 +125,7 @@ def pushed_over(
         model = last_point if whole else model
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
+        ended = f"; pushed on until {type(error).__name__}: {error}"
     if whole:
         search.verdict = "bracketed"
         search.reason = (

@@ -62,6 +62,7 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
     monkeypatch.setattr(pushover, "_points", lost)
     found, pushed = pushed_over(model, ground, SETTINGS, continuum)
     assert (found.verdict, found.kc, found.curve) == (whole.verdict, whole.kc, whole.curve)
+    assert found.reason.endswith("pushed on until NotFiniteError: a disc is nowhere")
     assert np.isfinite(pushed.x).all()
     assert (pushed.x - model.x).mean() == pytest.approx(found.trials[-1].displacement_m, rel=0.05)
 
