@@ -15,15 +15,18 @@ def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.nda
     begin, end = ends[thread], ends[thread + 1]
     shared = begin + np.flatnonzero((layout.first[begin:end] < begin) | (layout.last[begin:end] >= end))
     count = np.zeros((len(shared), threads), np.int64)
-    for k, p in enumerate(shared):
-        places = layout.incoming[layout.incoming_start[p] * LANES : layout.incoming_start[p + 1] * LANES]
-        chunks = places.astype(np.int64) // (LINK_FIELDS * LANES)
-        # behind the chunks lie nothing, and the rigid lines, which are the slice's own
-        owners = np.searchsorted(layout.chunk_start, chunks[chunks < layout.chunk_start[-1]], side="right") - 1
-        for t in range(threads):
-            there = owners[(owners >= ends[t]) & (owners < ends[t + 1])]
-            if t != thread and len(there):
-                count[k, t] = there.max() - ends[t] + 1
+    if not len(shared):
+        return shared, count
+    # behind the chunks lie nothing, and the rigid lines, which are the slice's own: nobody's
+    owner_of = np.append(np.repeat(np.arange(slices), np.diff(layout.chunk_start)), -1)
+    starts, sizes = layout.incoming_start[shared] * LANES, np.diff(layout.incoming_start)[shared] * LANES
+    begins = np.cumsum(sizes) - sizes
+    places = layout.incoming[np.repeat(starts - begins, sizes) + np.arange(sizes.sum())]
+    owners = owner_of[np.minimum(places // (LINK_FIELDS * LANES), len(owner_of) - 1)]
+    for t in range(threads):
+        if t != thread:
+            theirs = np.where((owners >= ends[t]) & (owners < ends[t + 1]), owners - ends[t] + 1, 0)
+            count[:, t] = np.maximum.reduceat(theirs, begins)
     # What needs least of the others comes first, so that no slice waits behind one that needs their last.
     order = np.argsort(count.sum(axis=1), kind="stable")
     return shared[order], count[order]
