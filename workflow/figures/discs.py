@@ -28,6 +28,7 @@ WHOLE = "#2c7a3f"
 CRACKED = "#d0342c"
 SPEEDS = "viridis"
 FAR = "YlOrRd"
+NO_LINE = np.zeros((0, 2))
 
 
 class Circles(Protocol):
@@ -41,10 +42,11 @@ class Circles(Protocol):
     def radius(self) -> np.ndarray: ...
 
 
-def window_of(model: Circles) -> Window:
-    """All discs with their rims, and a margin."""
+def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
+    """All discs with their rims, the points (n, 2) of a line, and a margin."""
     x, z, r = model.x, model.z, model.radius
-    return Window.around(np.array([[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]), 0.015)
+    rims = [[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]
+    return Window.around(np.concatenate([rims, line]), 0.015)
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:

@@ -93,8 +93,8 @@ def left_by(case: Case) -> str:
 def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
-    window, norm = window_of(frame), frame.scale()
     before, after = np.array(case.surface_before), np.array(case.surface_after)
+    window, norm = window_of(frame, before), frame.scale()
 
     def strata(plotter: pv.Plotter) -> None:
         for k in range(-1, len(given.strata)):
@@ -103,8 +103,8 @@ def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, o
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = (
-        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2g} m, settles "
-        f"{case.settlement_uphill_m:.2g} m uphill"
+        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2g} m, {case.uphill} "
+        f"{abs(case.settlement_uphill_m):.2g} m uphill"
     )
     soil = given.dem.model == "soil" and springs == "calibrated"
     kept = left_by(given.cases[number - 1] if soil else Case(stiffness=case.stiffness))

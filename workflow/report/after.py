@@ -155,9 +155,10 @@ def factors(case: LiquefiedCase) -> str:
     """The factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
     told = []
     if case.factor_lower is not None or case.factor_upper is not None:
-        told.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds")
+        told.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
     if case.factor is not None:
-        told.append(f"{case.factor:.2f} by elements")
+        less = case.factor_lower is not None and case.factor < case.factor_lower
+        told.append(f"{case.factor:.2f} by elements" + (", which count what ψ < φ takes away" if less else ""))
     return ", ".join(told)
 
 

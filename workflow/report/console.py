@@ -150,11 +150,11 @@ def _asked(answer: CalibrationAnswer, target: float) -> str:
 
 def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
     """What the cases are, and how far each of them slides, from dem/cases.json."""
-    names = [name for name, _ in case_heads(given)]
-    told = [
-        f"case {number}, {layers}: {', '.join(map(' '.join, zip(names, factors, strict=True)))}"
-        for number, layers, *factors in case_rows(given)
-    ]
+    heads = [name for name, _ in case_heads(given)]
+    told = []
+    for number, layers, *factors in case_rows(given):
+        left = [f"{head} {factor}" for head, factor in zip(heads, factors, strict=True) if head != "name"]
+        told.append(f"{given.called(int(number))}, {layers}: {', '.join(left)}")
     if told:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
     for name, which, case in answer.each():
@@ -164,7 +164,7 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
-            f"settles {metres(case.settlement_uphill_m)} uphill{settled}."
+            f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill{settled}."
         )
 
 

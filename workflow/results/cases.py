@@ -81,6 +81,11 @@ class CaseAnswer(CaseNumbers):
         return float(np.interp(x, *np.array(self.slide_along).T))
 
     @property
+    def uphill(self) -> str:
+        """What the uphill third of the surface does, as a verb."""
+        return "rises" if self.settlement_uphill_m < 0.0 else "settles"
+
+    @property
     def numbers(self) -> CaseNumbers:
         """The numbers alone."""
         return CaseNumbers(**{name: getattr(self, name) for name in CaseNumbers.model_fields})

@@ -5,7 +5,8 @@ import pytest
 from tests.support import dem_fixture
 from tests.support.answers import results
 from tests.support.sections import slope
-from workflow.report.after import just_enough
+from workflow.report.after import factors, just_enough
+from workflow.report.console import slide_sentences
 from workflow.report.findings import findings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
@@ -36,6 +37,25 @@ def test_the_strength_with_which_it_just_stands() -> None:
         assert (enough.how, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
         assert enough.strata[0].over_effective == pytest.approx(expected / 40.0)
     assert just_enough(()) is None
+
+
+def test_elements_below_the_strict_bounds_say_why() -> None:
+    """Bounds are those of ψ = φ: elements that take ψ as it is bear less, and a reader wants to know."""
+    case = after_liquefaction(1, 4.0, 0.8)
+    assert factors(case) == "0.79 to 0.81 by strict bounds with ψ = φ, 0.80 by elements"
+    less = case.model_copy(update={"factor": 0.7})
+    assert factors(less).endswith("0.70 by elements, which count what ψ < φ takes away")
+
+
+def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    given = Input.parse({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
+    for settlement, said in ((0.25, "settles 0.25 m uphill"), (-0.25, "rises 0.25 m uphill")):
+        case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
+        told = list(slide_sentences(given, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
+        assert told[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.1, friction 0, cohesion 0.")
+        assert said in told[1]
 
 
 def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_means() -> None:

@@ -58,6 +58,13 @@ def test_picture(
         assert share_of(image, colour) > 1e-3, colour
 
 
+def test_a_picture_holds_the_surface_that_was_above_the_discs(model: DiscModel) -> None:
+    """The crest of a bank that has slid: 9 m above all discs."""
+    crest = float(model.z.max()) + 9.0
+    assert dem_figures.window_of(model).top < crest
+    assert dem_figures.window_of(model, np.array([[0.0, 0.0], [1.0, crest]])).top > crest
+
+
 def test_discs_in_the_section_push_each_other_as_before(model: DiscModel) -> None:
     """The frame of a tilted box is turned; what the discs do to each other does not depend on it."""
     ground = Ground(lattice_box(12, 6, RADIUS), "box", RADIUS, 6, 0.3, (3.0, 5.0), 1)
