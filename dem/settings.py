@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, StrictBool, model_validator
+from pydantic import AfterValidator, Field, StrictBool, model_validator
 
-from meshes.section.quantity import Length, Strength
+from meshes.section.quantity import Length, Quantity, Strength
 from meshes.section.record_of_motion import RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
@@ -146,7 +146,24 @@ PackingCount = Annotated[int, Field(ge=1, le=10_000)]
 
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
+LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to dense ground
 AVERAGE = "average"  # in place of a file: the response of the layers to a record of the rock
+
+
+def _of_liquefied_soil(strength: Quantity) -> Quantity:
+    """A residual strength (Pa) that is none, or one that there is; raises ValueError with what was meant."""
+    least, most = LIQUEFIED
+    if strength == 0.0 or least <= strength <= most:
+        return strength
+    factor = 1e3 if strength < least else 1e-3
+    number = str(strength.written).split()[0]
+    meant = f' (did you mean "{number} kPa"?)' if least <= factor * strength <= most else ""
+    raise ValueError(
+        f"{strength / 1e3:.6g} kPa is beyond what there is{meant}; expected 0, or {least / 1e3:g} to {most / 1e3:g} kPa"
+    )
+
+
+ResidualStrength = Annotated[Strength, AfterValidator(_of_liquefied_soil)]
 
 
 class Case(Model):
@@ -162,7 +179,7 @@ class Case(Model):
         description="residual strength of soil discs over their vertical effective stress; one for all, or one for "
         "each by the name of the stratum",
     )
-    residual_strength: Strength | dict[str, Strength] = Field(
+    residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
         default=0.0,
         description='residual strength of soil discs, the same all over a stratum, such as "4 kPa"; one for all, or '
         "one for each by the name of the stratum; in place of residual",

@@ -261,10 +261,15 @@ def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what
     if worst <= snap:
         return []
     wrong = np.flatnonzero((excess > snap).any(axis=1))
-    return [
-        f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {x[wrong[0]]:g} "
-        f"and {x[wrong[-1] + 1]:g} m)"
-    ]
+    first, last = (_where_it_ends(excess[k], x[k : k + 2], end) for k, end in ((wrong[0], 0), (wrong[-1], 1)))
+    return [f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {first:.4g} and {last:.4g} m)"]
+
+
+def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
+    """Where in an interval between two x a linear excess (2,) that is positive in it ends, on the side of ``end``."""
+    if excess[end] >= 0.0:
+        return float(x[end])
+    return float(x[0] + (x[1] - x[0]) * excess[0] / (excess[0] - excess[1]))
 
 
 def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:

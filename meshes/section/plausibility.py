@@ -1,16 +1,17 @@
 """What no soil, no water and no load has: slips of the pen, mostly a unit; and densities that contradict the water."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
 from meshes.section.cutting import BELOW_WATER, Halves, halves
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.quantity import GRAVITY
-from meshes.section.stratum import Stratum
+from meshes.section.stratum import MISSING_DENSITY, Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.water import Water
 
@@ -21,24 +22,28 @@ LEVEL = 0.01
 
 
 class Range(NamedTuple):
-    """What a quantity can be, in its unit, of which one has ``si`` in SI units; ``slips`` are wrong factors."""
+    """What a quantity can be, in its unit, of which one has ``si`` in SI units; ``slips`` are wrong factors.
+
+    With ``or_none`` it can be 0, too, below its range.
+    """
 
     low: float
     high: float
     unit: str
     si: float
     slips: tuple[tuple[float, str], ...]
+    or_none: bool = False
 
 
-# From fresh peat to ore; buoyant peat; very soft clay to steel; rock; rubble; from warm fresh water to the Dead Sea;
-# the foot of a dam.
+# From fresh peat to ore; buoyant peat; very soft clay to steel; a slurry to rock; rubble; from warm fresh water to the
+# Dead Sea; a tent to the foot of a dam.
 DENSITY = Range(0.7, 3.5, "t/m^3", 1e3, ((1e3, "t/m^3"), (1e3 / GRAVITY, "kN/m^3"), (1e-3, "kg/m^3"), (0.1, "kN/m^3")))
 BUOYANT = DENSITY._replace(low=0.01)
 STIFFNESS = Range(0.1, 2e5, "MPa", 1e6, ((1e3, "MPa"), (1e-3, "kPa")))
-COHESION = Range(0.0, 5e4, "kPa", 1e3, ((1e-3, "kPa"),))
+COHESION = Range(0.05, 5e4, "kPa", 1e3, ((1e3, "kPa"), (1e-3, "kPa")), or_none=True)
 FRICTION = Range(0.0, 60.0, "deg", math.pi / 180.0, ())
 WATER = Range(9.5, 12.5, "kN/m^3", 1e3, ((1e3, "kN/m^3"),))
-LOAD = Range(0.0, 5e3, "kPa", 1e3, ((1e-3, "kPa"),))
+LOAD = Range(0.05, 5e3, "kPa", 1e3, ((1e3, "kPa"), (1e-3, "kPa")), or_none=True)
 OF_A_STRATUM = {
     "density_ordinary": BUOYANT, "density_seismic": DENSITY, "density_saturated": DENSITY, "youngs_modulus": STIFFNESS,
     "cohesion": COHESION, "friction_angle": FRICTION,
@@ -54,6 +59,23 @@ def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequ
     return list(dict.fromkeys(told))
 
 
+def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """The same of tables [[strata]] that have other faults, as far as they can be read; and those without density."""
+    kinds = get_type_hints(Stratum, include_extras=True)
+    for number, written in enumerate(strata, start=1):
+        name = written.get("name")
+        where = f"strata {number}" + (f' "{name}"' if isinstance(name, str) else "")
+        if not any(key.startswith("density") for key in written):
+            yield f"{where}: {MISSING_DENSITY}"
+        for key, limits in {"density": DENSITY, **OF_A_STRATUM}.items():
+            try:
+                value = TypeAdapter(kinds[key]).validate_python(written[key])
+            except (KeyError, ValidationError):
+                continue
+            if value is not None and not _within(value, limits):
+                yield _sentence(f"{where}, {key}", value, limits)
+
+
 def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
     for key, limits in ranges.items():
         value = getattr(model, key)
@@ -66,7 +88,8 @@ def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
 
 
 def _within(value: float, limits: Range) -> bool:
-    return limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
+    none = limits.or_none and value == 0.0
+    return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
 
 def _sentence(key: str, value: float, limits: Range) -> str:
@@ -74,10 +97,11 @@ def _sentence(key: str, value: float, limits: Range) -> str:
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
     number = str(written).split()[0]
     meant = next((unit for factor, unit in limits.slips if _within(factor * value, limits)), None)
-    hint = f' (did you mean "{number} {meant}"?)' if meant else ""
+    hint = f' (did you mean "{number} {meant}"?)' if meant and f"{number} {meant}" != written else ""
+    expected = f"{'0, or ' if limits.or_none else ''}{limits.low:g} to {limits.high:g} {limits.unit}"
     return (
-        f"{key} = {shown}: {value / limits.si:.4g} {limits.unit} is beyond what there is{hint}; expected "
-        f"{limits.low:g} to {limits.high:g} {limits.unit}, or unusual = true at the head of the file if it is meant"
+        f"{key} = {shown}: {value / limits.si:.6g} {limits.unit} is beyond what there is{hint}; expected {expected}, "
+        "or unusual = true at the head of the file if it is meant"
     )
 
 

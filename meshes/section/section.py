@@ -17,7 +17,7 @@ from meshes.section.cutting import cut
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
-from meshes.section.plausibility import against_the_water, implausible, not_level
+from meshes.section.plausibility import against_the_water, implausible, implausible_as_written, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.sentences import sentences
@@ -229,12 +229,11 @@ class Section(Model):
         try:
             return cls.model_validate(known).cut_at_water()
         except ValidationError as error:
-            problems = [text for entry in error.errors() for text in sentences(entry, known, cls)]
-            problems = list(dict.fromkeys(problems))
+            problems = sentences(error, known, cls)
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
             if not any(entry["loc"] == () for entry in error.errors()):
                 problems += _problems_of_the_rest(known)
-            raise InputError(source, problems) from error
+            raise InputError(source, list(dict.fromkeys(problems))) from error
 
     def to_toml(self) -> str:
         """The section as TOML with all defaults filled in and quantities as they were written."""
@@ -313,12 +312,14 @@ def _geometry_problems(
 
 
 def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
-    """What is wrong with names and geometry, as far as those can be read, in input that has other faults."""
+    """What is wrong with names, soils and geometry, as far as those can be read, in input that has other faults."""
     strata = data.get("strata")
     if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
         return []
     names = [name for stratum in strata if isinstance(name := stratum.get("name"), str)]
     problems = list(_naming_problems(names))
+    if data.get("unusual") is not True:
+        problems += implausible_as_written(strata)
     try:
         surface = TypeAdapter(Polyline).validate_python(data["surface"])
         base = Line.model_validate(data["base"])

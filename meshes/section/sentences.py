@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 # What pydantic calls by Python's names.
@@ -20,7 +20,56 @@ PLAIN_WORDS = {
 }
 
 
-def sentences(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
+Place = tuple[int | str, ...]
+
+
+def sentences(error: ValidationError, data: Any, model: type[BaseModel]) -> list[str]:
+    """One sentence for each problem: the key, the value, what was expected."""
+    choices: dict[Place, list[ErrorDetails]] = {}
+    for entry in error.errors():
+        place, choice = _without_choices(entry["loc"], data)
+        entry["loc"] = place
+        choices.setdefault(choice or place, []).append(entry)
+    told = [text for field, same in choices.items() for entry in _nearest(field, same)
+            for text in _told(entry, data, model)]  # fmt: skip
+    return list(dict.fromkeys(told))
+
+
+def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
+    """A location as it is in the data, and that of the key in it whose value can be one of several kinds, or ().
+
+    Behind such a key pydantic names the kind it has tried, such as "dict[str,float]": nothing that the data have.
+    """
+    place: list[int | str] = []
+    field: Place = ()
+    for step in location:
+        whole = isinstance(data, Mapping | list | tuple)
+        if isinstance(step, str) and place and (not whole or "[" in step or isinstance(data, list | tuple)):
+            field = field or tuple(place)
+            continue
+        place.append(step)
+        try:
+            data = data[step] if whole else None
+        except (KeyError, IndexError, TypeError):
+            data = None
+    return tuple(place), field
+
+
+def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Of what is wrong with a value by each kind that it can be, what the person who wrote it meant."""
+
+    def far(error: ErrorDetails) -> int:
+        inside, table = len(error["loc"]) > len(field), isinstance(error["input"], Mapping | list | tuple)
+        kind, literal = error["type"].endswith(("_type", "_parsing")), error["type"] == "literal_error"
+        other = table or error["type"] in ("dict_type", "model_type")  # a table where a value stands, or the reverse
+        return 0 if inside else 4 if other else 3 if kind else 2 if literal else 1
+
+    least = min(map(far, errors))
+    several = any(error["loc"] != field for error in errors) or len({error["type"] for error in errors}) > 1
+    return [error for error in errors if far(error) == least] if several else errors
+
+
+def _told(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
     """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
     key = _key(error["loc"], data)
     if error["type"] == "missing":

@@ -15,6 +15,10 @@ NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
 
 # No density: stands until ``density``, or a complaint, takes its place.
 MISSING = -1.0
+MISSING_DENSITY = (
+    'density: missing; expected a density or unit weight such as "1.8 t/m^3" (and density_saturated, if water stands '
+    "in the stratum)"
+)
 
 
 class Stratum(Model):
@@ -117,10 +121,7 @@ class Stratum(Model):
                 return ["density beside density_ordinary and density_seismic: expected either it or these two"]
             self.__dict__.update(dict.fromkeys(pair, whole))  # the model is frozen from here on
         elif len(missing) == 2:
-            wish = (
-                'a density or unit weight such as "1.8 t/m^3" (and density_saturated, if water stands in the stratum)'
-            )
-            return [f"density: missing; expected {wish}"]
+            return [MISSING_DENSITY]
         elif missing:
             return [f'{missing[0]}: missing; expected a density such as "1.8 t/m^3", or density alone']
         if self.density_seismic < self.density_ordinary:

@@ -27,6 +27,8 @@ def data(**changes: Any) -> dict[str, Any]:
         ({"youngs_modulus": "15 kPa"}, "15 MPa"),
         ({"youngs_modulus": 30}, ""),
         ({"cohesion": "60 MPa"}, "60 kPa"),
+        ({"cohesion": 5}, "5 kPa"),
+        ({"cohesion": 0.01}, ""),
         ({"friction_angle": "70 deg"}, ""),
     ],
 )
@@ -36,6 +38,22 @@ def test_a_slip_of_the_unit_is_told_with_what_was_meant_and_may_be_meant(changes
     assert f'did you mean "{meant}"?' in told if meant else "did you mean" not in told
     taken = Section.parse({**data(**changes), "unusual": True})
     assert any("is beyond what there is" in notice for notice in taken.notices)
+
+
+def test_what_no_soil_has_is_told_beside_what_cannot_be_read() -> None:
+    told = problems(data(poissons_ratio=0.7, youngs_modulus="15 kPa", density="70 kN/m^3", **BULK))
+    assert [next(part for part in text.split(": ")[0].split(", ") if "=" in part) for text in told] == [
+        "poissons_ratio = 0.7",
+        'density = "70 kN/m^3"',
+        'youngs_modulus = "15 kPa"',
+    ]
+    assert ["did you mean" in text for text in told] == [False, False, True]
+    nothing = data(density=None, density_saturated=None)
+    unread = {
+        **nothing,
+        "strata": [{k: v for k, v in nothing["strata"][0].items() if v is not None} | {"cohesion": "a"}],
+    }
+    assert ["cohesion" in problems(unread)[0], "density: missing" in problems(unread)[1]] == [True, True]
 
 
 def test_water_and_loads_have_their_bounds_too() -> None:

@@ -110,7 +110,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "interfaces that cross": (
         lambda data: data["strata"].insert(1, layer("middle", bottom={"depth": [[0, 2], [100, 6]]})),
         "the bottom of stratum 2 rises above its top by 2 m at x = 0 m",
-        "wrong between x = 0 and 100 m",
+        "wrong between x = 0 and 50 m",
     ),
     "interface below the base": (upper(bottom={"depth": 15.0}), "bottom of stratum 1 lies below the base", "by 5 m"),
     "lowest stratum short of the base": (

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tomli_w
@@ -120,6 +121,31 @@ def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: lis
     assert f"{table}, kh" in str(caught.value)
     assert told in str(caught.value)
     assert Input.parse({**slope(), table: {"kh": [0.2, 0.3, 0.255]}})
+
+
+@pytest.mark.parametrize(
+    ("case", "told"),
+    [
+        ({"residual_strength": "-3 kPa"}, ["residual_strength = '-3 kPa': out of range; expected a stress of"]),
+        ({"residual_strength": 12}, ['= 12: 0.012 kPa is beyond what there is (did you mean "12 kPa"?)']),
+        ({"residual_strength": "12 MPa"}, ['did you mean "12 kPa"?); expected 0, or 0.05 to 1000 kPa']),
+        ({"residual": 12}, ["residual = 12: input should be less than or equal to 1"]),
+        (
+            {"residual_strength": {"upper": 12, "lower": "-3 kPa"}},
+            ["residual_strength, upper = 12: 0.012 kPa", "residual_strength, lower = '-3 kPa': out of range"],
+        ),
+        ({"residual": "much"}, ["residual = 'much': input should be a valid number"]),
+    ],
+)  # fmt: skip
+def test_a_key_of_several_kinds_has_one_sentence_for_what_was_meant(case: dict[str, Any], told: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        Input.parse({**slope(), "slide": {"cases": [case]}})
+    problems = caught.value.problems
+    assert len(problems) == len(told)
+    for problem, part in zip(problems, told, strict=True):
+        assert problem.startswith("slide, cases 1, residual")
+        assert part in problem
+        assert "[" not in problem.split(";")[0]
 
 
 def test_every_kh_that_is_kept_has_a_name_of_its_own() -> None:
