@@ -287,10 +287,12 @@ class Slider:
         self.slide.flows = far > FLOWS * float(np.ptp(self.surface.z))
         if not self.slide.flows:
             return []
+        case = self.case
+        kept = case is not None and (case.residual or case.residual_strength)
+        hold = "more residual strength" if kept else "a residual strength"
         return [
             f"without any shaking it slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: its "
-            "factor of safety after liquefaction is below 1, and a residual strength (slide.cases, residual) may hold "
-            "it"
+            f"factor of safety after liquefaction is below 1, and {hold} (slide.cases, residual) may hold it"
         ]
 
     def _keep(self) -> None:

@@ -3,10 +3,12 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from workflow.report.numbers import coefficient, listed, number
+from workflow.report.doubtful import of_cases
+from workflow.report.numbers import coefficient, listed, number, span
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
 
+Strata = tuple[LiquefiedStratum, ...]
 FLOWS = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat
 
 
@@ -19,6 +21,7 @@ def in_short(results: Results) -> Iterator[str]:
     for one in answer.cases:
         if one.stands == "flows":
             yield f"After liquefaction, in {_which(one)}, the continuum does not stand without shaking: {one.reason}."
+            yield from _by_weight(results, one)
         else:
             most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
             bears = f", and bears Kh of about {coefficient(most)}" if most is not None else ""
@@ -31,6 +34,20 @@ def in_short(results: Results) -> Iterator[str]:
     if enough is not None:
         yield f"{enough.words}."
     yield from _field(results, answer)
+
+
+def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
+    """How far the discs slide by their weight alone, where the continuum flows and they are not told to flow."""
+    _, cases = results.case_set()
+    discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
+    far = {number: one.slide_by_weight_m for number, one in discs.items() if one.slide_by_weight_m is not None}
+    if not far:
+        return
+    told = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"
+    if max(far.values()) > FLOWS * _relief(results):
+        yield f"The discs agree: {told}, until the face that is left is flat enough."
+    else:
+        yield f"The discs are stronger than that: {told}."
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
@@ -60,14 +77,15 @@ class Enough:
     """The residual strength (kPa) of each stratum with which the ground just stands, and how sure that is."""
 
     how: str
-    strata: tuple[LiquefiedStratum, ...]
+    strata: Strata
 
     @property
     def words(self) -> str:
         """It in a sentence without its end."""
         told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
-        return f"To stand without shaking it needs {self.how} {listed(told)}"
+        more = "; a case with more strength would tell how much more" if self.how == "more than" else ""
+        return f"To stand without shaking it needs {self.how} {listed(told)}{more}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
@@ -75,7 +93,9 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
 
     Between two cases of which one flows it is found from their factors F, straight between them. All strengths over F
     are those with which it just stands, so that the residual ones alone have to be more than that where it flows
-    (F below 1), and may be less where it stands: a bound on one side where all cases lie on one side.
+    (F below 1), and may be less where it stands: a bound on one side where all cases lie on one side. F is concave in
+    the strength, being the least of what mechanisms ask for, each linear in it: a line through two cases that flow
+    says more, and still too little.
     """
     known = [(0.5 * (one.factor_lower + one.factor_upper), one) for one in cases
              if one.factor_lower is not None and one.factor_upper is not None
@@ -83,18 +103,30 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     at_one = next((one for _, one in known if (one.factor_lower or 0.0) <= 1.0 <= (one.factor_upper or 0.0)), None)
     if at_one is not None:
         return Enough("about", at_one.strata)
-    flowing = max(((f, one) for f, one in known if f < 1.0), key=_first, default=None)
-    standing = min(((f, one) for f, one in known if f >= 1.0), key=_first, default=None)
-    if flowing and standing and [s.name for s in flowing[1].strata] == [s.name for s in standing[1].strata]:
-        part = (1.0 - flowing[0]) / (standing[0] - flowing[0])
-        pairs = zip(flowing[1].strata, standing[1].strata, strict=True)
-        return Enough(
-            "about", tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
-        )
-    for how, found in (("more than", flowing), ("at most", standing)):
-        if found is not None:
-            return Enough(how, tuple(_scaled(s, 1.0 / found[0]) for s in found[1].strata))
+    flowing = sorted(((f, one) for f, one in known if f < 1.0), key=_first)
+    standing = sorted(((f, one) for f, one in known if f >= 1.0), key=_first)
+    if flowing and standing and _alike(flowing[-1][1], standing[0][1]):
+        return Enough("about", _on_the_line(flowing[-1], standing[0]))
+    if len(flowing) > 1 and flowing[-2][0] < flowing[-1][0] and _alike(flowing[-2][1], flowing[-1][1]):
+        return Enough("more than", _on_the_line(flowing[-2], flowing[-1]))
+    for how, found in (("more than", flowing[-1:]), ("at most", standing[:1])):
+        for factor, one in found:
+            return Enough(how, tuple(_scaled(s, 1.0 / factor) for s in one.strata))
     return None
+
+
+def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
+    """Whether two cases have the same strata, and the one with the larger factor more strength."""
+    names = [stratum.name for stratum in weaker.strata] == [stratum.name for stratum in stronger.strata]
+    pairs = [(a.cohesion_kPa, b.cohesion_kPa) for a, b in zip(weaker.strata, stronger.strata, strict=False)]
+    return names and all(0.0 < a <= b for a, b in pairs) and any(a < b for a, b in pairs)
+
+
+def _on_the_line(weaker: tuple[float, LiquefiedCase], stronger: tuple[float, LiquefiedCase]) -> Strata:
+    """The strata of two cases with the strength at which a line through their factors is 1."""
+    part = (1.0 - weaker[0]) / (stronger[0] - weaker[0])
+    pairs = zip(weaker[1].strata, stronger[1].strata, strict=True)
+    return tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
 
 
 def _first(pair: tuple[float, LiquefiedCase]) -> float:

@@ -1,7 +1,7 @@
 """What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -105,19 +105,25 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
         yield f"The computation itself ({causes}) leaves nothing open in these digits."
     else:
         yield f"The computation itself ({causes}) leaves open {left_open}."
-    most = _most(results, fem)
-    assumed = [
-        f"{coefficient(kc)} with {variant.change}{_too_much(variant.name, kc, most)}"
-        for variant in found
-        if variant.name in ASSUMED and (kc := variants.get(variant.name)) is not None
-    ]
-    if fem.associated is not None and "dilation" not in variants:
-        assumed.insert(0, f"{coefficient(fem.associated.kc)} if the ground dilated fully (ψ = φ)")
-    if any(not words.startswith(f"{told} ") for words in assumed):
-        yield f"More hangs on what was assumed: it would be {listed(assumed)}."
-    elif assumed:
-        yield f"What was assumed changes little: it would be {listed(assumed)}."
+    yield from _assumed(results, fem, variants)
     yield from _beside(results, fem)
+
+
+def _assumed(results: Results, fem: FemAnswer, variants: Mapping[str, float]) -> Iterator[str]:
+    """What the critical Kh would be with other assumptions: those that change it, or that none does."""
+    most, told = _most(results, fem), coefficient(fem.kc)
+    changes = {variant.name: variant.change for variant in results.variants.variants} if results.variants else {}
+    found = [
+        (coefficient(variants[name]), f"with {changes[name]}{_too_much(name, variants[name], most)}")
+        for name in changes if name in ASSUMED and name in variants
+    ]  # fmt: skip
+    if fem.associated is not None and "dilation" not in variants:
+        found.insert(0, (coefficient(fem.associated.kc), "if the ground dilated fully (ψ = φ)"))
+    differ = [f"{kc} {change}" for kc, change in found if kc != told]
+    if differ:
+        yield f"More hangs on what was assumed: it would be {listed(differ)}."
+    elif found:
+        yield f"What was assumed changes little: it would be {listed([' '.join(one) for one in found])}."
 
 
 def _most(results: Results, fem: FemAnswer) -> float:

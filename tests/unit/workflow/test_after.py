@@ -27,9 +27,12 @@ def after_liquefaction(number: int, strength: float, factor: float) -> Liquefied
 
 
 def test_the_strength_with_which_it_just_stands() -> None:
-    """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the factor."""
+    """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the factor; two
+    cases that flow give a line, above which the factor cannot rise, being the least of mechanisms linear in it."""
     flows, stands = after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3)
+    weaker = after_liquefaction(3, 3.0, 0.7)
     for cases, how, expected in (((flows, stands), "about", 6.0), ((flows,), "more than", 5.0),
+                                 ((flows, weaker), "more than", 6.0),
                                  ((stands,), "at most", 9.0 / 1.3),
                                  ((after_liquefaction(1, 5.0, 0.995), stands), "about", 5.0)):  # fmt: skip
         enough = just_enough(cases)
