@@ -81,19 +81,23 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
     if answer.associated is not None and answer.associated.verdict in ("plateau", "peak"):
         more = 100.0 * (answer.associated.kc / answer.kc - 1.0) if answer.kc > 0.0 else 0.0
         yield (
-            f"With ψ = φ it would be {answer.associated.kc:.4f} ({more:+.0f} %), which no smaller dilation can exceed: "
-            "what the ground bears lies between the two."
+            f"With ψ = φ it would be {answer.associated.kc:.4f} ({more:+.0f} %){_out_at(answer.associated.at_sides)}, "
+            "which no smaller dilation can exceed: what the ground bears lies between the two."
         )
     other = answer.opposite
     if other is not None:
         kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
-        at = f", where the ground only fails at the {' and the '.join(other.at_sides)} side" if other.at_sides else ""
-        yield f"Pushed {other.direction} it is {kh}{at}."
+        yield f"Pushed {other.direction} it is {kh}{_out_at(other.at_sides)}."
     for skin in answer.skins:
         yield (
             f'Grains of "{skin.stratum}" roll down the face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m '
             f"({skin.angle_deg:.0f}°) at Kh = {max(skin.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
         )
+
+
+def _out_at(sides: tuple[str, ...]) -> str:
+    """Where ground that fails slides out of the section, if it does where that was cut off."""
+    return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:

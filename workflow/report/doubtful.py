@@ -11,6 +11,7 @@ from workflow.results.results import Results
 
 CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
 # A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
@@ -33,6 +34,7 @@ def _doubts(results: Results) -> Iterator[str]:
     for doubt in results.doubts:
         if doubt.contradiction:
             yield doubt.what
+    yield from _sides(results)
     if given.reconstruction:
         yield "the ground is a reconstruction"
     yield from _doubts_of_calibration(results)
@@ -52,6 +54,21 @@ def _doubts(results: Results) -> Iterator[str]:
         yield from _elsewhere(discs.slip_surface, float(np.ptp(given.outline()[:, 1])))
     if discs is not None and discs.model.packing != "random":
         yield "the discs lie in rows, which must climb over each other to slide"
+
+
+def _sides(results: Results) -> Iterator[str]:
+    """That the critical Kh hangs on what is assumed where the section was cut off."""
+    fem = results.fem
+    change = next((one for one in results.variants.variants if one.name == "sides"), None) if results.variants else None
+    other = change.of(fem.kc) if change is not None and fem is not None else None
+    if fem is None or change is None or other is None or not fem.kc > 0.0:
+        return
+    if not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
+        longer = "a larger beyond" if results.given.beyond else 'beyond = "50 m"'
+        yield (
+            f"with {change.change} the section fails at Kh of about {coefficient(other)}, and not "
+            f"{coefficient(fem.kc)}: what is assumed at its ends decides, and {longer} takes them further away"
+        )
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
