@@ -197,7 +197,7 @@ def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: Machin
     if most >= FORMED * ground.radius:
         return "where a band of shear has formed"
     if most >= APART * moved:
-        return "where a part has come apart, and to push on would only bring along the rest"
+        return "where a part has come off: the rest would only follow it"
     return "as far as discs are pushed" if moved >= FURTHEST * machine.reach else ""
 
 

@@ -26,12 +26,13 @@ def settings_of(package: str) -> str:
 
 
 def test_the_section_and_the_settings_of_the_readmes() -> None:
-    section, bottom, borings, uncertain, block = blocks("toml", README)
+    section, cases, bottom, borings, uncertain, block = blocks("toml", README)
     meshing, solving = settings_of("meshes"), settings_of("fem")
-    texts = (section, meshing, solving, borings, uncertain, block)
+    texts = (section.replace("[1, 2, 3]", "[1, 2]"), cases, meshing, solving, borings, uncertain, block)
     used = Input.parse({key: value for text in texts for key, value in tomllib.loads(text).items()})
     assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
     assert len(used.uncertain.numbers) == 4
+    assert [used.cases[0].residual_of("Loose sand"), used.cases[1].strength_of("Loose sand")] == [0.15, 6000.0]
     mesh = generate(used, used.mesh)
     assert mesh.method == "free"
     assert_conforming(mesh, used, used.mesh)

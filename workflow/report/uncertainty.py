@@ -11,6 +11,7 @@ from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
 from workflow.results.variants import Variant
 
+NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 SIDES = {
     "roller": "The sides may move horizontally under their K0 stress, and not vertically",
     "fixed": "The sides are held in both directions, which helps the slope to stand",
@@ -138,7 +139,9 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     yield "Packing", told
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
-        if surfaces.excess_above is not None:
+        if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:
+            deeper = " Discs fail higher up, where the continuum fails at the same Kh."
+        elif surfaces.excess_above is not None:
             deeper = (
                 f" Discs fail higher up: to fail no deeper than they do, the continuum would want "
                 f"{100 * surfaces.excess_above:.0f} % more Kh."

@@ -123,6 +123,12 @@ class Spread(Part):
             mean_ci95=None if half is None else (float(mean - half), float(mean + half)),
         )
 
+    @property
+    def from_zero(self) -> Self:
+        """The same of what cannot be negative."""
+        interval = None if self.mean_ci95 is None else (max(self.mean_ci95[0], 0.0), self.mean_ci95[1])
+        return self.model_copy(update={"mean_ci95": interval})
+
 
 class Profile(Part):
     """The surface over all packings, before and after; x from left to right and elevations (m)."""
@@ -159,8 +165,9 @@ class RandomCase(Part):
 
     @property
     def spreads(self) -> dict[str, Spread]:
-        """Every quantity by its name in words."""
-        return {words: spread for name, words in QUANTITIES.items() if (spread := getattr(self, name)) is not None}
+        """Every quantity by its name in words; intervals of lengths that cannot be negative begin at 0."""
+        found = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
+        return {QUANTITIES[name]: one.from_zero if name in LENGTHS else one for name, one in found.items()}
 
 
 QUANTITIES = {
@@ -173,6 +180,7 @@ QUANTITIES = {
     "settlement_downhill_m": "settlement, downhill third",
     "crack_opening_m": "widest crack",
 }
+LENGTHS = ("slide_max_m", "crack_opening_m")
 
 
 class Seed(Part):

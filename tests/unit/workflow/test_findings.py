@@ -157,6 +157,7 @@ def test_an_interval_where_there_are_several_packings(run: Input) -> None:
     told = text(results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=random)))
     # mean 3.3 m, standard deviation 1.37 m, Student's t of two degrees of freedom 4.303: 3.3 -/+ 3.41 m
     assert spread.mean_ci95 == pytest.approx((-0.114, 6.714), abs=2e-3)
+    assert spread.from_zero.mean_ci95 == pytest.approx((0.0, 6.714), abs=2e-3)
     assert (
         "On 3 random packings that fail at the same Kh the largest slide is 3 m (2 to 5 m; mean of all packings 0 to "
         "7 m with 95 %) in case 2." in told
