@@ -88,7 +88,7 @@ def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     machine = pushover.Machine(RADIUS, 1.0)
     assert not pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
     ahead.x[-1] += 2.0 * RADIUS
-    assert "come apart" in pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
+    assert "come off" in pushover._failed(ahead, model, ground, machine, 0.1 * RADIUS)
 
 
 def test_the_curve_is_elastic_and_then_level() -> None:
