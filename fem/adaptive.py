@@ -1,134 +1,35 @@
-"""The critical seismic coefficient on meshes made anew for the mechanism, until hardly anything of their error is left.
+"""The critical seismic coefficient, and factors of safety, on meshes made anew for the mechanism.
 
-Plastic shear goes through a band as narrow as the cells allow, and the coefficient is too large in proportion to the
-width of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. From two meshes follows
-what the last one still has (Richardson 1911). On each the limit load is found at once (``fem/direct_limit.py``), which
+On each mesh of the sequence (``fem/mesh_sequence.py``) the limit load is found at once (``fem/direct_limit.py``), which
 takes a tenth of the time of a path.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Generic, Protocol, TypeVar
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from fem.at_once import AtOnce, asked_again, critical_at_once
-from fem.fields import State, touched_sides
 from fem.loads import Direction
+from fem.meanwhile import IN_TURN, Meanwhile
+from fem.mesh_sequence import FEWEST_CELLS, SMALLEST_KH, AdaptiveResult, MeshRound, Wish, nothing, solve_adaptively
 from fem.settings import FemSettings
 from fem.skin import Skin, faces_at, strengthened, without_strips
 from fem.strength import is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
-from meshes.errors import NoAnswerError
+from meshes.errors import InputError, NoAnswerError
+from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import areas
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.strips import with_finer_strips
 
-# The next mesh has this many times the cells of the last one.
-MORE_CELLS = 2.0
-# or fewer, if these are as many as are allowed, but not fewer than so many times.
-FEWER_CELLS = 1.25
-# The first adapted mesh has at least this many: fewer cannot follow a band.
-FEWEST_CELLS = 500
-# Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
-LEAST_GAIN = 0.25
-# A finer mesh bears less. Where it bears more, cells of the one before were cut by something that these follow, and so
-# many times what the two tell may be left.
-RISEN = 3.0
-# A change is told as a share of kc, or of this Kh where kc is smaller.
-SMALLEST_KH = 0.05
-# What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
-# mesh, and of later ones as a multiple of what two meshes tell.
-FIRST_REST, REST_TIMES = 0.3, 2.0
-
-
-@dataclass(frozen=True)
-class MeshRound:
-    """One mesh of the sequence.
-
-    Attributes
-    ----------
-    cells : int
-        Number of quadrilaterals.
-    value : float
-        Critical Kh, or factor of safety, on it (-).
-    change : float
-        Difference from the mesh before as a share of ``value``; infinite for the first.
-    rest : float
-        What is left of the error, as a share of ``value``, as far as this and the mesh before can tell; infinite for
-        the first.
-    """
-
-    cells: int
-    value: float
-    change: float
-    rest: float
-
-
-class Found(Protocol):
-    """What is found on a mesh: a number, its mechanism, and what there is to say of it."""
-
-    @property
-    def value(self) -> float: ...
-
-    @property
-    def mechanism(self) -> State | None: ...
-
-    @property
-    def reason(self) -> str: ...
-
-
-F = TypeVar("F", bound=Found)
-
-
-@dataclass(frozen=True, eq=False)
-class AdaptiveResult(Generic[F]):
-    """The answer on the last mesh, and the sequence that led to it.
-
-    Attributes
-    ----------
-    result : AtOnce, CriticalResult or SafetyFactor
-        Answer and mechanism on ``mesh``.
-    mesh : QuadMesh
-        The last mesh.
-    rounds : list of MeshRound
-        The sequence, coarsest first.
-    converged : bool
-        Whether what is left of the error is within the accuracy that was asked for.
-    reason : str
-        Why there was no further mesh.
-    other : AdaptiveResult or None
-        The same for the opposite direction, where both were asked for.
-    """
-
-    result: F
-    mesh: QuadMesh
-    rounds: list[MeshRound] = field(default_factory=list)
-    converged: bool = False
-    reason: str = ""
-    other: "AdaptiveResult[F] | None" = None
-
-    @property
-    def limit(self) -> float:
-        """What the sequence tends to if the error goes with one over the number of cells (-); NaN after one mesh."""
-        if len(self.rounds) < 2:
-            return math.nan
-        before, last = self.rounds[-2:]
-        return last.value - left_of_error(before, last.cells, last.value)
-
-    @property
-    def leaves_through_sides(self) -> bool:
-        """Whether the mechanism reaches a side."""
-        return self.result.mechanism is not None and bool(touched_sides(self.mesh, self.result.mechanism))
-
-
-def left_of_error(before: MeshRound, cells: int, value: float) -> float:
-    """By how much ``value`` (-) on so many ``cells`` is still too large, by one mesh ``before``."""
-    return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
+# From so many times as many on a mesh is worth one of so few that tells where its answer lies.
+MANY_TIMES = 4
 
 
 def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
@@ -178,6 +79,7 @@ def adapted_answer(
     settings: FemSettings,
     comm: Any,
     listener: Callable[[str], None],
+    meanwhile: Meanwhile = IN_TURN,
 ) -> AdaptiveResult[AtOnce]:
     """The critical Kh on meshes made for it, in the direction in which it is smaller; ``first`` alone if none are made.
 
@@ -185,9 +87,9 @@ def adapted_answer(
     ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
     """
 
-    def towards(direction: Direction, other: float) -> AdaptiveResult[AtOnce]:
+    def towards(direction: Direction, other: Callable[[], float]) -> AdaptiveResult[AtOnce]:
         wish = settings.model_copy(update={"direction": direction})
-        faces: list[Skin] | None = None
+        faces = _rough_faces(section, first, wish, comm)
 
         def solve(mesh: QuadMesh) -> AtOnce:
             nonlocal faces
@@ -203,9 +105,14 @@ def adapted_answer(
         return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most, other))
 
     if settings.direction != "both":
-        return towards(settings.direction, math.inf)
-    down = towards("downhill", math.inf)
-    up = towards("uphill", down.result.kc)
+        return towards(settings.direction, nothing)
+    begun = meanwhile.begin(lambda: towards("downhill", nothing))
+    try:
+        up = towards("uphill", lambda: begun.result().result.kc)
+    except NoAnswerError:
+        begun.result()  # what keeps that from an answer is told first
+        raise
+    down = begun.result()
     if up.result.kc < down.result.kc and not up.leaves_through_sides:
         return replace(up, other=down)
     return replace(down, other=up)
@@ -219,14 +126,45 @@ def answer_beside(
     comm: Any,
     listener: Callable[[str], None],
 ) -> AdaptiveResult[AtOnce]:
-    """What ``other`` settings, with ψ = φ or other sides, find on the mesh of ``found``, and on one with as many cells
-    that is made for the mechanism of that.
+    """What ``other`` settings, with ψ = φ, find on the mesh of ``found`` under the same forces, and on one with as many
+    cells that is made for the mechanism of that.
 
     Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the mesh
     of ``found``.
     """
     listener(f"limit load of {len(found.mesh.cells)} cells")
     same = asked_again(found.result, section, found.mesh, other)
+    return _or_on_its_own(section, meshing, found, same, other, comm, listener)
+
+
+def answer_between(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[AtOnce],
+    fixed: FemSettings,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> AdaptiveResult[AtOnce]:
+    """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``found`` was found with."""
+    mesh = found.mesh
+    listener(f"limit load of {len(mesh.cells)} cells")
+    one_mesh = len(found.rounds) < 2
+    faces = _rough_faces(section, mesh, fixed, comm) if one_mesh else found.result.ground.faces
+    same = critical_at_once(section, mesh, fixed, comm, faces)
+    return _or_on_its_own(section, meshing, found, same, fixed, comm, listener)
+
+
+def _or_on_its_own(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[AtOnce],
+    same: AtOnce,
+    other: FemSettings,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> AdaptiveResult[AtOnce]:
+    """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if that is
+    less."""
     first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
     if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
         return first
@@ -282,7 +220,7 @@ def adapted_safety(
 ) -> AdaptiveResult[SafetyFactor]:
     """The factor of safety at ``kh`` on meshes made for it; raises what ``safety_at_once`` does on the first mesh."""
 
-    guess = 1.0
+    guess = _rough_safety(section, first, settings, kh, comm)
     strong = strong_below(section, faces_at(section, settings, kh), settings)
 
     def solve(mesh: QuadMesh) -> SafetyFactor:
@@ -299,72 +237,32 @@ def adapted_safety(
     return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most))
 
 
-@dataclass(frozen=True)
-class Wish:
-    """When to stop making meshes.
-
-    Attributes
-    ----------
-    accuracy : float
-        What may be left of the error, as a share of the critical Kh (-).
-    max_cells : int
-        Cells of the finest mesh.
-    other : float
-        The Kh (-) of the other direction: it does not matter by how much this one is larger.
-    """
-
-    accuracy: float
-    max_cells: int
-    other: float = math.inf
+def _rough_faces(section: Section, first: QuadMesh, settings: FemSettings, comm: Any) -> list[Skin] | None:
+    """The cohesionless faces to strengthen where a ``first`` mesh has many cells, as found on one of few; None where
+    it has to tell itself, in one more limit load."""
+    rough = _rough_mesh(section, first)
+    try:
+        return critical_at_once(section, rough, settings, comm).ground.faces if rough else None
+    except NoAnswerError:
+        return None
 
 
-def solve_adaptively(
-    first: QuadMesh,
-    remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh],
-    solve: Callable[[QuadMesh], F],
-    wish: Wish,
-) -> AdaptiveResult[F]:
-    """Solve on ``first``, then on meshes ``remade`` for the plastic shear strain of the last answer, of so many cells.
-
-    Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
-    on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
-    first mesh.
-    """
-    mesh, result = first, solve(first)
-    rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
-    while True:
-        cells = len(mesh.cells)
-        wanted = max(math.ceil(MORE_CELLS * cells), FEWEST_CELLS)
-        if wanted > wish.max_cells >= FEWER_CELLS * cells:
-            wanted = wish.max_cells
-        reason = _reason_to_stop(rounds, result, wanted, wish)
-        if not reason:
-            assert result.mechanism is not None
-            try:
-                finer = remade(mesh, result.mechanism.plastic_shear_strain, wanted)
-                answer = solve(finer)
-                if answer.mechanism is None:
-                    reason = f"there is no answer on the next mesh: {answer.reason}"
-            except NoAnswerError as error:
-                reason = f"there is no answer on the next mesh: {error}"
-        if reason:
-            return AdaptiveResult(result, mesh, rounds, rounds[-1].rest <= wish.accuracy, reason)
-        mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
-        left = left_of_error(rounds[-1], len(mesh.cells), result.value)
-        rest = (left if left >= 0.0 else -RISEN * left) / size
-        rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
+def _rough_safety(section: Section, first: QuadMesh, settings: FemSettings, kh: float, comm: Any) -> float:
+    """Where to begin to look for the factor of safety on a ``first`` mesh: 1, or where that has many cells the factor
+    on one of few."""
+    rough = _rough_mesh(section, first)
+    try:
+        return safety_at_once(section, rough, settings, kh, comm).factor if rough else 1.0
+    except NoAnswerError:
+        return 1.0
 
 
-def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: Wish) -> str:
-    """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
-    last = rounds[-1]
-    if last.rest <= wish.accuracy:
-        return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
-    if result.mechanism is None:
-        return f"there is no mechanism to refine: {result.reason}"
-    rest = FIRST_REST if len(rounds) == 1 else REST_TIMES * last.rest
-    if last.value * (1.0 - rest) > wish.other:
-        return "the other direction governs"
-    if wanted > wish.max_cells:
-        return f"the next mesh would have {wanted} cells, {wish.max_cells} are allowed"
-    return ""
+def _rough_mesh(section: Section, first: QuadMesh) -> QuadMesh | None:
+    """A mesh of few cells, where a ``first`` one has many."""
+    if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
+        return None
+    size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
+    try:
+        return generate(section, MeshSettings(size=size))
+    except (NoAnswerError, InputError):
+        return None

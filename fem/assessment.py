@@ -1,17 +1,22 @@
 """All that is said of a section: critical Kh to both sides, ψ as given beside ψ = φ, factors of safety, doubts."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from fem.adaptive import AdaptiveResult, adapted_answer, adapted_safety, answer_beside, beside_full_dilation
+from fem.adaptive import adapted_answer, adapted_safety, answer_between, beside_full_dilation
 from fem.at_once import AtOnce
 from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import UnstableError
 from fem.gravity import element_for
 from fem.judges import Doubt, doubts_of
+from fem.meanwhile import Meanwhile
+from fem.mesh_sequence import AdaptiveResult
 from fem.path import EquilibriumPath
 from fem.settings import FemSettings
+from fem.skin import Skin
 from fem.strength import is_associated, is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.errors import NoAnswerError
@@ -71,28 +76,27 @@ def assess(
     ``box_depth`` (m): in the rigid box, failures of cohesionless faces are left out down to this depth at least. Raises
     InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its weight.
     """
-    search = _Search(section, meshing, first, comm, listener)
-    try:
-        adapted, associated = search.limit_loads(settings)
-        mesh = adapted.mesh if adapted else first
-        one_way = settings.model_copy(update={"direction": adapted.result.direction}) if adapted else settings
-        start = adapted.result.ground if adapted and element_for(section, settings) == "reduced" else None
-        critical = critical_coefficient(section, mesh, one_way, comm, search.told("Kh"), start)
-    except UnstableError as error:
-        raise search.fails(settings, error) from error
-    one_way = settings.model_copy(update={"direction": critical.direction})
-    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None = adapted.other if adapted else None
-    if critical.other is not None:
-        opposite = AdaptiveResult(critical.other, mesh)
-    if associated is None and search.is_substituted(settings):
-        associated = search.at_once("Kh with ψ = φ", one_way.model_copy(update={"flow": "associated"}))
-    box: AdaptiveResult[CriticalResult] | None = None
-    deeper = box_depth > settings.least_depth and bool(critical.skins)
-    if settings.rigid_box and (settings.sides != "fixed" or deeper) and critical.verdict != "undecided":
-        box = search.rigid_box(one_way, adapted, mesh, box_depth if deeper else 0.0)
+    with Meanwhile(comm.size == 1) as meanwhile:
+        return _Search(section, meshing, first, comm, listener, meanwhile).assessed(settings, box_depth)
+
+
+def _together(
+    critical: CriticalResult,
+    mesh: QuadMesh,
+    adapted: AdaptiveResult[AtOnce] | None,
+    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None,
+    associated: AdaptiveResult[AtOnce] | None,
+    box: "Future[AdaptiveResult[CriticalResult]] | None",
+    safety: "Sequence[Future[AdaptiveResult[SafetyFactor] | Doubt]]",
+) -> Assessment:
+    """All answers, once those that were begun are there."""
+    told = [each.result() for each in safety]
     doubts = doubts_of(critical, mesh, associated.result if associated else None)
-    factors = [found for kh in settings.safety_factor_at if (found := search.or_doubt(one_way, kh, mesh, doubts))]
-    return Assessment(critical, mesh, adapted, opposite, associated, box, factors, doubts)
+    doubts += [each for each in told if isinstance(each, Doubt)]
+    factors = [each for each in told if not isinstance(each, Doubt)]
+    return Assessment(
+        critical, mesh, adapted, opposite, associated, box.result() if box else None, factors, doubts
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,60 @@ class _Search:
     first: QuadMesh
     comm: Any
     listener: AssessmentListener
+    meanwhile: Meanwhile
+
+    def assessed(self, settings: FemSettings, box_depth: float) -> Assessment:
+        """All answers; those that do not hang on each other are looked for side by side."""
+        try:
+            adapted = self.limit_loads(settings)
+            return self.with_limit_loads(adapted, settings, box_depth) if adapted else self.by_path(settings, box_depth)
+        except UnstableError as error:
+            raise self.fails(settings, error) from error
+
+    def with_limit_loads(self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float) -> Assessment:
+        """The answers that stand beside limit loads; raises UnstableError."""
+        one_way = settings.model_copy(update={"direction": adapted.result.direction})
+        safety = self.begin_safety(one_way, adapted.mesh)
+        box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
+        adapted, associated = self.beside_limit_loads(adapted, one_way)
+        start = adapted.result.ground if element_for(self.section, settings) == "reduced" else None
+        critical = critical_coefficient(self.section, adapted.mesh, one_way, self.comm, self.told("Kh"), start)
+        return _together(critical, adapted.mesh, adapted, adapted.other, associated, box, safety)
+
+    def by_path(self, settings: FemSettings, box_depth: float) -> Assessment:
+        """The answers where paths have to do alone; raises UnstableError."""
+        mesh, associated = self.first, None
+        critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
+        one_way = settings.model_copy(update={"direction": critical.direction})
+        opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
+        if self.is_substituted(settings):
+            associated = self.at_once("Kh with ψ = φ", one_way.model_copy(update={"flow": "associated"}))
+        box = None
+        if critical.verdict != "undecided":
+            box = self.begin_box(one_way, None, mesh, box_depth, critical.skins)
+        return _together(critical, mesh, None, opposite, associated, box, self.begin_safety(one_way, mesh))
+
+    def begin_safety(
+        self, settings: FemSettings, mesh: QuadMesh
+    ) -> "list[Future[AdaptiveResult[SafetyFactor] | Doubt]]":
+        """Begin with the factors of safety that are asked for."""
+        wanted = settings.safety_factor_at
+        return [self.meanwhile.begin(partial(self.or_doubt, settings, kh, mesh)) for kh in wanted]
+
+    def begin_box(
+        self,
+        settings: FemSettings,
+        adapted: AdaptiveResult[AtOnce] | None,
+        mesh: QuadMesh,
+        box_depth: float,
+        skins: Sequence[Skin],
+    ) -> "Future[AdaptiveResult[CriticalResult]] | None":
+        """Begin with the answer between fixed sides, if it is asked for and another one; ``box_depth`` as in
+        ``assess``, ``skins`` are the faces that roll down before the ground fails."""
+        deeper = box_depth > settings.least_depth and bool(skins)
+        if not settings.rigid_box or (settings.sides == "fixed" and not deeper):
+            return None
+        return self.meanwhile.begin(partial(self.rigid_box, settings, adapted, mesh, box_depth if deeper else 0.0))
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
         """Tells how far a path is."""
@@ -113,19 +171,27 @@ class _Search:
         """Whether the flow rule makes another ground of the section than ψ = φ does."""
         return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
 
-    def limit_loads(self, settings: FemSettings) -> tuple[AdaptiveResult[AtOnce] | None, AdaptiveResult[AtOnce] | None]:
-        """The limit loads of meshes made for the mechanism, and those with ψ = φ; None where there are none, so that a
-        path has to do alone, or where the flow is ψ = φ anyhow."""
+    def limit_loads(self, settings: FemSettings) -> AdaptiveResult[AtOnce] | None:
+        """The limit loads of meshes made for the mechanism; None where there are none, so that a path has to do
+        alone. Raises UnstableError."""
         if not is_associated(self.section.strata, settings.flow):
-            return None, None
-        found = None
+            return None
         try:
-            found = self.at_once("Kh", settings)
-            if not self.is_substituted(settings):
-                return found, None
-            one_way = settings.model_copy(update={"direction": found.result.direction})
+            return self.at_once("Kh", settings)
+        except UnstableError:
+            raise
+        except NoAnswerError:
+            return None
+
+    def beside_limit_loads(
+        self, found: AdaptiveResult[AtOnce], settings: FemSettings
+    ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce] | None]:
+        """Those, and beside them those with ψ = φ; None where there are none, or where that is the flow anyhow."""
+        if not self.is_substituted(settings):
+            return found, None
+        try:
             told = self._saying("Kh with ψ = φ")
-            return beside_full_dilation(self.section, self.meshing, found, one_way, self.comm, told)
+            return beside_full_dilation(self.section, self.meshing, found, settings, self.comm, told)
         except UnstableError:
             raise
         except NoAnswerError:
@@ -133,7 +199,8 @@ class _Search:
 
     def at_once(self, what: str, settings: FemSettings) -> AdaptiveResult[AtOnce]:
         """The limit loads of meshes made for the mechanism."""
-        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, self._saying(what))
+        told = self._saying(what)
+        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.meanwhile)
 
     def rigid_box(
         self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, depth: float
@@ -146,8 +213,9 @@ class _Search:
         if adapted and depth > settings.least_depth:  # another ground just below the faces
             limit = self.at_once("Kh, fixed sides", fixed)
         elif adapted and settings.sides != "tied":
-            told = self._saying("Kh, fixed sides")
-            limit = answer_beside(self.section, self.meshing, adapted, fixed, self.comm, told)
+            limit = answer_between(
+                self.section, self.meshing, adapted, fixed, self.comm, self._saying("Kh, fixed sides")
+            )
         if limit is not None:
             mesh, ground = limit.mesh, limit.result.ground
             start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
@@ -178,16 +246,13 @@ class _Search:
         remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
         return UnstableError(f"{told}{rule}, and {full:.2f} with ψ = φ", remedy)
 
-    def or_doubt(
-        self, settings: FemSettings, kh: float, mesh: QuadMesh, doubts: list[Doubt]
-    ) -> AdaptiveResult[SafetyFactor] | None:
-        """The factor of safety at ``kh``; where there is none, one of the ``doubts`` says why."""
+    def or_doubt(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> AdaptiveResult[SafetyFactor] | Doubt:
+        """The factor of safety at ``kh``, or why there is none."""
         try:
             return self.safety(settings, kh, mesh)
         except NoAnswerError as error:
             why = f"There is no factor of safety at Kh = {kh:g}: {error}."
-            doubts.append(Doubt(why, "look at a smaller Kh", False))
-            return None
+            return Doubt(why, "look at a smaller Kh", False)
 
     def _saying(self, what: str) -> Callable[[str], None]:
         """Tells what is being done."""

@@ -10,9 +10,10 @@ s and σm being deviator and mean of the stress in the plane, c and φ those at 
 (``fem/cone_program.py``), which always has an answer: enough strength bears any load. F is too small where λ > 0, too
 large where λ < 0, and since S is nearly what ln F takes off the strength, λ is nearly what ln F lacks. By the envelope
 theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism,
-and by what opens at a tension cut-off T, for -∂T/∂ln F = T; with that Newton's method has the factor in one to three
-programs, whatever fails: a slope to one side, an embankment that spreads to both, or the ground below a footing, where
-no Kh would tell by how much.
+and by what opens at a tension cut-off T, for -∂T/∂ln F = T; what Newton's method makes of that is the share λ' of the
+strength that ground over F can do without. As strength goes with 1/F, or nearly, ln F lacks -ln(1 - λ'), with which
+the factor is found in one to three programs, whatever fails: a slope to one side, an embankment that spreads to both,
+or the ground below a footing, where no Kh would tell by how much.
 """
 
 import math
@@ -36,6 +37,8 @@ LARGEST_FACTOR = 20.0
 # method, which squares it, leaves less than 0.1 % (measured: 0.05 % of 0.036); from a coarser mesh's factor it leaves
 # nothing.
 TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
+# The largest share of the strength that ground is taken to do without.
+MOST_SPARE = 0.95
 # Step of ln F over which the strength is differentiated.
 DIFFERENCE = 1e-4
 # The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
@@ -122,7 +125,8 @@ class _Search:
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
         borne = self.ground.stress(solution)[:, :2].mean(axis=1)
         slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
-        return solution.multiplier / slope if slope > 0.0 else solution.multiplier, solution
+        spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
+        return -math.log1p(-min(spare, MOST_SPARE)), solution
 
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
         """What the strength R (points,) under ``mean`` stresses in Pa loses where the logarithm of the factor grows."""

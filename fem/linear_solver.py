@@ -64,25 +64,35 @@ class Exchange:
 class LinearSolver:
     """K x = b with rows and columns of the held components replaced by those of the unit matrix.
 
-    Components inside a cell are condensed statically, stand in the matrix as if held, and are found afterwards.
+    Components inside a cell are condensed statically, have no place in the matrix, and are found afterwards. Of a
+    ``symmetric`` matrix, that of associated flow, one triangle is factorised, in three quarters of the time.
     """
 
-    def __init__(self, d: Discretisation, exchange: Exchange) -> None:
+    def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
         self._grid, self._exchange = d, exchange
         border = d.dofs.shape[1] - d.inside
-        self._rows = d.global_dofs[d.dofs[:, :border]].astype(PETSc.IntType)
-        self._inside = d.global_dofs[d.dofs[:, border:]].ravel()
+        self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
+        own = np.ones(exchange.last - exchange.first, dtype=bool)
+        own[self._inside] = False
+        self._own = np.flatnonzero(own)  # of the owned components those in the matrix
+        size = d.comm.allreduce(len(self._own))
+        first = d.comm.scan(len(self._own)) - len(self._own)
+        self._number = np.full(len(own), -1.0)
+        self._number[self._own] = first + np.arange(len(self._own))
+        self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
         PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
-        self._matrix = PETSc.Mat().createAIJ(((d.owned, d.size), (d.owned, d.size)), comm=d.comm)
+        self._matrix = PETSc.Mat().createAIJ(((len(self._own), size), (len(self._own), size)), comm=d.comm)
         cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
-        entries = np.clip(border * cells, 1, d.size).astype(PETSc.IntType)  # no more than all that those cells have
-        self._matrix.setPreallocationNNZ((np.minimum(entries, d.owned), entries))
+        entries = np.clip(border * cells[self._own], 1, size).astype(PETSc.IntType)  # all that those cells have
+        self._matrix.setPreallocationNNZ((np.minimum(entries, len(self._own)), entries))
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, symmetric)
         self._ksp = PETSc.KSP().create(d.comm)
         self._ksp.setType(PETSc.KSP.Type.PREONLY)
         pc = self._ksp.getPC()
-        pc.setType(PETSc.PC.Type.LU)
+        pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
         pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
         self._ksp.setErrorIfNotConverged(False)
         self._x, self._b = self._matrix.createVecs()
@@ -102,7 +112,7 @@ class LinearSolver:
                 raise SingularMatrixError("a cell has no stiffness inside")
         border = self._rows.shape[1]
         block = np.ascontiguousarray(self._elements[:, :border, :border]).reshape(len(self._rows), -1)
-        ones = np.concatenate([held, self._inside]).astype(PETSc.IntType)[:, None]
+        ones = self._number[held - self._exchange.first].astype(PETSc.IntType)[:, None]
         self._matrix.zeroEntries()
         self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
         self._matrix.setValuesRCV(ones, ones, np.ones(ones.shape), addv=PETSc.InsertMode.ADD_VALUES)
@@ -114,20 +124,20 @@ class LinearSolver:
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
         d, exchange = self._grid, self._exchange
-        self._b.array[:] = right
+        x = np.array(right)
         if d.inside:
             force = exchange.to_local(right)
             change = np.empty_like(force)
             condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
-            self._b.array[:] += exchange.sum_to_owned(change)
+            x += exchange.sum_to_owned(change)
+        self._b.array[:] = x[self._own]
         with _as_singular():
             self._ksp.solve(self._b, self._x)
-        x = self._x.array.copy()
+        x[self._own] = self._x.array
         if d.inside:
             local = exchange.to_local(x)
             condensation.expand(self._elements, self._inverse, d.dofs, force, local)
-            own = self._inside - exchange.first
-            x[own] = local[d.dofs[:, -d.inside :].ravel()]
+            x[self._inside] = local[d.dofs[:, -d.inside :].ravel()]
         if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
             raise SingularMatrixError("the stiffness matrix is singular")
         return x

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from functools import partial
 from itertools import product
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import gmsh
@@ -26,6 +27,9 @@ SAME = 1e-7  # share of the whole by which areas and lengths of a mesh may diffe
 
 # Where no algorithm makes a free mesh of the sizes that are wanted, one does of so much smaller ones.
 SCALES = (1.0, 0.8, 0.64)
+
+# gmsh has one state for all of a process.
+_one_session = Lock()
 
 # Cells far beyond the ends of a section are this many times as large as those within.
 FAR = 3.0
@@ -100,15 +104,16 @@ def _built(
 
 @contextmanager
 def session(name: str) -> Iterator[Any]:
-    """A quiet gmsh session with one empty model, closed again whatever happens."""
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)  # the same mesh on every machine
-        gmsh.model.add(name)
-        yield gmsh
-    finally:
-        gmsh.finalize()
+    """A quiet gmsh session with one empty model, closed again whatever happens; one at a time in all threads."""
+    with _one_session:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.option.setNumber("General.NumThreads", 1)  # the same mesh on every machine
+            gmsh.model.add(name)
+            yield gmsh
+        finally:
+            gmsh.finalize()
 
 
 def _from_gmsh(section: Section, method: str) -> QuadMesh:

@@ -1,7 +1,6 @@
 """Both bounds on a sequence of meshes, each refined where the one before leaves a gap between the bounds."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
@@ -12,6 +11,7 @@ from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, che
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
+from fem.meanwhile import Meanwhile
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
@@ -236,8 +236,8 @@ def bracket(
     best = Bracket(None, None, [], mesh)
     while True:
         problem = limit_problem(mesh, body, units)
-        with ThreadPoolExecutor(1) as other:  # the solver lets go of Python's lock
-            above = other.submit(proven_upper_bound, problem)
+        with Meanwhile() as meanwhile:
+            above = meanwhile.begin(partial(proven_upper_bound, problem))
             low, low_notes, stress = proven_lower_bound(problem)
             high, high_notes, mechanism = above.result()
         this = MeshBounds(

@@ -27,10 +27,10 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
-    from fem.adaptive import AdaptiveResult
     from fem.assessment import Assessment
     from fem.critical import CriticalResult
     from fem.fields import State
+    from fem.mesh_sequence import AdaptiveResult
     from fem.path import EquilibriumPath
     from fem.strength_reduction import SafetyFactor
     from meshes.quad_mesh import QuadMesh

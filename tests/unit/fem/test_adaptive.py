@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.adaptive import AdaptiveResult, MeshRound, Wish, next_mesh, solve_adaptively, strong_below
+from fem.adaptive import next_mesh, strong_below
 from fem.errors import UnstableError
+from fem.mesh_sequence import AdaptiveResult, MeshRound, Wish, solve_adaptively
 from fem.settings import FemSettings
 from fem.skin import skins
 from meshes.gmsh_model import generate
@@ -45,7 +46,7 @@ def solved(
 ) -> AdaptiveResult:
     section, wanted = Section.parse(slope()), MeshSettings(method="free")
     remade = partial(next_mesh, section, wanted)
-    return solve_adaptively(generate(section, wanted), remade, solver, Wish(accuracy, max_cells, other))
+    return solve_adaptively(generate(section, wanted), remade, solver, Wish(accuracy, max_cells, lambda: other))
 
 
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:

@@ -126,9 +126,9 @@ def test_a_solver_that_ends_early_is_asked_again(problem, low, monkeypatch):
 
     usual, most = cone_program._settings, iter([3, 3, cone_program.MOST_ITERATIONS])
 
-    def hasty(regularisation, feasibility):
+    def hasty(*how):
         monkeypatch.setattr(cone_program, "MOST_ITERATIONS", next(most))
-        return usual(regularisation, feasibility)
+        return usual(*how)
 
     monkeypatch.setattr(cone_program, "_settings", hasty)
     again = lower_bound(problem, again=True)

@@ -1,0 +1,85 @@
+"""Work that goes on in a thread while this one does other work: the solver of cone programs lets go of Python's lock.
+
+What is found does not depend on it. The threads end with the program, whatever they are at: Ctrl-C waits for none.
+"""
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextvars import ContextVar
+from queue import SimpleQueue
+from threading import Event, Thread, current_thread, main_thread
+from typing import Any, Self, TypeVar
+
+A = TypeVar("A")
+
+# Set where nobody waits any more for the work of a thread.
+_left: ContextVar[Event | None] = ContextVar("_left", default=None)
+
+
+def interruptible(work: Callable[[], A]) -> A:
+    """What some work makes that does not hear of Ctrl-C: done in a thread that Ctrl-C leaves alone.
+
+    Raises its error, and KeyboardInterrupt in a thread whose work nobody waits for any more.
+    """
+    if current_thread() is main_thread():
+        done: Future[A] = Future()
+        Thread(target=_do, args=(work, done), daemon=True).start()
+        return done.result()
+    stop_if_left()
+    found = work()
+    stop_if_left()
+    return found
+
+
+def stop_if_left() -> None:
+    """Raise KeyboardInterrupt if nobody waits any more for the work of this thread."""
+    event = _left.get()
+    if event is not None and event.is_set():
+        raise KeyboardInterrupt
+
+
+class Meanwhile:
+    """One more thread for other work, until the end of a ``with`` block; what is then not done is left.
+
+    Without that thread, ``beside`` false, all work is done where it is begun.
+    """
+
+    def __init__(self, beside: bool = True) -> None:
+        self._beside, self._event = beside, Event()
+        self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._thread: Thread | None = None
+
+    def begin(self, work: Callable[[], A]) -> "Future[A]":
+        """Do some work after all that was begun before; its result or its error is that of the future."""
+        done: Future[A] = Future()
+        if not self._beside:
+            _do(work, done)
+            return done
+        if self._thread is None:
+            self._thread = Thread(target=self._serve, daemon=True)
+            self._thread.start()
+        self._queue.put(lambda: _do(work, done))
+        return done
+
+    def _serve(self) -> None:
+        _left.set(self._event)
+        while not self._event.is_set():
+            self._queue.get()()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._event.set()
+        self._queue.put(lambda: None)
+
+
+def _do(work: Callable[[], A], done: "Future[A]") -> None:
+    """Do some work and keep what came of it."""
+    try:
+        done.set_result(work())
+    except BaseException as error:
+        done.set_exception(error)
+
+
+IN_TURN = Meanwhile(beside=False)
