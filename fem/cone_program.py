@@ -23,8 +23,11 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
+from fem.blas import use_one_thread
 from fem.meanwhile import interruptible
 from fem.symmetric import factorised
+
+use_one_thread()
 
 # Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh. And the residual of
 # its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.

@@ -6,8 +6,11 @@ from contextlib import contextmanager
 import numpy as np
 from petsc4py import PETSc
 
+from fem.blas import use_one_thread
 from fem.discretisation import Discretisation
 from fem.kernels import assembly, condensation
+
+use_one_thread()
 
 
 class SingularMatrixError(ArithmeticError):

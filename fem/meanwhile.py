@@ -10,6 +10,8 @@ from queue import SimpleQueue
 from threading import Event, Thread, current_thread, main_thread
 from typing import Any, Self, TypeVar
 
+from fem.blas import bears_threads
+
 A = TypeVar("A")
 
 # Set where nobody waits any more for the work of a thread.
@@ -41,11 +43,11 @@ def stop_if_left() -> None:
 class Meanwhile:
     """One more thread for other work, until the end of a ``with`` block; what is then not done is left.
 
-    Without that thread, ``beside`` false, all work is done where it is begun.
+    Without that thread, ``beside`` false, or where BLAS does not bear it, all work is done where it is begun.
     """
 
     def __init__(self, beside: bool = True) -> None:
-        self._beside, self._event = beside, Event()
+        self._beside, self._event = beside and bears_threads(), Event()
         self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._thread: Thread | None = None
 

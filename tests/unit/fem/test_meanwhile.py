@@ -5,7 +5,10 @@ import time
 
 import pytest
 
+from fem.blas import bears_threads
 from fem.meanwhile import IN_TURN, Meanwhile, interruptible
+
+pytestmark = pytest.mark.skipif(not bears_threads(), reason="this BLAS is not to be called by two threads")
 
 
 @pytest.mark.parametrize("alone", [False, True])
@@ -46,11 +49,9 @@ def test_nobody_waits_for_work_that_is_left_and_what_is_interruptible_ends_then(
         interruptible(lambda: None)
 
     start = time.monotonic()
-    with pytest.raises(ZeroDivisionError), Meanwhile() as meanwhile:
-        left = meanwhile.begin(long)
-        never = meanwhile.begin(lambda: None)
+    with Meanwhile() as meanwhile:
+        left, never = meanwhile.begin(long), meanwhile.begin(lambda: None)
         begun.wait(10.0)
-        raise ZeroDivisionError
     assert time.monotonic() - start < 5.0
     may_end.set()
     assert isinstance(left.exception(10.0), KeyboardInterrupt)
