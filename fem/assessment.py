@@ -27,6 +27,9 @@ from meshes.settings import MeshSettings
 # Is told what is being done, and, where a path is followed, how far it is.
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 
+# A factor of safety that is being looked for, or why there is none.
+Safety = Future[AdaptiveResult[SafetyFactor] | Doubt]
+
 
 @dataclass(frozen=True)
 class Assessment:
@@ -87,7 +90,7 @@ def _together(
     opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None,
     associated: AdaptiveResult[AtOnce] | None,
     box: "Future[AdaptiveResult[CriticalResult]] | None",
-    safety: "Sequence[Future[AdaptiveResult[SafetyFactor] | Doubt]]",
+    safety: list[Safety],
 ) -> Assessment:
     """All answers, once those that were begun are there."""
     told = [each.result() for each in safety]
@@ -112,23 +115,30 @@ class _Search:
 
     def assessed(self, settings: FemSettings, box_depth: float) -> Assessment:
         """All answers; those that do not hang on each other are looked for side by side."""
+        safety = None
+        if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
+            safety = self.begin_safety(settings, self.first)
         try:
             adapted = self.limit_loads(settings)
-            return self.with_limit_loads(adapted, settings, box_depth) if adapted else self.by_path(settings, box_depth)
+            if adapted is None:
+                return self.by_path(settings, box_depth, safety)
+            return self.with_limit_loads(adapted, settings, box_depth, safety)
         except UnstableError as error:
             raise self.fails(settings, error) from error
 
-    def with_limit_loads(self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float) -> Assessment:
-        """The answers that stand beside limit loads; raises UnstableError."""
+    def with_limit_loads(
+        self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float, safety: list[Safety] | None
+    ) -> Assessment:
+        """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError."""
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
-        safety = self.begin_safety(one_way, adapted.mesh)
+        safety = self.begin_safety(one_way, adapted.mesh) if safety is None else safety
         box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
         adapted, associated = self.beside_limit_loads(adapted, one_way)
         start = adapted.result.ground if element_for(self.section, settings) == "reduced" else None
         critical = critical_coefficient(self.section, adapted.mesh, one_way, self.comm, self.told("Kh"), start)
         return _together(critical, adapted.mesh, adapted, adapted.other, associated, box, safety)
 
-    def by_path(self, settings: FemSettings, box_depth: float) -> Assessment:
+    def by_path(self, settings: FemSettings, box_depth: float, safety: list[Safety] | None) -> Assessment:
         """The answers where paths have to do alone; raises UnstableError."""
         mesh, associated = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
@@ -139,11 +149,10 @@ class _Search:
         box = None
         if critical.verdict != "undecided":
             box = self.begin_box(one_way, None, mesh, box_depth, critical.skins)
-        return _together(critical, mesh, None, opposite, associated, box, self.begin_safety(one_way, mesh))
+        safety = self.begin_safety(one_way, mesh) if safety is None else safety
+        return _together(critical, mesh, None, opposite, associated, box, safety)
 
-    def begin_safety(
-        self, settings: FemSettings, mesh: QuadMesh
-    ) -> "list[Future[AdaptiveResult[SafetyFactor] | Doubt]]":
+    def begin_safety(self, settings: FemSettings, mesh: QuadMesh) -> list[Safety]:
         """Begin with the factors of safety that are asked for."""
         wanted = settings.safety_factor_at
         return [self.meanwhile.begin(partial(self.or_doubt, settings, kh, mesh)) for kh in wanted]

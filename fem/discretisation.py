@@ -198,7 +198,9 @@ def _hourglass_stiffness(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     along = np.stack([(far - gauss) / (far - near), (gauss - near) / (far - near)])
     through = np.stack([along[i, :, 0] * along[j, :, 1] for j in (0, 1) for i in (0, 1)], axis=-1)
     remainder = full - np.einsum("qp,cpid->cqid", through, matrix)
-    return np.einsum("cq,i,cqia,cqib->cab", weights, np.array([2.0, 2.0, 2.0, 1.0]), remainder, remainder)
+    weighted = weights[:, :, None, None] * np.array([2.0, 2.0, 2.0, 1.0])[:, None] * remainder
+    by_cell = (len(remainder), -1, remainder.shape[-1])
+    return np.matmul(weighted.reshape(by_cell).transpose(0, 2, 1), remainder.reshape(by_cell))
 
 
 def _node_points(comm: Any, part: api.Distribution, corners: np.ndarray, degree: int) -> np.ndarray:

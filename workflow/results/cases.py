@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from workflow.results.answer import Answer, Line, Part
 
@@ -111,7 +111,7 @@ class Spread(Part):
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
         spread = float(np.std(values, ddof=1)) if several else None
-        half = student.ppf(0.975, len(values) - 1) * spread / np.sqrt(len(values)) if spread is not None else None
+        half = stdtrit(len(values) - 1, 0.975) * spread / np.sqrt(len(values)) if spread is not None else None
         low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
         return cls(
             mean=mean,

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from workflow.run import mesh_options
 from workflow.run.beside import Beside
+from workflow.run.draughtsman import Draughtsman
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import drawing
 from workflow.run.interrupts import remembered
@@ -75,7 +76,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
                 try:
                     run.do_all(decisions)
                 finally:
-                    run.beside.leave()
+                    run.leave()
         except BaseException as error:
             log.stop(error)
             raise
@@ -97,6 +98,7 @@ class Run:
     listener: who is told how it goes.
     failures: what kept stages from an answer, by their names, with those that need them.
     beside: the stages that run beside others.
+    draughtsman: who draws beside them; None where this process does.
     """
 
     job: Job
@@ -104,6 +106,7 @@ class Run:
     log: Log
     listener: Listener
     failures: dict[str, NoAnswerError] = field(default_factory=dict)
+    draughtsman: Draughtsman | None = None
 
     def __post_init__(self) -> None:
         self.beside = Beside.of(self.job)
@@ -112,6 +115,9 @@ class Run:
     def do_all(self, decisions: Sequence[Decision]) -> None:
         """Do what was decided, stage by stage, and those stages beside others that can be."""
         waiting = list(decisions)
+        works = [one.stage for one in waiting if one.action == "run" and not one.stage.of_all]
+        if any(stage.drawn_after for stage in works[:-1]):
+            self.draughtsman = Draughtsman.of(self.job)
         while waiting:
             for decision in [one for one in waiting if self._can_go_beside(one, waiting)]:
                 waiting.remove(decision)
@@ -119,9 +125,23 @@ class Run:
             decision = waiting.pop(0)
             if decision.stage.of_all:
                 self.beside.wait()
+                self._wait_for_pictures()
             self.beside.look()
+            if self.draughtsman is not None:
+                self.draughtsman.look()
             self.do(decision)
         self.beside.wait()
+        self._wait_for_pictures()
+
+    def leave(self) -> None:
+        """End all that still goes on beside this process."""
+        self.beside.leave()
+        if self.draughtsman is not None:
+            self.draughtsman.leave()
+
+    def _wait_for_pictures(self) -> None:
+        if self.draughtsman is not None:
+            self.draughtsman.wait()
 
     def _can_go_beside(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
         """Whether a stage can run now in another process, while this one has something else to do."""
@@ -163,6 +183,28 @@ class Run:
         except NoAnswerError as error:  # all else is a fault of the input, of the machine, or of the program
             failure = error
         self._end(decision, begun, failure)
+        stage = decision.stage
+        if stage.draw is None or not stage.drawn_after:
+            return
+        if self.record.entries[stage.name].files:
+            self._draw(stage, stage.draw, begun)
+        else:
+            self._keep_pictures(stage, begun.before)
+
+    def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
+        """Draw what a stage has left, in another process where there is one."""
+        if self.draughtsman is not None:
+            return self.draughtsman.begin(draw, self.job, lambda: self._keep_pictures(stage, begun.before))
+        begun.progress("pictures", None)
+        draw(self.job)
+        return self._keep_pictures(stage, begun.before)
+
+    def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:
+        """Keep which pictures a stage has left, and by which code."""
+        with self.one_at_a_time:
+            entry = self.record.entries[stage.name]
+            pictures = self._drawn(stage, before)
+            self.record.put(stage.name, replace(entry, pictures=pictures, drawing=drawing(stage)))
 
     def work_beside(self, decision: Decision) -> None:
         """Let a stage work in another process; how it ended is kept as soon as it has."""
@@ -198,8 +240,8 @@ class Run:
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
-            self._drawn(stage, begun.before),
-            drawing(stage),
+            [] if stage.drawn_after else self._drawn(stage, begun.before),
+            "" if stage.drawn_after else drawing(stage),
         )
         with self.one_at_a_time:
             if failure is None:
@@ -219,10 +261,8 @@ class Run:
         self.listener.begin(decision)("pictures", None)
         before = self.job.store.marks(stage.pictures)
         draw(self.job)
-        pictures = self._drawn(stage, before)
-        entry = replace(self.record.entries[stage.name], pictures=pictures, drawing=drawing(stage))
-        self.record.put(stage.name, entry)
-        self.listener.end(decision, entry)
+        self._keep_pictures(stage, before)
+        self.listener.end(decision, self.record.entries[stage.name])
 
     def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
         """The pictures that a stage has drawn; older ones, of other inputs, are removed."""

@@ -131,6 +131,8 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     if not record.pictures_left(stage.name):
         return Decision(stage, "redraw", "pictures are missing")
     left = record.entries[stage.name]
+    if stage.drawn_after and not left.drawing:
+        return Decision(stage, "redraw", "it was stopped before its pictures were drawn")
     if stage.draw is not None and left.pictures and left.drawing != drawing(stage):
         return Decision(stage, "redraw", "pictures are drawn in another way now")
     return Decision(stage, "reuse", "")

@@ -55,6 +55,7 @@ class Stage:
     work: computes, writes results and draws pictures. Raises NoAnswerError, after it wrote what it found, where there
         is no answer.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
+    drawn_after: whether its work leaves the pictures to ``draw``, which then goes on beside the work of the next stage.
     needs: the stages whose results it reads.
     tables: the tables of settings that matter to it.
     ignores: settings in these tables that change nothing in its results, as "table.key".
@@ -79,6 +80,7 @@ class Stage:
     module: str
     work: Callable[[Job], None]
     draw: Callable[[Job], None] | None = None
+    drawn_after: bool = False
     needs: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
     ignores: tuple[str, ...] = ()

@@ -41,7 +41,7 @@ DISCS_DEEP = 4.0
 
 
 def work(job: Job) -> None:
-    """Find the critical Kh with all ranks that there are, and draw what it was found from."""
+    """Find the critical Kh with all ranks that there are."""
     from workflow.results.stored_mesh import stored_mesh
 
     ranks = job.ranks or Ranks()
@@ -67,15 +67,13 @@ def draw(job: Job) -> None:
 
 
 def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
-    """Find the critical Kh to both sides, that with ψ = φ, and factors of safety; leaves fem/ and figures/fem_*.png.
+    """Find the critical Kh to both sides, that with ψ = φ, and factors of safety; leaves fem/.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
     from fem.assessment import assess
     from meshes.quad_mesh import save
-    from workflow.figures.fem import draw_all
-    from workflow.results.fem_states import FemResults
 
     def tell(what: str, path: "EquilibriumPath | None") -> None:
         if path is None:
@@ -97,8 +95,7 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
             save(found.mesh, path)
         answer_of(given, found, depth).write(store)
         write_fields(given, found.mesh, result.states, store)
-        progress(f"Kh = {result.kc:.4f}; pictures", None)
-        draw_all(given, FemResults.load(given, store), store)
+        progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
@@ -254,6 +251,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     draw=draw,
+    drawn_after=True,
     needs=("mesh",),
     tables=("fem",),
     heeds=("dem.model", "dem.radius", "dem.elements"),  # how small the failures are that discs can show

@@ -8,7 +8,7 @@ GIVEN = "the mesh given"  # by this name people know a mesh of their own
 
 
 def work(job: Job) -> None:
-    """Mesh the section, or take a mesh that is given; leaves mesh/section.msh, mesh/section.vtu and three pictures.
+    """Mesh the section, or take a mesh that is given; leaves mesh/section.msh and mesh/section.vtu.
 
     Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
     """
@@ -28,11 +28,9 @@ def work(job: Job) -> None:
     job.store.write_grid(VTK_FILE, grid)
     quality = mesh.quality()
     job.progress(
-        f"{quality.quadrilaterals} quadrilaterals, smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}; "
-        "pictures",
+        f"{quality.quadrilaterals} quadrilaterals, smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}",
         0.5,
     )
-    draw(job)
 
 
 def draw(job: Job) -> None:
@@ -55,6 +53,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     draw=draw,
+    drawn_after=True,
     tables=("mesh",),
     seconds=lambda given: 3.0,
     files=lambda job: {GIVEN: job.mesh_file} if job.mesh_file else {},

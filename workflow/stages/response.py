@@ -17,9 +17,8 @@ PICTURE = "figures/site_response.png"
 
 
 def work(job: Job) -> None:
-    """Equivalent linear layers under the record; leaves site_response.json and its picture. Raises InputError."""
+    """Equivalent linear layers under the record; leaves site_response.json. Raises InputError."""
     answer_of(job.given, column_of(job.given, job.given.site_response)).write(job.store)
-    draw(job)
 
 
 def draw(job: Job) -> None:
@@ -73,6 +72,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     draw=draw,
+    drawn_after=True,
     tables=("site_response",),
     ignores=("site_response.record",),
     files=files,

@@ -7,9 +7,8 @@ PICTURE = "figures/triggering.png"
 
 
 def work(job: Job) -> None:
-    """F_L at every blow count; leaves triggering.json and its picture. Raises InputError."""
+    """F_L at every blow count; leaves triggering.json. Raises InputError."""
     TriggeringAnswer.of(job.given, job.given.assessment()).write(job.store)
-    draw(job)
 
 
 def draw(job: Job) -> None:
@@ -26,6 +25,7 @@ STAGE = Stage(
     module=__name__,
     work=work,
     draw=draw,
+    drawn_after=True,
     tables=("earthquake", "triggering"),
     ignores=("earthquake.record",),
     files=lambda job: job.given.files("earthquake"),

@@ -1,0 +1,88 @@
+"""Pictures that another process draws while the next stage works."""
+
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+
+from meshes.errors import InputError
+from tests.support.toy_stages import Heard, Toys
+from workflow.run import pipeline
+from workflow.run.draughtsman import Draughtsman
+from workflow.run.plan import plan
+from workflow.run.record import Record
+from workflow.run.stage import Job
+
+
+@dataclass
+class Several:
+    """A team of several, which is asked for nothing else."""
+
+    several: bool = True
+
+
+def draws(job: Job) -> None:
+    """Leaves a picture, and who drew it."""
+    job.store.write_text("mesh_1.png", str(os.getpid()))
+
+
+def fails(job: Job) -> None:
+    raise InputError("mesh_1.png", ["cannot be written: no space"])
+
+
+def dies(job: Job) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def run(toys: Toys, folder: Path, draw: Callable[[Job], None], several: bool = True) -> None:
+    """The toy stages, of which the mesh is drawn after its work."""
+    toys.change("mesh", draw=draw, drawn_after=True)
+    job = toys.job(folder)
+    pipeline.execute(replace(job, team=Several()) if several else job, toys.choose(), Heard(), "test")
+
+
+@pytest.mark.parametrize("several", [True, False])
+def test_it_draws_beside_what_comes_next_or_this_process_does(toys: Toys, tmp_path: Path, several: bool) -> None:
+    own = str(os.getpid())
+    run(toys, tmp_path, draws, several)
+    assert ((tmp_path / "mesh_1.png").read_text() != own) == several
+    assert Record(toys.job(tmp_path).store).entries["mesh"].pictures == ["mesh_1.png"]
+
+
+def test_before_the_report_all_is_drawn(toys: Toys, tmp_path: Path) -> None:
+    there: list[bool] = []
+    toys.change("report", work=lambda job: there.append((tmp_path / "mesh_1.png").is_file()))
+    run(toys, tmp_path, draws)
+    assert there == [True]
+
+
+def test_the_error_of_a_drawing_is_raised_and_the_results_are_kept(toys: Toys, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no space"):
+        run(toys, tmp_path, fails)
+    assert (tmp_path / "mesh.txt").is_file()
+    assert Record(toys.job(tmp_path).store).entries["mesh"].outcome == "done"
+
+
+def test_what_was_stopped_before_it_was_drawn_is_drawn_without_computing(toys: Toys, tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="has ended"):
+        run(toys, tmp_path, dies)
+    toys.change("mesh", draw=draws)
+    decisions = plan(toys.job(tmp_path), Record(toys.job(tmp_path).store), toys.choose())
+    told = {each.stage.name: (each.action, each.why) for each in decisions}
+    assert told["mesh"] == ("redraw", "it was stopped before its pictures were drawn")
+
+
+def test_it_ends_with_the_run(toys: Toys, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    hired: list[Draughtsman] = []
+    of = Draughtsman.of
+
+    def remembered(job: Job) -> Draughtsman | None:
+        hired.append(of(job))
+        return hired[-1]
+
+    monkeypatch.setattr(Draughtsman, "of", remembered)
+    run(toys, tmp_path, draws)
+    assert [each.process.is_alive() for each in hired] == [False]
