@@ -12,7 +12,7 @@ from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import UnstableError
 from fem.gravity import element_for
 from fem.judges import Doubt, doubts_of
-from fem.meanwhile import Meanwhile
+from fem.meanwhile import Meanwhile, stop_if_left
 from fem.mesh_sequence import AdaptiveResult
 from fem.path import EquilibriumPath
 from fem.settings import FemSettings
@@ -132,8 +132,8 @@ class _Search:
         """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError."""
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
         safety = self.begin_safety(one_way, adapted.mesh) if safety is None else safety
-        box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
         adapted, associated = self.beside_limit_loads(adapted, one_way)
+        box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
         start = adapted.result.ground if element_for(self.section, settings) == "reduced" else None
         critical = critical_coefficient(self.section, adapted.mesh, one_way, self.comm, self.told("Kh"), start)
         return _together(critical, adapted.mesh, adapted, adapted.other, associated, box, safety)
@@ -174,7 +174,7 @@ class _Search:
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
         """Tells how far a path is."""
-        return lambda path: self.listener(what, path)
+        return lambda path: self.tell(what, path)
 
     def is_substituted(self, settings: FemSettings) -> bool:
         """Whether the flow rule makes another ground of the section than ψ = φ does."""
@@ -265,4 +265,9 @@ class _Search:
 
     def _saying(self, what: str) -> Callable[[str], None]:
         """Tells what is being done."""
-        return lambda words: self.listener(f"{what}: {words}" if what else words, None)
+        return lambda words: self.tell(f"{what}: {words}" if what else words, None)
+
+    def tell(self, what: str, path: EquilibriumPath | None) -> None:
+        """Tells the listener, unless nobody waits for this any more."""
+        stop_if_left()
+        self.listener(what, path)

@@ -172,12 +172,14 @@ def _solve(
     clay = np.flatnonzero(program.friction == 0.0)
     data = _assembled(program, clay)
     ends: list[clarabel.DefaultSolution] = []
+    iterations = 0
     ways = [(regularisation, REFINEMENTS) for regularisation in regularisations]
     if corners >= MANY_CORNERS:
         ways.insert(0, (regularisations[0], 0))
     for regularisation, refinements in ways:
         settings = _settings(regularisation, refinements, feasibility, corners)
         end = interruptible(partial(_solved, data, magnified, settings))
+        iterations += end.iterations
         if not refinements and "Infeasible" in str(end.status):  # nothing is proved by what is not exact
             continue
         ends.append(end)
@@ -198,7 +200,7 @@ def _solve(
         ended="" if status in MET else status,
         none=none,
         sure=_poorness(found) <= 1,
-        iterations=sum(end.iterations for end in ends),
+        iterations=iterations,
         seconds=found.solve_time,
     )
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 LARGEST_FACTOR = 20.0
 # Trials at most, what a factor changes by from one to the next at most, and a change of ln F after which Newton's
-# method, which squares it, leaves less than 0.1 % (measured: 0.05 % of 0.036); from a coarser mesh's factor it leaves
+# method, which squares it, leaves less than 0.1 % (measured: 0.09 % of 0.034); from a coarser mesh's factor it leaves
 # nothing.
 TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
 # The largest share of the strength that ground is taken to do without.

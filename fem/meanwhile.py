@@ -1,6 +1,7 @@
 """Work that goes on in a thread while this one does other work: the solver of cone programs lets go of Python's lock.
 
-What is found does not depend on it. The threads end with the program, whatever they are at: Ctrl-C waits for none.
+What is found does not depend on it. Nobody waits for work that is left: a program that ends while some goes on
+(``is_working``) has to do so at once, since Python would take the solver down with an abort.
 """
 
 from collections.abc import Callable
@@ -9,11 +10,14 @@ from contextvars import ContextVar
 from queue import SimpleQueue
 from threading import Event, Thread, current_thread, main_thread
 from typing import Any, Self, TypeVar
+from weakref import WeakSet
 
 from fem.blas import bears_threads
 
 A = TypeVar("A")
 
+# All that were started.
+_threads: WeakSet[Thread] = WeakSet()
 # Set where nobody waits any more for the work of a thread.
 _left: ContextVar[Event | None] = ContextVar("_left", default=None)
 
@@ -25,7 +29,7 @@ def interruptible(work: Callable[[], A]) -> A:
     """
     if current_thread() is main_thread():
         done: Future[A] = Future()
-        Thread(target=_do, args=(work, done), daemon=True).start()
+        _started(_do, work, done)
         return done.result()
     stop_if_left()
     found = work()
@@ -38,6 +42,18 @@ def stop_if_left() -> None:
     event = _left.get()
     if event is not None and event.is_set():
         raise KeyboardInterrupt
+
+
+def is_working() -> bool:
+    """Whether any thread still works."""
+    return any(thread.is_alive() for thread in _threads)
+
+
+def _started(work: Callable[..., None], *given: Any) -> Thread:
+    thread = Thread(target=work, args=given, daemon=True)
+    _threads.add(thread)
+    thread.start()
+    return thread
 
 
 class Meanwhile:
@@ -55,11 +71,10 @@ class Meanwhile:
         """Do some work after all that was begun before; its result or its error is that of the future."""
         done: Future[A] = Future()
         if not self._beside:
-            _do(work, done)
+            _do(work, done, Exception)  # Ctrl-C is heard at once
             return done
         if self._thread is None:
-            self._thread = Thread(target=self._serve, daemon=True)
-            self._thread.start()
+            self._thread = _started(self._serve)
         self._queue.put(lambda: _do(work, done))
         return done
 
@@ -76,11 +91,11 @@ class Meanwhile:
         self._queue.put(lambda: None)
 
 
-def _do(work: Callable[[], A], done: "Future[A]") -> None:
-    """Do some work and keep what came of it."""
+def _do(work: Callable[[], A], done: "Future[A]", kept: type[BaseException] = BaseException) -> None:
+    """Do some work and keep what came of it, errors of a kind as well."""
     try:
         done.set_result(work())
-    except BaseException as error:
+    except kept as error:
         done.set_exception(error)
 
 

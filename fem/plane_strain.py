@@ -123,7 +123,7 @@ class PlaneStrain:
         """Set up solver and work arrays for a discretisation."""
         self.grid = grid
         self.exchange = Exchange(grid)
-        self._solver = LinearSolver(grid, self.exchange, self.associated)
+        self._solver = LinearSolver(grid, self.exchange, symmetric=self.flow != "section")
         self._forces = np.zeros(len(grid.global_dofs))
         shear = self._elastic[:, 3, 3]
         self._hourglass = HOURGLASS_SHARE * shear[grid.stratum[: len(grid.hourglass)], None, None] * grid.hourglass

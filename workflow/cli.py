@@ -9,7 +9,7 @@ import typer
 from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
-from workflow.exits import ended
+from workflow.exits import ended, ended_as_program
 from workflow.options import (
     Columns,
     Folder,
@@ -392,7 +392,7 @@ def _up_to(
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 our fault."""
-    ended(lambda: command(arguments, standalone_mode=True))
+    (ended_as_program if arguments is None else ended)(lambda: command(arguments, standalone_mode=True))
 
 
 if __name__ == "__main__":

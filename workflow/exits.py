@@ -1,5 +1,6 @@
 """How a command ends: what is told where it fails, and its exit code."""
 
+import os
 import sys
 import traceback
 from collections.abc import Callable
@@ -36,6 +37,20 @@ def ended(call: Callable[[], object]) -> None:
             "Please report it with log.txt and your section; what was computed is kept.",
         )
         sys.exit(FAULT)
+
+
+def ended_as_program(call: Callable[[], object]) -> None:
+    """The same of a process that has nothing else to do: where threads still work on what was left, it ends at once;
+    Python would abort in them."""
+    try:
+        ended(call)
+    except SystemExit as stop:
+        threads = sys.modules.get("fem.meanwhile")
+        if threads is not None and threads.is_working():
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(stop.code if isinstance(stop.code, int) else int(stop.code is not None))
+        raise
 
 
 def _complain(*lines: str, style: str = "red") -> None:

@@ -1,18 +1,24 @@
 """A process that draws what stages have left, one stage after the other, while this one computes the next."""
 
+import os
 import signal
+import traceback
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
+from threading import Thread, current_thread, main_thread
 from typing import Any
 
 from dem.team import alone
+from meshes.errors import InputError, NoAnswerError
 from workflow.run.progress import silent
 from workflow.run.stage import Job
 
+ENDED = "the process that draws has ended"
 Drawing = Callable[[Job], None]
 
 
@@ -37,13 +43,17 @@ class Draughtsman:
         context = get_context("spawn")
         pipe, other = context.Pipe()
         process = context.Process(target=_draws, args=(other,), daemon=True)
-        process.start()
+        with _deaf():
+            process.start()
         other.close()  # so that the process hears the end of this one
         return cls(process, pipe)
 
     def begin(self, draw: Drawing, job: Job, done: Callable[[], None]) -> None:
         """Let it draw; ``done`` is called in ``look`` or ``wait`` once that is done."""
-        self.pipe.send((draw, replace(job, stages=(), progress=silent, team=alone, ranks=None)))
+        try:
+            self.pipe.send((draw, replace(job, stages=(), progress=silent, team=alone, ranks=None)))
+        except OSError:
+            raise RuntimeError(ENDED) from None
         self.waiting.append(done)
 
     def look(self) -> None:
@@ -65,17 +75,38 @@ class Draughtsman:
     def _hear(self) -> None:
         try:
             error = self.pipe.recv()
-        except EOFError:
-            error = RuntimeError("the process that draws has ended")
+        except (EOFError, OSError):
+            error = RuntimeError(ENDED)
         done = self.waiting.popleft()
         if error is not None:
             raise error
         done()
 
 
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """What is started in this block does not hear Ctrl-C: the run that is stopped ends it."""
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _end_with_parent() -> None:
+    """End this process with the one that started it, in the middle of a picture if need be."""
+    parent = parent_process()
+    assert parent is not None
+    wait([parent.sentinel])
+    os._exit(1)
+
+
 def _draws(pipe: "Connection[Any, Any]") -> None:
     """What the process does until the other end of the pipe is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the run that is stopped ends it
+    Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
             draw, job = pipe.recv()
@@ -84,5 +115,7 @@ def _draws(pipe: "Connection[Any, Any]") -> None:
         try:
             draw(job)
             pipe.send(None)
-        except Exception as error:
+        except (InputError, NoAnswerError, MemoryError) as error:
             pipe.send(error)
+        except Exception:
+            pipe.send(RuntimeError(traceback.format_exc()))

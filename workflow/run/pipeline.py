@@ -184,18 +184,13 @@ class Run:
             failure = error
         self._end(decision, begun, failure)
         stage = decision.stage
-        if stage.draw is None or not stage.drawn_after:
-            return
-        if self.record.entries[stage.name].files:
+        if stage.draw is not None and stage.drawn_after and self.record.entries[stage.name].files:
             self._draw(stage, stage.draw, begun)
-        else:
-            self._keep_pictures(stage, begun.before)
 
     def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
         """Draw what a stage has left, in another process where there is one."""
         if self.draughtsman is not None:
             return self.draughtsman.begin(draw, self.job, lambda: self._keep_pictures(stage, begun.before))
-        begun.progress("pictures", None)
         draw(self.job)
         return self._keep_pictures(stage, begun.before)
 
@@ -232,6 +227,7 @@ class Run:
         seconds = time.perf_counter() - begun.start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
         results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, begun.before)
+        to_draw = stage.drawn_after and bool(results)
         entry = Entry(
             begun.inputs,
             "no answer" if failure else "part" if stage.partial(self.job) else "done",
@@ -240,8 +236,8 @@ class Run:
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
-            [] if stage.drawn_after else self._drawn(stage, begun.before),
-            "" if stage.drawn_after else drawing(stage),
+            [] if to_draw else self._drawn(stage, begun.before),
+            "" if to_draw else drawing(stage),
         )
         with self.one_at_a_time:
             if failure is None:

@@ -52,8 +52,8 @@ class Stage:
     what: what it finds or makes, in a few words.
     module: the name of its module. With all that this imports it is the stage's code: where that changes, so does what
         the stage is made from.
-    work: computes, writes results and draws pictures. Raises NoAnswerError, after it wrote what it found, where there
-        is no answer.
+    work: computes, writes results and draws pictures, unless these are drawn after it. Raises NoAnswerError, after it
+        wrote what it found, where there is no answer.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
     drawn_after: whether its work leaves the pictures to ``draw``, which then goes on beside the work of the next stage.
     needs: the stages whose results it reads.

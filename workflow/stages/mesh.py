@@ -27,10 +27,8 @@ def work(job: Job) -> None:
     add_texts(grid, "method", [mesh.method])
     job.store.write_grid(VTK_FILE, grid)
     quality = mesh.quality()
-    job.progress(
-        f"{quality.quadrilaterals} quadrilaterals, smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}",
-        0.5,
-    )
+    smallest = quality.smallest_scaled_jacobian
+    job.progress(f"{quality.quadrilaterals} quadrilaterals, smallest scaled Jacobian {smallest:.3f}", None)
 
 
 def draw(job: Job) -> None:

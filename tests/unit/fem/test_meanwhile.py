@@ -6,7 +6,7 @@ import time
 import pytest
 
 from fem.blas import bears_threads
-from fem.meanwhile import IN_TURN, Meanwhile, interruptible
+from fem.meanwhile import IN_TURN, Meanwhile, interruptible, is_working
 
 pytestmark = pytest.mark.skipif(not bears_threads(), reason="this BLAS is not to be called by two threads")
 
@@ -63,3 +63,24 @@ def test_what_is_interruptible_has_the_result_and_the_error_of_its_work():
     assert interruptible(lambda: 7) == 7
     with pytest.raises(ZeroDivisionError):
         interruptible(lambda: 1 // 0)
+
+
+def test_threads_that_still_work_are_known():
+    may_end = threading.Event()
+    with Meanwhile() as meanwhile:
+        left = meanwhile.begin(may_end.wait)
+        assert is_working()
+    may_end.set()
+    left.result(10.0)
+    deadline = time.monotonic() + 10.0
+    while is_working() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not is_working()
+
+
+def test_in_turn_ctrl_c_is_heard_at_once():
+    def interrupted():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        IN_TURN.begin(interrupted)

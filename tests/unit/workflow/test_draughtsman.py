@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from tests.support.toy_stages import Heard, Toys
 from workflow.run import pipeline
 from workflow.run.draughtsman import Draughtsman
@@ -64,6 +64,30 @@ def test_the_error_of_a_drawing_is_raised_and_the_results_are_kept(toys: Toys, t
         run(toys, tmp_path, fails)
     assert (tmp_path / "mesh.txt").is_file()
     assert Record(toys.job(tmp_path).store).entries["mesh"].outcome == "done"
+
+
+def breaks(job: Job) -> None:
+    raise KeyError("in the drawing")
+
+
+def test_a_fault_of_a_drawing_is_told_with_where_it_was(toys: Toys, tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match=r"in breaks\n(.|\n)*KeyError: 'in the drawing'"):
+        run(toys, tmp_path, breaks)
+
+
+def finds_nothing(job: Job) -> None:
+    raise NoAnswerError("there is none", "")
+
+
+def test_a_stage_without_an_answer_has_nothing_to_be_drawn(toys: Toys, tmp_path: Path) -> None:
+    """Older pictures go, and the next run does not try to draw."""
+    (tmp_path / "mesh_1.png").write_text("of another input")
+    toys.change("mesh", work=finds_nothing)
+    with pytest.raises(NoAnswerError):
+        run(toys, tmp_path, draws)
+    assert not (tmp_path / "mesh_1.png").exists()
+    decisions = plan(toys.job(tmp_path), Record(toys.job(tmp_path).store), toys.choose())
+    assert [each.action for each in decisions if each.stage.name == "mesh"] == ["reuse"]
 
 
 def test_what_was_stopped_before_it_was_drawn_is_drawn_without_computing(toys: Toys, tmp_path: Path) -> None:
