@@ -36,6 +36,16 @@ def test_a_footing_that_presses_with_prandtls_load_has_a_factor_of_one():
     assert found.result.factor == pytest.approx(1.0, abs=0.003)
 
 
+def test_a_loaded_slope_without_weight_has_a_factor_of_one():
+    """Chen & Shao (1988), Prandtl's solution. Measured: 1.0001. A solver of cone programs that refined its linear
+    solutions once told 0.976, with all of its tolerances met."""
+    case = cases()["chen_shao_prandtl"]
+    wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
+    mesh = generate(case.section, case.mesh)
+    found = adapted_safety(case.section, case.mesh, mesh, wish, 0.0, MPI.COMM_SELF, lambda words: None)
+    assert found.result.factor == pytest.approx(1.0, abs=0.003)
+
+
 def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
     """Nakamura et al. (2008) on 6 m of soft clay: 1.093 to 1.116 by bounds. Its mechanism is symmetric, so that a push
     does no work, and secants in Kh once ended at 1.236. Measured: 1.111, the same to the left as to the right."""

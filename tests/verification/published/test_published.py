@@ -34,6 +34,13 @@ def test_bounds_are_those_of_the_page_and_agree_with_what_was_published(name):
     assert judge(cases()[name], found).word in ("right", "explained")
 
 
+@pytest.mark.parametrize("name", _dozen())
+def test_elements_agree_with_what_was_published_and_with_the_bounds_of_the_page(name):
+    before = RECORDED[name]
+    verdict = judge(cases()[name], answer(cases()[name], ["associated"], known=before))
+    assert verdict.word in ("right", "explained"), verdict.remarks
+
+
 def test_the_page_tells_of_every_case():
     page = (PUBLISHED / "README.md").read_text(encoding="utf-8")
     for name in cases():
