@@ -45,8 +45,6 @@ REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
 # Tolerances met almost will do where the equations are met to this.
 NEARLY = 1e-6
 MOST_ITERATIONS = 120
-# From so many corners on, supernodal factorisations are the faster ones.
-MANY_CORNERS = 20_000
 MOST_CORRECTIONS = 30
 
 
@@ -169,7 +167,7 @@ def _solve(
     data = _assembled(program, clay)
     ends: list[clarabel.DefaultSolution] = []
     for regularisation in regularisations:
-        settings = _settings(regularisation, feasibility, corners)
+        settings = _settings(regularisation, feasibility)
         ends.append(interruptible(partial(_solved, data, magnified, settings)))
         if _poorness(ends[-1]) == 0:
             break
@@ -333,7 +331,7 @@ def _stress(
     return np.stack([mean + half, mean - half, shear], axis=1)
 
 
-def _settings(regularisation: float, feasibility: float, corners: int) -> clarabel.DefaultSettings:
+def _settings(regularisation: float, feasibility: float) -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
     settings.static_regularization_constant = regularisation
     settings.verbose = False
@@ -343,8 +341,7 @@ def _settings(regularisation: float, feasibility: float, corners: int) -> clarab
     # Refinements stay the ten that are its own choice: with one, or none, it may end with all tolerances met at an
     # answer that is 3 % off (the test of a footing on a weightless slope), for a quarter of the time less.
     settings.presolve_enable = False
-    settings.direct_solve_method = "qdldl" if corners < MANY_CORNERS else "faer"
-    settings.max_threads = 1  # more are slower on such matrices
+    settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
     return settings
 
 
