@@ -28,7 +28,7 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.strips import with_finer_strips
 
-# From so many times as many on a mesh is worth one of so few that tells where its answer lies.
+# A first mesh of more than so many times ``FEWEST_CELLS`` is worth one of that few, which tells where its answer lies.
 MANY_TIMES = 4
 
 

@@ -125,7 +125,7 @@ class Solution:
     sure : bool
         Whether it met its tolerances, at least almost, or proved that there is no solution, and not only almost.
     iterations : int
-        Iterations of the interior point method, over all attempts.
+        Iterations of the interior point method, over all regularisations.
     seconds : float
         Time it took.
     """
