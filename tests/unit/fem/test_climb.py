@@ -8,7 +8,7 @@ from fem.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
-from tests.support.fem_problems import BANK_OF_SAND
+from tests.support.fem_problems import BANK_OF_SAND, section, soil
 
 
 @pytest.fixture(scope="module")
@@ -39,3 +39,12 @@ def test_a_limit_below_the_limit_load_is_no_failure() -> None:
     wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.05)
     found = critical_coefficient(BANK_OF_SAND, mesh, wish, MPI.COMM_SELF)
     assert (found.verdict, found.kc, found.lower) == ("no failure", 0.05, 0.05)
+
+
+def test_ground_that_goes_on_as_before_needs_no_iteration() -> None:
+    """Clay of 1 MPa stays elastic: the second level is the first one, lengthened."""
+    hard = section([[0.0, 4.0], [10.0, 4.0], [22.0, 0.0], [36.0, 0.0]], 6.0, soil("clay", c=1e6, phi=0.0))
+    wish = FemSettings(flow="davis", direction="downhill", kh_limit=0.2, kh=(0.1, 0.2))
+    found = critical_coefficient(hard, generate(hard, MeshSettings(method="free", size=1.5)), wish, MPI.COMM_SELF)
+    assert [step.factor for step in found.steps[-2:]] == [0.1, 0.2]
+    assert found.steps[-1].iterations == 0
