@@ -117,7 +117,7 @@ class _Search:
         """All answers; those that do not hang on each other are looked for side by side."""
         safety = None
         if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
-            safety = self.begin_safety(settings, self.first)
+            safety = self.begin_safety(settings)
         try:
             adapted = self.limit_loads(settings)
             if adapted is None:
@@ -131,7 +131,7 @@ class _Search:
     ) -> Assessment:
         """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError."""
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
-        safety = self.begin_safety(one_way, adapted.mesh) if safety is None else safety
+        safety = self.begin_safety(one_way) if safety is None else safety
         adapted, associated = self.beside_limit_loads(adapted, one_way)
         box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
         start = adapted.result.ground if element_for(self.section, settings) == "reduced" else None
@@ -149,13 +149,12 @@ class _Search:
         box = None
         if critical.verdict != "undecided":
             box = self.begin_box(one_way, None, mesh, box_depth, critical.skins)
-        safety = self.begin_safety(one_way, mesh) if safety is None else safety
+        safety = self.begin_safety(one_way) if safety is None else safety
         return _together(critical, mesh, None, opposite, associated, box, safety)
 
-    def begin_safety(self, settings: FemSettings, mesh: QuadMesh) -> list[Safety]:
+    def begin_safety(self, settings: FemSettings) -> list[Safety]:
         """Begin with the factors of safety that are asked for."""
-        wanted = settings.safety_factor_at
-        return [self.meanwhile.begin(partial(self.or_doubt, settings, kh, mesh)) for kh in wanted]
+        return [self.meanwhile.begin(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
         self,
@@ -231,8 +230,8 @@ class _Search:
         found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
         return AdaptiveResult(found, mesh)
 
-    def safety(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> AdaptiveResult[SafetyFactor]:
-        """The factor of safety on meshes made for it; on ``mesh`` where the flow is not associated."""
+    def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
+        """The factor of safety on meshes made for it; on the first one where the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
                 told = self._saying("")
@@ -241,24 +240,24 @@ class _Search:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
                 pass
-        found = safety_factor(self.section, mesh, settings, kh, self.comm, self.told("factor of safety"))
-        return AdaptiveResult(found, mesh)
+        found = safety_factor(self.section, self.first, settings, kh, self.comm, self.told("factor of safety"))
+        return AdaptiveResult(found, self.first)
 
     def fails(self, settings: FemSettings, error: UnstableError) -> UnstableError:
         """The same error with the factor of safety, and with that of ψ = φ where the flow rule makes another ground."""
-        factor = self.safety(settings, 0.0, self.first).result.factor
+        factor = self.safety(settings, 0.0).result.factor
         told = f"{error.reason}; its factor of safety is {factor:.2f}"
         if not self.is_substituted(settings):
             return UnstableError(told, error.remedy)
-        full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0, self.first).result.factor
+        full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0).result.factor
         rule = " by Davis's substitute where ψ < φ" if settings.flow == "davis" else ""
         remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
         return UnstableError(f"{told}{rule}, and {full:.2f} with ψ = φ", remedy)
 
-    def or_doubt(self, settings: FemSettings, kh: float, mesh: QuadMesh) -> AdaptiveResult[SafetyFactor] | Doubt:
+    def or_doubt(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | Doubt:
         """The factor of safety at ``kh``, or why there is none."""
         try:
-            return self.safety(settings, kh, mesh)
+            return self.safety(settings, kh)
         except NoAnswerError as error:
             why = f"There is no factor of safety at Kh = {kh:g}: {error}."
             return Doubt(why, "look at a smaller Kh", False)
