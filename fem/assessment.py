@@ -129,14 +129,26 @@ class _Search:
     def with_limit_loads(
         self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float, safety: list[Safety] | None
     ) -> Assessment:
-        """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError."""
+        """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError.
+
+        The path is followed, and fixed sides are looked at, before it is known whether ψ = φ shows a better mesh: it
+        hardly ever does.
+        """
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
-        safety = self.begin_safety(one_way) if safety is None else safety
-        adapted, associated = self.beside_limit_loads(adapted, one_way)
         box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
-        start = adapted.result.ground if element_for(self.section, settings) == "reduced" else None
-        critical = critical_coefficient(self.section, adapted.mesh, one_way, self.comm, self.told("Kh"), start)
-        return _together(critical, adapted.mesh, adapted, adapted.other, associated, box, safety)
+        safety = self.begin_safety(one_way) if safety is None else safety
+        beside = self.meanwhile.begin(partial(self.beside_limit_loads, adapted, one_way))
+        critical = self.path_to(adapted, one_way)
+        found, associated = beside.result()
+        if found is not adapted:
+            box = self.begin_box(one_way, found, found.mesh, box_depth, found.result.skins)
+            critical = self.path_to(found, one_way)
+        return _together(critical, found.mesh, found, found.other, associated, box, safety)
+
+    def path_to(self, limit: AdaptiveResult[AtOnce], settings: FemSettings) -> CriticalResult:
+        """The path to a limit load, on its mesh; raises UnstableError."""
+        start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
+        return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
 
     def by_path(self, settings: FemSettings, box_depth: float, safety: list[Safety] | None) -> Assessment:
         """The answers where paths have to do alone; raises UnstableError."""

@@ -5,6 +5,7 @@ sides are then the same, answers differ by what was asked and by nothing else: o
 the weaker ground, never bears more than ψ = φ.
 """
 
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -125,19 +126,12 @@ def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSe
     Raises NoAnswerError if the solver leaves no answer.
     """
     ground = found.ground
-    try:
-        _ask(ground.problem, settings)
-        limit = direct_limit(ground.problem, mesh, ground.constant, ground.load)
-    finally:
-        _ask(ground.problem, ground.settings)
-    return _told(section, mesh, settings, replace(ground, limit=limit))
-
-
-def _ask(problem: PlaneStrain, settings: FemSettings) -> None:
-    """Give a problem the flow rule and the sides of ``settings``."""
+    problem = copy(ground.problem)  # a path may go on with this one
     problem.flow = settings.flow
     problem.use_strength(1.0)
     problem.hold(sides_held(settings))
+    limit = direct_limit(problem, mesh, ground.constant, ground.load)
+    return _told(section, mesh, settings, replace(ground, limit=limit))
 
 
 def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> AtOnce:

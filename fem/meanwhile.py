@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextvars import ContextVar
 from queue import SimpleQueue
-from threading import Event, Thread, current_thread, main_thread
+from threading import Event, Lock, Thread, current_thread, main_thread
 from typing import Any, Self, TypeVar
 from weakref import WeakSet
 
@@ -56,39 +56,59 @@ def _started(work: Callable[..., None], *given: Any) -> Thread:
     return thread
 
 
+class Begun(Future[A]):
+    """Work that was begun: whoever asks for its result does it, unless the other thread is at it already."""
+
+    def __init__(self, work: Callable[[], A]) -> None:
+        super().__init__()
+        self._work, self._free = work, Lock()
+
+    def result(self, timeout: float | None = None) -> A:
+        """What came of it; raises its error, and KeyboardInterrupt where Ctrl-C is heard in this thread."""
+        self.do(Exception)
+        return super().result(timeout)
+
+    def do(self, kept: type[BaseException] = BaseException) -> None:
+        """Do it here if nobody has taken it, and keep what came of it, errors of a kind as well."""
+        if self._free.acquire(blocking=False):
+            _do(self._work, self, kept)
+
+
 class Meanwhile:
     """One more thread for other work, until the end of a ``with`` block; what is then not done is left.
 
-    Without that thread, ``beside`` false, or where BLAS does not bear it, all work is done where it is begun.
+    It takes up work in the order in which it was begun. Without that thread, ``beside`` false, or where BLAS does not
+    bear it, all work is done where it is begun.
     """
 
     def __init__(self, beside: bool = True) -> None:
         self._beside, self._event = beside and bears_threads(), Event()
-        self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._queue: SimpleQueue[Begun[Any] | None] = SimpleQueue()
         self._thread: Thread | None = None
 
-    def begin(self, work: Callable[[], A]) -> "Future[A]":
-        """Do some work after all that was begun before; its result or its error is that of the future."""
-        done: Future[A] = Future()
+    def begin(self, work: Callable[[], A]) -> Begun[A]:
+        """Begin with some work; its result or its error is that of the future."""
+        begun = Begun(work)
         if not self._beside:
-            _do(work, done, Exception)  # Ctrl-C is heard at once
-            return done
+            begun.do(Exception)  # Ctrl-C is heard at once
+            return begun
         if self._thread is None:
             self._thread = _started(self._serve)
-        self._queue.put(lambda: _do(work, done))
-        return done
+        self._queue.put(begun)
+        return begun
 
     def _serve(self) -> None:
         _left.set(self._event)
         while not self._event.is_set():
-            self._queue.get()()
+            if (begun := self._queue.get()) is not None:
+                begun.do()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: Any) -> None:
         self._event.set()
-        self._queue.put(lambda: None)
+        self._queue.put(None)
 
 
 def _do(work: Callable[[], A], done: "Future[A]", kept: type[BaseException] = BaseException) -> None:

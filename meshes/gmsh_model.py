@@ -16,6 +16,7 @@ import numpy as np
 from meshes.edges import without_cells
 from meshes.errors import InputError
 from meshes.free import ALGORITHMS, Sizes, build_free
+from meshes.gmsh_process import GmshEndedError, in_process_of_its_own
 from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
 from meshes.section.layering import Layering
@@ -67,6 +68,15 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
     one's, if none does.
     """
+    ground = Section.model_construct(**{name: getattr(section, name) for name in Section.model_fields})
+    try:
+        return in_process_of_its_own(make_free_mesh, ground, settings, sizes, path and Path(path).absolute())
+    except GmshEndedError as error:
+        raise BadMeshError(f"{error}; try another size") from error
+
+
+def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
+    """The same in this process."""
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
     for scale, algorithm in product(SCALES, ALGORITHMS):

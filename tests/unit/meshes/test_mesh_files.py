@@ -105,7 +105,14 @@ def test_a_folded_cell_is_refused_by_its_place() -> None:
     assert 'in stratum "sand"' in str(caught.value)
 
 
-def test_a_triangle_is_refused_by_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """Lets gmsh make free meshes in this process."""
+    monkeypatch.setattr(gmsh_model, "in_process_of_its_own", lambda work, *given: work(*given))
+    return monkeypatch
+
+
+def test_a_triangle_is_refused_by_its_place(here: pytest.MonkeyPatch) -> None:
     def leave_triangles(section: Section, *_: object) -> None:
         corners = [gmsh.model.geo.addPoint(x, z, 0.0) for x, z in ((7.0, 3.0), (8.0, 3.0), (7.0, 4.0))]
         lines = [gmsh.model.geo.addLine(corners[a], corners[(a + 1) % 3]) for a in range(3)]
@@ -113,21 +120,21 @@ def test_a_triangle_is_refused_by_its_place(monkeypatch: pytest.MonkeyPatch) -> 
         gmsh.model.geo.synchronize()
         gmsh.model.mesh.generate(2)
 
-    monkeypatch.setattr(gmsh_model, "build_free", leave_triangles)
+    here.setattr(gmsh_model, "build_free", leave_triangles)
     with pytest.raises(BadMeshError, match=r"gmsh left a Triangle 3 near x = [78]\.\d+ m, z = [34]\.\d+ m"):
         generate(Section.parse(slope()), MeshSettings(method="free"))
 
 
-def test_what_gmsh_itself_refuses_is_no_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_gmsh_itself_refuses_is_no_traceback(here: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise Exception("Could not recover boundary")  # gmsh raises nothing more precise
 
-    monkeypatch.setattr(gmsh_model, "build_free", fail)
+    here.setattr(gmsh_model, "build_free", fail)
     with pytest.raises(BadMeshError, match="gmsh gave up: Could not recover boundary; try another size"):
         generate(Section.parse(slope()), MeshSettings(method="free"))
 
 
-def test_another_algorithm_takes_over(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_algorithm_takes_over(here: pytest.MonkeyPatch) -> None:
     tried: list[int] = []
     build = gmsh_model.build_free
 
@@ -137,7 +144,7 @@ def test_another_algorithm_takes_over(monkeypatch: pytest.MonkeyPatch) -> None:
             raise BadMeshError("folded")
         build(*arguments)
 
-    monkeypatch.setattr(gmsh_model, "build_free", fail_once)
+    here.setattr(gmsh_model, "build_free", fail_once)
     section = Section.parse(slope())
     assert_conforming(generate(section, free(section)), section, free(section))
     assert tried == list(gmsh_model.ALGORITHMS[:2])
