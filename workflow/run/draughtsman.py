@@ -68,9 +68,9 @@ class Draughtsman:
 
     def leave(self) -> None:
         """End it, whatever it is at; a picture is there whole or not at all."""
-        self.pipe.close()
         self.process.kill()
         self.process.join()
+        self.pipe.close()  # not before: it would complain of what nobody has read
 
     def _hear(self) -> None:
         try:
@@ -110,7 +110,7 @@ def _draws(pipe: "Connection[Any, Any]") -> None:
     while True:
         try:
             draw, job = pipe.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return
         try:
             draw(job)
