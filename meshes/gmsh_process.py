@@ -14,6 +14,7 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock, Thread
 from typing import Any, TypeVar
@@ -77,14 +78,16 @@ class _Server:
             self._process, self._owner = subprocess.Popen(
                 [sys.executable, "-P", "-s", "-c", _PROGRAM], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                 env={"PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1", **kept},
+                start_new_session=True,  # Ctrl-C is for the program, which then ends this
             ), os.getpid()  # fmt: skip
         return self._process
 
     def end(self) -> None:
-        """End the process, whatever it is at."""
+        """End the process and its child, whatever they are at."""
         process, self._process = self._process, None
         if process is not None and self._owner == os.getpid():
-            process.kill()
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
 
 
@@ -95,7 +98,7 @@ in_process_of_its_own = _server.call
 
 def serve() -> None:
     """What the process does until the program that has begun it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody is there to hear of it
     while size := os.read(0, SIZE):
         child = os.fork()
         if child == 0:

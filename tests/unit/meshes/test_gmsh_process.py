@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -49,6 +50,21 @@ def test_after_ctrl_c_the_next_mesh_is_none_that_was_left(monkeypatch):
         patched.setattr(gmsh_process, "_read", interrupted)
         with pytest.raises(KeyboardInterrupt):
             in_process_of_its_own(divmod, 9, 5)
+    assert in_process_of_its_own(divmod, 7, 2) == (3, 1)
+
+
+def test_what_is_left_in_the_middle_of_its_work_is_not_waited_for():
+    def ask() -> None:
+        with pytest.raises(GmshEndedError):
+            in_process_of_its_own(time.sleep, 30.0)
+
+    asked = threading.Thread(target=ask)
+    asked.start()
+    time.sleep(2.0)
+    start = time.monotonic()
+    gmsh_process._server.end()
+    asked.join()
+    assert time.monotonic() - start < 10.0
     assert in_process_of_its_own(divmod, 7, 2) == (3, 1)
 
 
