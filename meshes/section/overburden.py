@@ -16,7 +16,8 @@ class Overburden:
     Attributes
     ----------
     stratum : index of the stratum
-    total, effective : vertical stresses (Pa)
+    total : vertical stress (Pa) of the ground above the point alone, without water that stands on the ground
+    effective : vertical effective stress (Pa)
     below_water : whether the point lies below the water table
     """
 
@@ -27,31 +28,34 @@ class Overburden:
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
-    """Weight of the strata above a point, with all their water, and of water on the ground; less the pore pressure of
-    its stratum, or below a water table that is only drawn its hydrostatic pressure.
+    """Vertical stresses at a point: the weight of the strata above it with all water in their pores, and the effective
+    stress, which is that weight and the weight of water on the ground, less the pore pressure.
+
+    The total stress is counted from the ground down, under water from the mudline: water has no shear stiffness, so
+    free water adds nothing to the shear stress that shaking brings, a_max σv r_d/g (Seed & Idriss 1971), and a cone is
+    zeroed at the mudline. The pore pressure is that of the stratum, after a drawdown if there is one, or hydrostatic
+    below a water table that is only drawn.
 
     ``x`` in the section and ``depth`` (m) within it: see `outside`. Where a stratum has two densities it is the seismic
-    one that holds all of its mass.
+    one that holds all of its mass; strata are cut where water stands in them, with a density on either side.
     """
     levels = section.layering.interfaces(np.array([x]))[0]
     here = float(levels[0]) - depth
     water = water_level(section, x)
     unit_weight = FRESH * GRAVITY if section.water is None else float(section.water.unit_weight)
-    wet = np.clip(levels, here, None) if water is None else np.clip(levels, here, max(here, water))
-    below = np.zeros(len(levels) - 1) if water is None else wet[:-1] - wet[1:]
-    inside = np.clip(levels[:-1], here, None) - np.clip(levels[1:], here, None)
-    bulk = np.array([stratum.density_seismic for stratum in section.strata])
-    saturated = np.array([stratum.density_saturated or stratum.density_seismic for stratum in section.strata])
-    total = GRAVITY * float((inside - below) @ bulk + below @ saturated)
-    pressure = 0.0
+    thickness = np.clip(levels[:-1], here, None) - np.clip(levels[1:], here, None)
+    total = GRAVITY * float(thickness @ [stratum.density_seismic for stratum in section.strata])
+    pressure = free_water = 0.0
     if water is not None:
-        total += unit_weight * max(0.0, water - float(levels[0]))
+        free_water = unit_weight * max(0.0, water - float(levels[0]))
         pressure = unit_weight * max(0.0, water - here)
     stratum, below_water = int(section.stratum_at(np.array([x]), np.array([here]))[0]), pressure > 0.0
-    if section.water_pressure.still:  # levels and ratios of the strata are in it
-        place = np.array([[x, here]])
-        pressure = float(section.water_pressure.at_rest(place, place, np.array([stratum]))[0])
-    return Overburden(stratum, total, total - pressure, below_water)
+    if section.water_pressure.still:  # levels and ratios of the strata and a drawdown are in it
+        place, field = np.array([[x, here]]), section.water_pressure
+        pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
+        free_water = float(field.ponded(field.after, place, place)[0])
+        below_water = below_water and pressure > 0.0
+    return Overburden(stratum, total, total + free_water - pressure, below_water)
 
 
 def water_level(section: Section, x: float) -> float | None:

@@ -54,7 +54,7 @@ class TestPart(Part):
     N: float | None = Field(description="the blow count; None of a cone")
     qc_Pa: float | None = Field(default=None, description="the cone resistance; None of a blow count")  # noqa: N815
     fines_percent: float | None = Field(description="None: not known, taken as clean sand")
-    total_Pa: float  # noqa: N815
+    total_Pa: float = Field(description="of the ground, without water that stands on it")  # noqa: N815
     effective_Pa: float  # noqa: N815
     normalised: Known = Field(description="(N1)60, N1 or qc1N")
     corrected: Known = Field(description="(N1)60cs, Na or qc1Ncs")

@@ -112,7 +112,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
             point = point_of(sample, where)
             reason = relation.why_not(point) if where.below_water else "above the water table"
             try:
-                found = None if reason else relation.find(point, shaking, settings)
+                found = None if reason else _found(relation, point, shaking, settings)
             except ValueError as error:
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
@@ -124,6 +124,18 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     layers = {boring.name: [t for t in tests if t.boring == boring.name] for boring in borings}
     potentials = {name: potential([(t.top, t.bottom, t.factor) for t in its]) for name, its in layers.items()}
     return Assessment(motion, earthquake.magnitude, relation, tuple(tests), strata, potentials)
+
+
+def _found(
+    relation: Relation, point: BlowCount | ConeTest, shaking: Shaking, settings: TriggeringSettings
+) -> Resistance:
+    """What a relation finds at a test. Raises ValueError where it lacks something, or without effective stress."""
+    if point.effective <= 0.0:
+        raise ValueError(
+            f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need one above 0 "
+            "(the pore pressure lifts the ground: see the water of the section)"
+        )
+    return relation.find(point, shaking, settings)
 
 
 def _missing(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> list[str]:

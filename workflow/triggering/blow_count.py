@@ -17,7 +17,8 @@ class BlowCount:
     ----------
     depth : below the ground (m)
     N : blows for 30 cm, as measured
-    total, effective : vertical stresses before the earthquake (kPa)
+    total, effective : vertical stresses before the earthquake (kPa); the total stress is that of the ground alone,
+        without water that stands on it
     fines : content of fines (%)
     d50 : mean grain size (mm); None if not known
     plasticity : plasticity index (%); None if not known
