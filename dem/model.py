@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +23,9 @@ from dem.kernels.neighbours import (
     turned,
 )
 from dem.kernels.period import folded
+from dem.lines import LineStrengths, strength_of_each, with_line_strengths
 from dem.ranges import Ranges, at_once
-from dem.springs import Law, LayerSprings, Mean, pair_table
+from dem.springs import Law, LayerSprings, Mean, PairTable, Strength, pair_table
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
 LEDGER_COLUMNS = 7
@@ -55,6 +56,7 @@ class DiscModel(DiscState):
         gravity: tuple[float, float] = (0.0, 0.0),
         acceleration: Acceleration | None = None,
         lines: np.ndarray | None = None,
+        line_strength: LineStrengths = None,
         mean: Mean = "arithmetic",
         law: Law = "paper",
         period: tuple[float, float] | None = None,
@@ -63,8 +65,10 @@ class DiscModel(DiscState):
         """Discs at rest. layer: index into `layers`, -1 for boundary discs, which are fixed too.
 
         turns: False for discs that cannot rotate; those of layers with infinite rolling friction cannot either.
-        mean, law: see `springs.pair_table`. period: (length, rise) in m, for ground that goes on as it is, its
-        sides tied to each other; soil discs only. skin (m): margin of the neighbour list, 0.4 mean radii if not given.
+        line_strength: what contacts with rigid lines hold, one for all or one for each, such as `springs.SMOOTH`; None
+        for what the disc's own layer holds. mean, law: see `springs.pair_table`. period: (length, rise) in m, for
+        ground that goes on as it is, its sides tied to each other; soil discs only. skin (m): margin of the list,
+        0.4 mean radii if not given.
         Raises ValueError for arrays that do not fit together.
         """
         x, z = np.array(x, float), np.array(z, float)
@@ -78,6 +82,8 @@ class DiscModel(DiscState):
             raise ValueError(f"discs: radius of disc {int(np.argmin(radii))} is {radii.min()}, must be positive")
         if layer.max() >= len(layers) or layer.min() < -1:
             raise ValueError(f"discs: layer {layer.max()} of {len(layers)} layers (they count from 0, -1 is boundary)")
+        lines = np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6)
+        strengths = strength_of_each(line_strength, len(lines))
         density = np.array([s.density for s in layers] + [layers[0].density])[layer]
         effective = np.array([s.effective_density for s in layers] + [0.0])[layer]
         if period is not None:
@@ -104,9 +110,9 @@ class DiscModel(DiscState):
             drift_x=np.zeros(n), drift_z=np.zeros(n), swing_x=np.zeros(n), swing_z=np.zeros(n),
             inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), **contacts,
-            lines=np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6),
+            lines=lines, line_strength=strengths,
             energy_sums=np.zeros((n // 64 + 1, LEDGER_COLUMNS)),
-            springs=pair_table(layers, mean, law, WIDEST * margin), mean=mean, law=law,
+            springs=_table(layers, mean, law, margin, strengths), mean=mean, law=law,
             period=period, gravity=(float(gravity[0]), float(gravity[1])),
             acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
@@ -222,10 +228,10 @@ class DiscModel(DiscState):
         """
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
-        new = pair_table(layers, self.mean, self.law, WIDEST * self.skin)
+        new = _table(layers, self.mean, self.law, self.skin, self.line_strength)
         before = self._spring_forces()
         kind = self.kind(self.pair_i, self.pair_j)
-        line_kind = self.layer[self.line_disc]
+        line_kind = self.line_kind
         for names, row, columns, old_table, new_table in (
             (("shear", "rolled", "torque"), KS, kind, self.springs.pairs, new.pairs),
             (("pore_shear",), KPS, kind, self.springs.pairs, new.pairs),
@@ -238,6 +244,34 @@ class DiscModel(DiscState):
                 values *= ratio[: len(values)]  # no discs of the paper remember rolling
         self.springs = new
         self._change_forces(before)
+
+    def remove_lines(self, which: Sequence[int]) -> None:
+        """Takes rigid lines away, by their numbers: a gate that opens. What the others remember stays.
+
+        Parameters
+        ----------
+        which
+            Numbers of lines, from 0. The others close up: what was line 2 is line 1 once line 1 is gone.
+
+        Raises
+        ------
+        ValueError
+            If there is no line of such a number.
+        """
+        count = len(self.lines)
+        if any(not 0 <= k < count for k in which):
+            raise ValueError(f"there is no rigid line {[k for k in which if not 0 <= k < count]}: there are {count}")
+        kept = np.setdiff1d(np.arange(count), which)
+        number = np.full(count, -1, np.int32)
+        number[kept] = np.arange(len(kept), dtype=np.int32)
+        here = number[self.line_id] >= 0
+        for name in ("line_disc", *LINE_MEMORY):
+            setattr(self, name, getattr(self, name)[here])
+        self.line_id = number[self.line_id[here]]
+        self.lines = self.lines[kept].copy()
+        if self.line_strength:
+            self.line_strength = tuple(self.line_strength[k] for k in kept)
+            self.springs = replace(self.springs, line_block=tuple(self.springs.line_block[k] for k in kept))
 
     def set_radius(self, radius: np.ndarray) -> None:
         """Other radii (m) from now on: discs swell, or shrink as liquefied ground does that loses volume.
@@ -284,7 +318,9 @@ class DiscModel(DiscState):
         arrays |= {f"acceleration_{name}": value for name, value in vars(self.acceleration).items()}
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
         layers = [asdict(layer) for layer in self.springs.layers]
-        checkpoint.write(Path(path), arrays, plain | {"gravity": self.gravity, "period": self.period, "layers": layers})
+        strengths = [one and asdict(one) for one in self.line_strength]
+        more = {"gravity": self.gravity, "period": self.period, "layers": layers, "line_strength": strengths}
+        checkpoint.write(Path(path), arrays, plain | more)
 
     @classmethod
     def load(cls, path: Path | str) -> "DiscModel":
@@ -294,6 +330,14 @@ class DiscModel(DiscState):
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
         for name in ("gravity", "period"):  # JSON knows no tuples
             plain[name] = tuple(plain[name]) if plain[name] is not None else None
-        springs = pair_table(layers, plain["mean"], plain["law"], WIDEST * plain["skin"])
+        plain["line_strength"] = tuple(one and Strength(**one) for one in plain["line_strength"])
+        springs = _table(layers, plain["mean"], plain["law"], plain["skin"], plain["line_strength"])
         values: dict[str, Any] = arrays | plain
         return cls(**values, springs=springs, acceleration=series)
+
+
+def _table(
+    layers: Sequence[LayerSprings], mean: Mean, law: Law, skin: float, strengths: Sequence[Strength | None]
+) -> PairTable:
+    """Constants of all contacts, those with rigid lines too."""
+    return with_line_strengths(pair_table(layers, mean, law, WIDEST * skin), strengths, law)

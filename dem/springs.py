@@ -160,6 +160,9 @@ class Strength:
     rolling_friction: float = np.inf
 
 
+SMOOTH = Strength(0.0, rolling_friction=0.0)  # of a rigid line that discs slide and roll along freely
+
+
 def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) -> tuple[float, float]:
     """V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
@@ -282,14 +285,16 @@ def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:
 class PairTable:
     """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
 
-    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines;
-    alpha ((n + 1)**2,): reach of new pore springs.
+    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines, and a block of n + 1
+    columns more for each strength that lines have of their own (`lines.with_line_strengths`);
+    alpha ((n + 1)**2,): reach of new pore springs; line_block: number of the block of each line, empty if all 0.
     """
 
     layers: tuple[LayerSprings, ...]
     pairs: np.ndarray
     lines: np.ndarray
     alpha: np.ndarray
+    line_block: tuple[int, ...] = ()
 
     @property
     def size(self) -> int:

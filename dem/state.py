@@ -11,7 +11,7 @@ import numpy as np
 
 from dem.acceleration import Acceleration
 from dem.kernels.period import ENDLESS, Period
-from dem.springs import Law, Mean, PairTable
+from dem.springs import Law, Mean, PairTable, Strength
 
 # what a pair remembers, of the paper's discs and of soil discs besides; a new one starts with nothing
 MEMORY = ("pore_length", "shear", "pore_shear", "force_x", "force_z")
@@ -64,6 +64,8 @@ class DiscState:
         empty for the paper's discs.
     lines : (k, 6)
         Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
+    line_strength : tuple
+        What contacts with each rigid line hold, None for what the disc's own layer holds; empty: None for all.
     line_disc, line_id : (contacts with lines,)
         Discs near rigid lines, and numbers of those.
     line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
@@ -137,6 +139,7 @@ class DiscState:
     gravity: tuple[float, float]
     acceleration: Acceleration
     skin: float
+    line_strength: tuple[Strength | None, ...] = ()
     time: float = 0.0
     steps: int = 0
     last_dt: float = 0.0
@@ -172,6 +175,13 @@ class DiscState:
         """Column of the table of springs for pairs of discs."""
         code = np.where(self.layer < 0, self.springs.size - 1, self.layer).astype(np.uint16)
         return code[i] * np.uint16(self.springs.size) + code[j]
+
+    @property
+    def line_kind(self) -> np.ndarray:
+        """Column of the table of lines for every disc near one."""
+        block = np.array([0, *self.springs.line_block], np.int64)
+        which = self.line_id + 1 if self.springs.line_block else np.zeros(len(self.line_id), np.int64)
+        return np.asarray(block[which] * self.springs.size + self.layer[self.line_disc])
 
     @property
     def repeats(self) -> Period:

@@ -58,7 +58,7 @@ def check_overlap(model: DiscModel, kept: str) -> None:
         )
     before, _ = line_gaps(model)
     share = -before / model.radius[model.line_disc]
-    allowed = 2.0 * model.springs.lines[ALLOWED, model.layer[model.line_disc]]
+    allowed = 2.0 * model.springs.lines[ALLOWED, model.line_kind]
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
         raise OverlapError(

@@ -57,7 +57,7 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
     i, j, length = model.pair_i, model.pair_j, model.pore_length
-    lines = LineContacts(model.line_disc, model.line_id, model.layer[model.line_disc])
+    lines = LineContacts(model.line_disc, model.line_id, model.line_kind)
     springs = springs_of(model)
 
     def find() -> StableStep:

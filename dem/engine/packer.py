@@ -83,7 +83,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = at_on
         rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
         line_disc=line_disc.astype(np.int64),
-        line_id=model.line_id.astype(np.int64), line_kind=model.layer[model.line_disc].astype(np.int64),
+        line_id=model.line_id.astype(np.int64), line_kind=model.line_kind.astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
         **_swings(model, slices),
