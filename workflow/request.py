@@ -1,5 +1,7 @@
 """What a command asks for: a section with settings and options of the command line over it, its folder, its job."""
 
+import json
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +12,7 @@ from workflow import stages
 from workflow.run.mesh_options import kept
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input, dotted, merged
+from workflow.settings import Input, merged
 
 Tables = Mapping[str, Mapping[str, Any]]
 
@@ -106,3 +108,37 @@ def mesh_options(
         wanted = size
     method = "free" if free else None
     return {"refine": refine, "size": wanted, "method": method, "columns": columns, "rows": rows}
+
+
+def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Settings of the command line, such as ``fem.sides=fixed``, as tables.
+
+    A value is read as TOML; what is not TOML is text. Raises InputError with every one that cannot be understood.
+    """
+    tables: dict[str, Any] = {}
+    problems = []
+    for text in texts:
+        setting = _setting(text)
+        if setting is None:
+            problems.append(f"{text!r}: expected table.key=value, such as fem.sides=fixed or mesh.size='2 m'")
+        elif next(iter(setting)) not in Input.tables():
+            problems.append(f"{text!r}: expected a setting of {', '.join(Input.tables())}")
+        else:
+            tables = merged(tables, setting)
+    if problems:
+        raise InputError("--set", problems)
+    return tables
+
+
+def _setting(text: str) -> dict[str, Any] | None:
+    key, equals, value = text.partition("=")
+    if not equals or "\n" in text:
+        return None
+    for written in (value, json.dumps(value, ensure_ascii=False)):
+        try:
+            setting = tomllib.loads(f"{key} = {written}")
+        except tomllib.TOMLDecodeError:
+            continue
+        table, inside = next(iter(setting.items()))
+        return setting if isinstance(inside, dict) or table not in Input.tables() else None
+    return None

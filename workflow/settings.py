@@ -1,10 +1,8 @@
 """The whole input of a run: a section, and how to mesh it, compute with it and draw it."""
 
 import hashlib
-import json
-import tomllib
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -28,6 +26,7 @@ from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.free_face import FreeFaceSettings
 from workflow.triggering.settings import TriggeringSettings
+from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 from workflow.uncertain.settings import StudySettings, UncertainSettings
 
@@ -146,6 +145,7 @@ class Input(Section):
     report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
 
     _written: dict[str, Any] = PrivateAttr(default_factory=dict)  # the section as it stood in the file
+    _left_to_the_sample: dict[str, Any] = PrivateAttr(default_factory=dict)  # settings that follow from the ground
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
@@ -167,17 +167,25 @@ class Input(Section):
             raise ValueError("\n".join(problems))
         return self
 
-    def with_drawn(self, drawn: Mapping[str, Any]) -> "Input":
+    def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Input":
         """The input with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
 
-        Raises ValueError for a path that leads nowhere, InputError for values that do not fit.
+        What is drawn may be beyond what soils usually have, unless it is ``judged`` as what a person wrote. Raises
+        ValueError for a path that leads nowhere, InputError for values that do not fit.
         """
-        return Input.parse(changed(self._before_the_cut(), drawn, self.uncertain.numbers), self.name)
+        data = changed(self._before_the_cut(), drawn, self.uncertain.numbers)
+        return Input.parse(data if judged else {**data, "unusual": True}, self.name)
+
+    @cached_property
+    def reach(self) -> dict[str, Reach]:
+        """How far the distribution of each uncertain number reaches, by its path."""
+        return reach_of(self._before_the_cut(), self.uncertain.numbers, Input)
 
     def _before_the_cut(self) -> dict[str, Any]:
         """The section as it was written, before water cut its strata, with the settings as they are used."""
         settings = set(self.tables()) - {"uncertain", "study"}
-        return {**self._written, **self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)}
+        used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
+        return merged({**self._written, **used}, self._left_to_the_sample)
 
     def to_toml(self) -> str:
         """The input as TOML with all defaults filled in and quantities as they were written.
@@ -199,7 +207,8 @@ class Input(Section):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of the section and of its mesh, one sentence each."""
-        return [*super().notices, *self.mesh.notices(self)]
+        cut_off = [line for one in self.reach.values() for line in one.notice.splitlines()]
+        return [*super().notices, *self.mesh.notices(self), *cut_off]
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
@@ -213,7 +222,9 @@ class Input(Section):
         if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
             return cls.parse(merged(data, {"slide": {"cases": []}}), source)  # not the paper's three beside them
         if slide.get("kh") == K_MAX:
-            return cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
+            given = cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
+            given._left_to_the_sample = {"slide": {"kh": K_MAX}}
+            return given
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure
         if asked or any(stratum.liquefies_in.triggered for stratum in given.strata):
@@ -223,7 +234,9 @@ class Input(Section):
                 raise InputError(source, error.problems) from None
         if given.uncertain.numbers:
             given._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
-            if problems := given.uncertain.problems(given.with_drawn):
+            problems = given.uncertain.problems(partial(given.with_drawn, judged=True))
+            problems += [line for one in given.reach.values() for line in one.problem.splitlines()]
+            if problems:
                 raise InputError(source, problems)
         return given
 
@@ -360,37 +373,3 @@ def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):
             both[key] = merged(lower[key], upper[key])
     return both
-
-
-def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Settings of the command line, such as ``fem.sides=fixed``, as tables.
-
-    A value is read as TOML; what is not TOML is text. Raises InputError with every one that cannot be understood.
-    """
-    tables: dict[str, Any] = {}
-    problems = []
-    for text in texts:
-        setting = _setting(text)
-        if setting is None:
-            problems.append(f"{text!r}: expected table.key=value, such as fem.sides=fixed or mesh.size='2 m'")
-        elif next(iter(setting)) not in Input.tables():
-            problems.append(f"{text!r}: expected a setting of {', '.join(Input.tables())}")
-        else:
-            tables = merged(tables, setting)
-    if problems:
-        raise InputError("--set", problems)
-    return tables
-
-
-def _setting(text: str) -> dict[str, Any] | None:
-    key, equals, value = text.partition("=")
-    if not equals or "\n" in text:
-        return None
-    for written in (value, json.dumps(value, ensure_ascii=False)):
-        try:
-            setting = tomllib.loads(f"{key} = {written}")
-        except tomllib.TOMLDecodeError:
-            continue
-        table, inside = next(iter(setting.items()))
-        return setting if isinstance(inside, dict) or table not in Input.tables() else None
-    return None

@@ -111,7 +111,7 @@ def _key(location: tuple[int | str, ...], data: Any) -> str:
     return ", ".join(parts)
 
 
-def _model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
+def model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
     """The model whose field a location names."""
     here: type[BaseModel] | None = model
     for step in location[:-1]:
@@ -131,11 +131,11 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
-    here = _model_at(location, model)
+    here = model_at(location, model)
     return list(here.model_fields) if here else []
 
 
 def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
-    here = _model_at(location, model)
+    here = model_at(location, model)
     field = here.model_fields.get(str(location[-1])) if here else None
     return (field.description or "") if field else ""

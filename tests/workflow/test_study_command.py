@@ -141,3 +141,13 @@ def test_a_section_in_which_nothing_is_uncertain(tmp_path: Path, capsys: pytest.
     path.write_text(tomli_w.dumps(slope()))
     assert ended(command(path, tmp_path, 1)) == 2
     assert "[uncertain]: expected a number at least" in capsys.readouterr().err
+
+
+def test_a_study_without_any_answer_ends_with_the_reason(
+    section: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert ended([*command(section, tmp_path, 1), "--only", "slide"]) == 3
+    told = capsys.readouterr().err
+    assert f"slide: none of {SAMPLES} samples has an answer" in told
+    assert "no stratum liquefies in any case" in told
+    assert (tmp_path / "study.html").is_file()

@@ -60,6 +60,7 @@ def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
         for group in result.groups:
             if group.samples:
                 yield f"{title} where {group.path} is {group.value} ({group.samples}): {_where(group.spread)}."
+    yield from (f"{line}." for one in given.reach.values() for line in one.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 

@@ -84,7 +84,7 @@ class Result(Part):
 
 
 class Failure(Part):
-    """A reason for which samples have no answer, and how many."""
+    """A reason for which samples have no answer, as the first of them tells it, and how many."""
 
     reason: str
     samples: int
@@ -102,6 +102,9 @@ class StudyAnswer(Answer):
     samples: int
     failed: int
     failures: tuple[Failure, ...]
+    without: tuple[str, ...] = Field(
+        default=(), description="parts that were asked for and have an answer in no sample"
+    )
     results: tuple[Result, ...]
     fails: Curve | None = Field(description="probability that the critical Kh is below a Kh")
     fragility: tuple[Curve, ...] = Field(

@@ -21,7 +21,7 @@ def inputs(stage: Stage, job: Job) -> dict[str, str]:
         table, key = name.split(".")
         prints[name] = fingerprint_of(getattr(job.given, table).model_dump(mode="json")[key])
     for name, path in stage.files(job).items():
-        prints[name] = _of_file(path)
+        prints[name] = fingerprint_of_file(path)
     for other in job.stages:
         if other.name in stage.needs:
             prints[other.name] = fingerprint_of(inputs(other, job))
@@ -54,5 +54,6 @@ def fingerprint_of(data: Any) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
-def _of_file(path: Path) -> str:
+def fingerprint_of_file(path: Path) -> str:
+    """A fingerprint of what a file holds."""
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -33,8 +33,9 @@ def study(
     """
     from workflow.ensemble.ensemble import Ensemble
     from workflow.report.study import sentences, write_page
+    from workflow.request import dotted
     from workflow.run.store import Store
-    from workflow.settings import Input, dotted, merged
+    from workflow.settings import Input, merged
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
     from workflow.study.watch import Counted
@@ -51,12 +52,12 @@ def study(
     answer = found.answer
     page = write_page(given, answer, store)
     if json:
-        return say_data(answer.model_dump(mode="json"))
-    if not quiet:
+        say_data(answer.model_dump(mode="json"))
+    elif not quiet:
         for sentence in sentences(given, answer):
             say(sentence)
         say(f"Page: {page}; samples: {store.folder / 'samples.csv'}")
-    return None
+    found.refuse_parts_without_answer()
 
 
 def converge(
@@ -78,8 +79,9 @@ def converge(
     """
     from workflow.ensemble.ensemble import Ensemble
     from workflow.figures.convergence import draw
+    from workflow.request import dotted
     from workflow.run.store import Store
-    from workflow.settings import Input, dotted
+    from workflow.settings import Input
     from workflow.study.converge import run
     from workflow.study.watch import Counted
     from workflow.terminal import say, say_data

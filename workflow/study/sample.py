@@ -8,12 +8,14 @@ from pydantic import BaseModel, ConfigDict, Field
 class Sample(BaseModel):
     """The input of a task: the section, and those of its settings that matter to the task.
 
-    ``folder`` keeps what a long task goes on from after a stop; it is no part of the input.
+    ``files`` are fingerprints of the files that these settings name. ``folder`` keeps what a long task goes on from
+    after a stop; it is no part of the input.
     """
 
     model_config = ConfigDict(frozen=True)
 
     data: dict[str, Any]
+    files: dict[str, str] = {}
     folder: str = Field(default="", exclude=True)
 
 

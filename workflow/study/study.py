@@ -1,5 +1,6 @@
 """A study: samples of what is uncertain, each computed once, and what they say together."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from workflow.ensemble.ensemble import Ensemble, OnRow, Row
 from workflow.ensemble.task import Task
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import Spread
 from workflow.results.study import Failure, Group, Result, StudyAnswer
+from workflow.run.fingerprint import fingerprint_of_file
+from workflow.run.pipeline import leave_input
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.study.fragility import block, failure, fragility
@@ -32,6 +35,14 @@ class Study:
     table: Table
     answer: StudyAnswer
 
+    def refuse_parts_without_answer(self) -> None:
+        """Raise NoAnswerError, with the reasons, where a part that was asked for has an answer in no sample."""
+        if not self.answer.without:
+            return
+        names = " and ".join(self.answer.without)
+        told = "; ".join(f"{one.samples} of them: {one.reason}" for one in self.answer.failures)
+        raise NoAnswerError(f"{names}: none of {self.answer.samples} samples has an answer; {told}")
+
 
 def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
     """The parts by their names, and whether the block slides too; raises InputError for a name that there is not."""
@@ -45,12 +56,12 @@ def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
 def run(given: Input, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
     """Compute what is missing of a study, and leave section.toml, samples.csv and study.json in its folder.
 
-    Raises InputError where nothing is uncertain, for an unknown part, and where what is drawn never fits.
+    Raises InputError where nothing is uncertain, and for an unknown part.
     """
     if not given.uncertain.numbers:
         raise InputError(given.name, ['[uncertain]: expected a number at least, such as "strata.1.friction_angle"'])
     parts, with_block = parts_of(only)
-    store.write_text("section.toml", given.to_toml())
+    leave_input(given, store)
     table = computed(given, store, parts, with_block, ensemble, on_row)
     store.write_text(FILE, table.text())
     answer = told(given, table, only)
@@ -62,7 +73,7 @@ def computed(
     given: Input, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> Table:
     """The table of all samples, of those that fail with the reason."""
-    drawn = samples(given.uncertain, given.study)
+    drawn = samples(given.uncertain, given.study, given.reach)
     inputs = [_input(given, one) for one in drawn]
     sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Input)]
     # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
@@ -85,10 +96,17 @@ def _input(given: Input, drawn: Mapping[str, Any]) -> Input | str:
 
 
 def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
-    """The task of one part of an input: it knows the section, and those settings only that matter to it."""
+    """The task of one part of an input: it knows the section, and those settings only that matter to it.
+
+    Borings and earthquake go with a part that reads them. To the others it is all one which strata liquefy; a pore
+    pressure that follows from blow counts stands in the strata by then.
+    """
     others = set(read.tables()) - set(part.tables)
     data = read.model_dump(mode="json", exclude_none=True, by_alias=True, exclude=others)
-    task = Task(part.function, Sample(data={**data, "name": "sample"}))
+    if "triggering" in others:
+        data["strata"] = [{**stratum, "liquefies_in": []} for stratum in data["strata"]]
+    files = {name: fingerprint_of_file(path) for name, path in read.files(*part.tables).items()}
+    task = Task(part.function, Sample(data={**data, "name": "sample"}, files=files))
     if not part.keeps:
         return task
     folder = store.folder.absolute() / "running" / task.fingerprint
@@ -100,6 +118,7 @@ def _row(
 ) -> SampleRow:
     if isinstance(read, str):
         return SampleRow(drawn, Numbers(numbers={}), read)
+    answered = [part.name for part, row in found if row.answer is not None]
     numbers: dict[str, float | None] = {}
     words: dict[str, str] = {}
     for _, row in found:
@@ -108,8 +127,9 @@ def _row(
             words |= row.answer.words
     if with_block:
         numbers["block_slide_m"] = block(read, numbers.get("kc"))
+        answered += [BLOCK] if numbers["block_slide_m"] is not None else []
     reasons = [f"{part.name}: {row.reason}" for part, row in found if row.answer is None]
-    return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons))
+    return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 
 
 def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
@@ -117,7 +137,9 @@ def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
     words = [path for path, distribution in given.uncertain.numbers.items() if distribution.is_words]
     indices = given.study.method == "saltelli"
     names = [name for name in table.names if name != "cells"]
-    reasons = Counter(row.reason for row in table.rows if row.reason)
+    reasons = [row.reason for row in table.rows if row.reason]
+    counts = Counter(map(_without_digits, reasons))
+    first = {_without_digits(reason): reason for reason in reversed(reasons)}
     return StudyAnswer(
         section=SectionLabel.of(given),
         parts=tuple(only),
@@ -125,7 +147,8 @@ def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
         seed=given.study.seed,
         samples=len(table.rows),
         failed=table.failed,
-        failures=tuple(Failure(reason=reason, samples=count) for reason, count in reasons.most_common()),
+        failures=tuple(Failure(reason=first[kind], samples=count) for kind, count in counts.most_common()),
+        without=tuple(name for name in only if not any(name in row.answered for row in table.rows)),
         results=tuple(
             Result(
                 name=name,
@@ -139,6 +162,11 @@ def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
         fails=failure(table),
         fragility=tuple(fragility(given, table)),
     )
+
+
+def _without_digits(reason: str) -> str:
+    """A reason without the numbers that were drawn, which differ from sample to sample."""
+    return re.sub(r"-?\d+\.\d{3,}(e-?\d+)?", "…", reason)
 
 
 def _spread(values: np.ndarray) -> Spread:

@@ -15,11 +15,13 @@ FILE = "samples.csv"
 
 @dataclass(frozen=True)
 class SampleRow:
-    """One sample: what was drawn, by paths; what was found, by names; and why something is missing."""
+    """One sample: what was drawn, by paths; what was found, by names; why something is missing; and which parts of the
+    study have an answer."""
 
     drawn: dict[str, Any]
     found: Numbers
     reason: str = ""
+    answered: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,12 @@ A path goes from table to table; of a list it names the entry, by its name or it
 line is its depth or elevation, so that ".2" is that of the second point. "*" stands for every entry that has the key.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from workflow.uncertain.distribution import Distribution, in_unit, measured
 
-Change = Callable[[Any], Any]
+Place = tuple[int | str, ...]  # keys and indices, from the outermost table inwards
 
 
 def plain(data: Any) -> Any:
@@ -23,41 +23,47 @@ def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[
     """Nested tables with what was drawn put where it belongs; raises ValueError for a path that leads nowhere."""
     new: dict[str, Any] = plain(data)
     for path, value in drawn.items():
-        distribution = numbers[path]
-        for holder, key in list(_places(new, path)):
-            before = holder.get(key) if isinstance(holder, dict) else holder[key]
-            holder[key] = _changed(before, distribution, value)
+        for place in list(places(new, path)):
+            holder = value_at(new, place[:-1])
+            holder[place[-1]] = changed_value(value_at(new, place), numbers[path], value)
     return new
 
 
-def _places(data: Any, path: str) -> Iterator[tuple[Any, Any]]:
-    """What holds the values that a path names, and under which key or index."""
+def value_at(data: Any, place: Place) -> Any:
+    """What stands at a place of nested tables; None where the last key is not set."""
+    for key in place[:-1]:
+        data = data[key]
+    return data.get(place[-1]) if place and isinstance(data, Mapping) else data[place[-1]] if place else data
+
+
+def places(data: Any, path: str) -> Iterator[Place]:
+    """The places that a path names; raises ValueError where it leads nowhere."""
     entries = _entries(data)
-    if path.startswith("*.") and isinstance(data, list):
-        for entry in data:
+    if path.startswith("*.") and isinstance(data, list | tuple):
+        for number, entry in enumerate(data):
             if _head(_entries(entry), path[2:]) is not None:
-                yield from _places(entry, path[2:])
+                yield from ((number, *rest) for rest in places(entry, path[2:]))
         return
     name = _head(entries, path)
-    if name is None and isinstance(data, dict) and "." not in path:
-        yield data, path  # not set so far; whether there is such a key is found out as for a file
+    if name is None and isinstance(data, Mapping) and "." not in path:
+        yield (path,)  # not set so far; whether there is such a key is found out as for a file
     elif name is None:
         there = ", ".join(dict.fromkeys(entries)) or "nothing"
         raise ValueError(f'"{path}" leads nowhere; there is {there}')
     elif path == name:
-        yield data, entries[name]
+        yield (entries[name],)
     else:
-        yield from _places(data[entries[name]], path[len(name) + 1 :])
+        yield from ((entries[name], *rest) for rest in places(data[entries[name]], path[len(name) + 1 :]))
 
 
 def _entries(data: Any) -> dict[str, Any]:
     """The keys of a table, or the names and numbers of the entries of a list, as paths call them."""
-    if isinstance(data, dict):
+    if isinstance(data, Mapping):
         return {str(key): key for key in data}
-    if not isinstance(data, list):
+    if not isinstance(data, list | tuple):
         return {}
-    named = {entry["name"]: place for place, entry in enumerate(data) if isinstance(entry, dict) and "name" in entry}
-    return {**named, **{str(place + 1): place for place in range(len(data))}}
+    named = {entry["name"]: at for at, entry in enumerate(data) if isinstance(entry, Mapping) and "name" in entry}
+    return {**named, **{str(at + 1): at for at in range(len(data))}}
 
 
 def _head(entries: Mapping[str, Any], path: str) -> str | None:
@@ -65,7 +71,8 @@ def _head(entries: Mapping[str, Any], path: str) -> str | None:
     return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
 
 
-def _changed(before: Any, distribution: Distribution, value: Any) -> Any:
+def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
+    """What stands in the place of a value once a number is drawn; raises ValueError where no number can."""
     if distribution.does == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]

@@ -1,10 +1,13 @@
 """Samples of the uncertain numbers: the same for the same seed, however many computers draw them."""
 
 import warnings
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from workflow.uncertain.limits import Reach
 from workflow.uncertain.settings import Method, StudySettings, UncertainSettings
 
 SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
@@ -43,14 +46,16 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     return np.clip(np.asarray(ndtr(normal)), SMALLEST, 1.0 - SMALLEST)
 
 
-def samples(uncertain: UncertainSettings, study: StudySettings) -> list[dict[str, Any]]:
-    """What is drawn for every sample, by the paths of the numbers."""
+def samples(
+    uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, Reach] = MappingProxyType({})
+) -> list[dict[str, Any]]:
+    """What is drawn for every sample, by the paths of the numbers, each no further than it may reach."""
     numbers = uncertain.numbers
     points = chances(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())
     return [
         {
-            path: distribution.at(float(chance))
+            path: distribution.at(reach.get(path, Reach()).within(float(chance)))
             for (path, distribution), chance in zip(numbers.items(), row, strict=True)
         }
         for row in points

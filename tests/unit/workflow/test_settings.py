@@ -13,8 +13,8 @@ from meshes.section.recorded_kh import in_name
 from tests.support import SECTIONS
 from tests.support.sections import slope
 from workflow.example import example
-from workflow.request import Request
-from workflow.settings import Input, dotted, merged
+from workflow.request import Request, dotted
+from workflow.settings import Input, merged
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,119 @@
+"""How far a distribution may reach: what its number can be, as the field of the input says (a strength: 0 or more)."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from meshes.section.sentences import model_at
+from workflow.uncertain.distribution import Distribution
+from workflow.uncertain.path import changed_value, places, value_at
+
+FIRST, LAST = 2.0**-54, 1.0 - 2.0**-53  # the chances furthest from the median that a sample can have
+HALVINGS = 60
+TOLD = 1e-4  # share that is cut off from which a person hears of it
+
+Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty where nothing is
+
+
+@dataclass(frozen=True)
+class Reach:
+    """The chances between which a distribution draws possible numbers only.
+
+    Attributes
+    ----------
+    low, high : the chances (0 to 1)
+    notice : how much of the distribution is cut off, and why; empty where nothing worth telling is
+    problem : why an end that was written down is impossible; empty where none is
+    """
+
+    low: float = 0.0
+    high: float = 1.0
+    notice: str = ""
+    problem: str = ""
+
+    def within(self, chance: float) -> float:
+        """The chance in the whole distribution of a chance (0 to 1) in what is left of it."""
+        return self.low + chance * (self.high - self.low)
+
+
+def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model: type[BaseModel]) -> dict[str, Reach]:
+    """How far each distribution reaches, by its path in ``data``, an input of a ``model``.
+
+    Tails of normal and lognormal distributions are cut off where the field of the number refuses it. Ends that are
+    written down (uniform, triangular, list, between) and refused are a problem.
+    """
+    return {path: _reach(path, one, _check(data, path, one, model)) for path, one in numbers.items()}
+
+
+def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
+    name = f'uncertain, "{path}"'
+    if distribution.list is not None:
+        others = [value for value in distribution.list if value != distribution.at(0.5)]
+        return Reach(
+            problem="\n".join(f"{name}: {one!r} in its list: {text}" for one in others if (text := check(one)))
+        )
+    at = distribution.at
+    if check(at(0.5)):
+        return Reach()  # its median is told with the whole input
+    if distribution.kind in ("uniform", "triangular") or distribution.between is not None:
+        ends = distribution.between or getattr(distribution, distribution.kind)
+        refused = [(end, check(at(chance))) for end, chance in ((ends[0], FIRST), (ends[-1], LAST))]
+        return Reach(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
+    low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (FIRST, LAST))
+    told = [
+        f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
+        f"{distribution.written(round(at(bound), 9) + 0.0)} and are cut off ({check(at(end))})"
+        for side, bound, share, end in (("below", low, low, FIRST), ("above", high, 1.0 - high, LAST))
+        if share > TOLD
+    ]  # fmt: skip
+    return Reach(low, high, "\n".join(told))
+
+
+def _check(data: Mapping[str, Any], path: str, distribution: Distribution, model: type[BaseModel]) -> Check:
+    """What the fields that a path names say of a number that is drawn."""
+    fields = []
+    try:
+        for place in places(data, path):
+            here = model_at(place, model)
+            field = here.model_fields.get(str(place[-1])) if here is not None else None
+            if field is not None:
+                fields.append((value_at(data, place), _adapter(field)))
+    except ValueError:  # a path that leads nowhere is told with the whole input
+        fields = []
+
+    def check(drawn: Any) -> str:
+        for before, adapter in fields:
+            try:
+                adapter.validate_python(changed_value(before, distribution, drawn))
+            except ValidationError as error:
+                return _sentence(error)
+            except ValueError as error:
+                return str(error)
+        return ""
+
+    return check
+
+
+def _adapter(field: FieldInfo) -> TypeAdapter[Any]:
+    kind: Any = field.annotation
+    return TypeAdapter(Annotated[kind, *field.metadata] if field.metadata else kind)
+
+
+def _sentence(error: ValidationError) -> str:
+    first = error.errors()[0]
+    text = str(first["ctx"]["error"]) if first["type"] == "value_error" else first["msg"]
+    return text[:1].lower() + text[1:]
+
+
+def _furthest(is_possible: Callable[[float], bool], end: float) -> float:
+    """The chance between the median and ``end`` up to which all is possible; 0 or 1 where all of it is."""
+    if is_possible(end):
+        return round(end)
+    inside, outside = 0.5, end
+    for _ in range(HALVINGS):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if is_possible(middle) else (inside, middle)
+    return inside
