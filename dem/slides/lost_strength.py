@@ -3,10 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from dem.ground import Ground
-from dem.laboratory.element_table import SHARES
+from dem.laboratory.soil_contacts import constant_strength_contacts
 from dem.laboratory.strength_map import ContactStrength, strength_map
 from dem.model import DiscModel
 from dem.settings import Case
@@ -74,8 +72,7 @@ def residual_contacts(
 def _constant(ground: Ground, stratum: int, strength: float) -> ContactStrength:
     """Contacts with this strength (Pa) at a quarter, a half and all of the mean effective stress of a stratum."""
     stress = strength if ground.section is None else mean_effective_stress(ground.section, stratum)
-    pressures = np.array(SHARES) * max(stress, strength)
-    return strength_map().fit(np.full(len(pressures), strength), pressures)
+    return constant_strength_contacts(strength, stress)
 
 
 def stronger_than_asked(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> list[str]:

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dem.laboratory.soil_layers import SOFTEST, failure_strength, refusals, soil_layers
+from dem.laboratory.soil_contacts import SOFTEST
+from dem.laboratory.soil_layers import failure_strength, refusals, soil_layers
 from dem.laboratory.strength_map import strength_map
 from meshes.section.section import Section
 from tests.support import SECTIONS

@@ -1,0 +1,222 @@
+"""Contacts that make random discs a soil of given cohesion and friction angle at a given stress; without a section.
+
+Strength is compared at a quarter, a half and all of the vertical effective stress. Wanted at a confining pressure p is
+half the deviator at failure of Mohr and Coulomb, (p sin phi + c cos phi) / (1 - sin phi): c_u for a clay without
+friction, p sin phi / (1 - sin phi) for a sand.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dem.laboratory.element_table import SHARES
+from dem.laboratory.strength_map import ContactStrength, StrengthMap, strength_map
+from dem.springs import LayerSprings, Strength, soil_discs
+
+SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
+USUAL = 800.0  # kn over the stress where no modulus is given
+LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
+NEAR = 0.07  # of the strength wanted
+OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
+
+
+@dataclass(frozen=True)
+class SoilContacts:
+    """Contacts with which random discs come closest to a soil.
+
+    Attributes
+    ----------
+    stress : float
+        Vertical effective stress for which they were fitted (Pa).
+    pressures : (3,)
+        Confining pressures at which strength is compared (Pa).
+    wanted : (3,)
+        Half the deviator at failure that the soil has there (Pa).
+    expected : (3,)
+        That of the discs, by the map (Pa).
+    friction : float
+        mu of the contacts.
+    cohesion : float
+        C of the contacts over the mean diameter (Pa).
+    stiffness : float
+        kn of the contacts (N/m).
+    notes : tuple of str
+        What could not be had, in sentences.
+    """
+
+    stress: float
+    pressures: np.ndarray
+    wanted: np.ndarray
+    expected: np.ndarray
+    friction: float
+    cohesion: float
+    stiffness: float
+    notes: tuple[str, ...]
+
+    def strength(self, radius: float) -> Strength:
+        """What contacts of discs of this mean radius (m) hold."""
+        return Strength(self.friction, self.cohesion * 2.0 * radius)
+
+    def discs(
+        self,
+        name: str,
+        density: float,
+        radius: float,
+        void_ratio: float,
+        *,
+        buoyant_density: float | None = None,
+        damping_ratio: float | None = None,
+    ) -> LayerSprings:
+        """The constants of a layer of such discs.
+
+        Parameters
+        ----------
+        name
+            Of the layer.
+        density
+            Of the soil, saturated where it is (kg/m3).
+        radius
+            Mean radius of the discs (m).
+        void_ratio
+            Voids over discs of the packing, so that mass and weight are the soil's.
+        buoyant_density
+            Of the soil below water (kg/m3), for its weight; the density if None.
+        damping_ratio
+            Factor on the dashpots sqrt(m K); `springs.SOIL_DAMPING` if None.
+
+        Returns
+        -------
+        LayerSprings
+            For `DiscModel.create` with law="soil".
+        """
+        more = {} if damping_ratio is None else {"damping_ratio": damping_ratio}
+        weight = density if buoyant_density is None else buoyant_density
+        strength = self.strength(radius)
+        return soil_discs(
+            name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP, **more
+        )
+
+
+def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
+    """Half the deviator at failure (Pa), (p sin phi + c cos phi) / (1 - sin phi), of Mohr and Coulomb.
+
+    Parameters
+    ----------
+    cohesion
+        c (Pa).
+    friction_angle
+        phi (rad).
+    pressure : (n,)
+        Confining pressures p (Pa).
+
+    Returns
+    -------
+    (n,)
+        Radius of the circle that touches the line and begins at p.
+    """
+    sine, cosine = np.sin(friction_angle), np.cos(friction_angle)
+    return np.asarray((pressure * sine + cohesion * cosine) / (1.0 - sine))
+
+
+def soil_contacts(
+    cohesion: float,
+    friction_angle: float,
+    stress: float,
+    youngs_modulus: float | None = None,
+    table: StrengthMap | None = None,
+) -> SoilContacts:
+    """Contacts of random discs that are as strong, and as stiff, as a soil.
+
+    Parameters
+    ----------
+    cohesion
+        c, or c_u with a friction angle of 0 (Pa).
+    friction_angle
+        phi (rad).
+    stress
+        Vertical effective stress in the middle of the soil (Pa).
+    youngs_modulus
+        E (Pa); if None, contacts are 800 times as stiff as the stress, which is stiff enough for their strength not to
+        depend on it.
+    table
+        The map of strengths; the one of the package if None.
+
+    Returns
+    -------
+    SoilContacts
+        What could not be had is in its notes.
+
+    Raises
+    ------
+    ValueError
+        For a stress or a modulus that is not positive, and for soil without strength.
+    """
+    if not stress > 0.0 or not (youngs_modulus is None or youngs_modulus > 0.0):
+        raise ValueError(
+            f"soil contacts: expected positive stress and modulus, not {stress} Pa and {youngs_modulus} Pa"
+        )
+    if not (cohesion >= 0.0 and 0.0 <= friction_angle < 0.5 * np.pi and cohesion + friction_angle > 0.0):
+        raise ValueError(f"soil contacts: expected some strength, not c = {cohesion} Pa and phi = {friction_angle} rad")
+    table = table or strength_map()
+    pressures = np.array(SHARES) * stress
+    wanted = mohr_coulomb_strength(cohesion, friction_angle, pressures)
+    cohesive = cohesion > 0.0
+    reach = 0.95 * table.strongest(cohesive) * pressures
+    if youngs_modulus is not None:  # what is cohesive without being stiff would need contacts that open widely
+        reach = np.minimum(reach, youngs_modulus / LEAST_RIGIDITY)
+    aimed = np.minimum(wanted, reach)
+    found = table.fit(aimed, pressures, cohesive)
+    real = USUAL * stress
+    if youngs_modulus is not None:
+        real = table.normal_stiffness(youngs_modulus, 0.5 * stress, found.friction, found.cohesion)
+    stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
+    gain = table.gained_by_softness(stiffness, pressures, found.cohesion)
+    found = table.fit(aimed / gain, pressures, cohesive)
+    found = replace(found, expected=found.expected * gain)
+    notes = (*_on_strength(found, wanted, reach, pressures), *_on_stiffness(stiffness, real, stress))
+    return SoilContacts(stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, notes)
+
+
+def constant_strength_contacts(strength: float, stress: float) -> ContactStrength:
+    """Contacts with the same strength at a quarter, a half and all of a stress: residual strengths in kPa.
+
+    Parameters
+    ----------
+    strength
+        Half the deviator at failure (Pa).
+    stress
+        Mean effective stress of the layer (Pa); at least the strength is taken.
+
+    Returns
+    -------
+    ContactStrength
+        By the map.
+    """
+    pressures = np.array(SHARES) * max(stress, strength)
+    return strength_map().fit(np.full(len(pressures), strength), pressures)
+
+
+def _on_strength(found: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
+    if (wanted > reach).any():
+        return [
+            f"no discs are as strong as this soil: it has {wanted[-1] / 1e3:.0f} kPa at {pressures[-1] / 1e3:.3g} kPa, "
+            f"they can have {found.expected[-1] / 1e3:.0f} kPa; that is what they get"
+        ]
+    miss = found.expected / wanted - 1.0
+    if np.abs(miss).max() <= NEAR:
+        return []
+    told = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
+    return [
+        f"discs keep some friction where the soil has none: their strength is off by {told} at a quarter, a half "
+        "and all of the layer's stress"
+    ]
+
+
+def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
+    if abs(stiffness / real - 1.0) <= 1e-9:
+        return []
+    what = "stiffer" if stiffness > real else "softer"
+    return [
+        f"{what} than the soil: kn is {stiffness / real:.2f} times what its E asks for, {stiffness / stress:.0f} "
+        "times the stress of the layer"
+    ]

@@ -1,0 +1,1 @@
+"""Bodies of soil discs whose slides are known by theory or experiment: columns, cuts, uniform slopes."""

@@ -1,0 +1,151 @@
+"""A column of soil behind a gate: dry columns, clay that slumps, vertical cuts.
+
+It stands on a rough floor between a smooth wall at x = 0, which is an axis of symmetry, and a smooth gate at x = width.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from dem.engine.engine import Engine, largest_step
+from dem.laboratory.patch import POROSITIES
+from dem.model import DiscModel
+from dem.packing import random_packing
+from dem.slides.until_rest import UntilRest, run_until_rest
+from dem.springs import SMOOTH, LayerSprings
+
+G = 9.81  # m/s2
+WALL, FLOOR, GATE = range(3)  # numbers of the rigid lines
+SINKS = 0.01  # of the height, in settling
+ROUGHNESS = 0.4  # mean radii that the tops of the floor's discs lie below z = 0, at most
+AT_REST = 1e-7  # of g times the height: kinetic energy per mass
+STILL = 1e-3  # of the width
+SECONDS = 60.0  # sqrt(height / g), until which a column has settled
+
+LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs
+
+
+class SoilColumn:
+    """Discs packed between wall and gate.
+
+    Parameters
+    ----------
+    width, height
+        Of the column (m).
+    radius
+        Mean radius of the discs (m).
+    layers_of
+        The springs by the void ratio of the packing; the column is of the first layer.
+    seed
+        Of the packing.
+    reach
+        Length of the rough floor over the width.
+    spread
+        Half the width of the radii over their mean.
+
+    Attributes
+    ----------
+    model : DiscModel
+        The discs. Whoever calls `settle` and `release` need not touch them.
+
+    Raises
+    ------
+    ValueError
+        Where no packing fits.
+    """
+
+    def __init__(
+        self,
+        width: float,
+        height: float,
+        radius: float,
+        layers_of: LayersOf,
+        *,
+        seed: int = 0,
+        reach: float = 8.0,
+        spread: float = 0.2,
+    ) -> None:
+        self.width, self.height, self.radius = width, height, radius
+        x, z, r = _packed(width, height * (1.0 + SINKS), radius, spread, seed)
+        floor = _rough_floor(np.random.default_rng(1000 + seed), radius, -3.0 * radius, reach * width, spread)
+        void_ratio = width * height / float(np.sum(np.pi * r**2)) - 1.0
+        lines = np.array([
+            [0.0, 0.0, 1.0, 0.0, -4.0 * radius, 50.0 * height],
+            [0.0, -3.0 * radius, 0.0, 1.0, -1e4 * width, 1e4 * width],
+            [width, 0.0, -1.0, 0.0, -50.0 * height, 4.0 * radius],
+        ])  # fmt: skip
+        self.model = DiscModel.create(
+            np.concatenate([x, floor[0]]), np.concatenate([z, floor[1]]), np.concatenate([r, floor[2]]),
+            layers_of(void_ratio), np.where(np.arange(len(x) + floor.shape[1]) < len(x), 0, -1),
+            lines=lines, line_strength=(SMOOTH, None, SMOOTH), gravity=(0.0, -G), law="soil",
+        )  # fmt: skip
+
+    @property
+    def unit(self) -> float:
+        """sqrt(height / g) (s)."""
+        return float(np.sqrt(self.height / G))
+
+    @property
+    def porosity(self) -> float:
+        """Voids over area of the column as it stands, below its mean top (before it is released)."""
+        free = ~self.model.fixed
+        x, top = self.model.x[free], (self.model.z + self.model.radius)[free]
+        column = (x / (4.0 * self.radius)).astype(int)
+        level = np.mean([top[column == k].max() for k in np.unique(column)])
+        return float(1.0 - np.sum(np.pi * self.model.radius[free] ** 2) / (self.width * level))
+
+    def settle(self) -> None:
+        """Lets the column settle under its weight, the gate shut. Raises DemError."""
+        free = ~self.model.fixed
+        for _ in range(round(SECONDS)):
+            Engine(dt=0.5 * largest_step(self.model).seconds, ledger=False).run(self.model, self.unit)
+            if 0.5 * np.mean((self.model.vx**2 + self.model.vz**2)[free]) < AT_REST * G * self.height:
+                return
+
+    def release(self, *, longest: float = 12.0, threads: int = 1) -> UntilRest:
+        """Takes the gate away at once, and follows the column until it rests.
+
+        Parameters
+        ----------
+        longest
+            In units of sqrt(height / g).
+        threads
+            Of the engine.
+
+        Returns
+        -------
+        UntilRest
+            How it went; `dem.run_out(column.model)` says how far.
+        """
+        if len(self.model.lines) > GATE:
+            self.model.remove_lines([GATE])
+        return run_until_rest(
+            self.model, still=STILL * self.width, longest=longest * self.unit, every=0.5 * self.unit, threads=threads
+        )
+
+
+def _packed(
+    width: float, height: float, radius: float, spread: float, seed: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    outline = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+    for porosity in POROSITIES["soil"]:
+        try:
+            packing = random_packing(
+                outline, lambda x, z: np.zeros(len(x), np.int32), radius, spread=spread, porosity=porosity, seed=seed
+            )
+        except ValueError as error:
+            refused = error
+        else:
+            free = packing.free
+            return packing.x[free], packing.z[free], packing.radius[free]
+    raise refused
+
+
+def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float, spread: float) -> np.ndarray:
+    """Discs beside each other whose tops reach z = 0 at most: x, z, radius (3, n)."""
+    discs, x = [], left
+    while x < right:
+        r = radius * rng.uniform(1.0 - spread, 1.0 + spread)
+        discs.append((x + r, -r - radius * rng.uniform(0.0, ROUGHNESS), r))
+        x += 2.0 * r
+    return np.array(discs).T

@@ -1,0 +1,227 @@
+"""A uniform slope, its sides tied: ground that goes on for ever, whose layers liquefy and which Kh pushes downhill.
+
+The frame of the discs lies along the slope: x downhill along its surface, z across it, gravity tilted. Planes parallel
+to the surface carry, at a normal stress p, the shear stress p (tan b + kh) by statics, where vertical inertia is left
+out (p from the weight alone), and the block on top slides as Newmark's does.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from dem.acceleration import Acceleration, tilted_gravity
+from dem.engine.engine import Engine, largest_step
+from dem.ground import Ground
+from dem.laboratory.patch import POROSITY, VOID_RATIO
+from dem.model import DiscModel
+from dem.packing import Packing
+from dem.settings import Case, SlideSettings
+from dem.slides.liquefaction import Slider
+from dem.slides.until_rest import UntilRest, run_until_rest
+from dem.springs import LayerSprings
+from dem.tied_packing import tied_packing
+
+G = 9.81  # m/s2
+SETTLES, TILTS, RESTS = 6.0, 5, 3.0  # s on the level, steps of a second in which it is tilted, s after that
+LATER = 60.0  # s after a push, until which a slope is followed
+STILL = 1e-3  # m in `LOOK` s
+LOOK = 0.5  # s
+PACKED = 0.93  # of the void ratio of a packing is left where it has settled
+
+LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs, from the lowest layer up
+
+
+class UniformSlope:
+    """Discs of a uniform slope at rest, one period of it.
+
+    Parameters
+    ----------
+    angle
+        Of the slope (rad).
+    thickness
+        Of its layers across the slope (m), from the base up.
+    radius
+        Mean radius of the discs (m).
+    layers_of
+        The springs of the layers, from the base up, by the void ratio of the packing.
+    length
+        The period along the slope (m).
+    seed
+        Of the packing.
+
+    Attributes
+    ----------
+    model : DiscModel
+        The discs, at rest.
+    ground : Ground
+        Where they lie, for `Slider`; without any section.
+
+    Raises
+    ------
+    ValueError
+        For as many springs as there are no layers.
+    """
+
+    def __init__(
+        self,
+        angle: float,
+        thickness: Sequence[float],
+        radius: float,
+        layers_of: LayersOf,
+        *,
+        length: float = 40.0,
+        seed: int = 0,
+    ) -> None:
+        self.angle, self.radius = angle, radius
+        columns, rows = (round(way / (2.0 * radius)) for way in (length, sum(thickness)))
+        bare = tied_packing(columns, rows, radius, porosity=POROSITY, seed=seed).without_upper_plate()
+        layers = list(layers_of(PACKED * VOID_RATIO))
+        if len(layers) != len(thickness):
+            raise ValueError(f"{len(thickness)} layers have a thickness, {len(layers)} have springs")
+        layer = np.searchsorted(np.cumsum(thickness)[:-1], bare.z, side="right")
+        layer = np.where(bare.layer < 0, -1, layer).astype(np.int32)
+        self.model = DiscModel.create(
+            bare.x, bare.z, bare.radius, layers, layer, law="soil", period=(bare.length, 0.0), gravity=(0.0, -G),
+            skin=0.2 * radius,
+        )  # fmt: skip
+        self._settle()
+        packing = Packing(self.model.x, self.model.z, self.model.radius, self.model.layer, self.model.lines)
+        self.ground = Ground(packing, "random", radius, 0, angle, (0.0, 0.0), 1)
+
+    def _settle(self) -> None:
+        self._on(SETTLES)
+        for tilt in np.linspace(0.0, self.angle, TILTS + 1)[1:]:
+            self.model.gravity = tilted_gravity(tilt, G)
+            self._on(1.0)
+        self._on(RESTS)
+
+    def _on(self, seconds: float) -> None:
+        Engine(dt=0.5 * largest_step(self.model).seconds, ledger=False).run(self.model, seconds)
+
+    def above(self, layer: int) -> np.ndarray:
+        """Mask of the discs of the layers above this one."""
+        return np.asarray(~self.model.fixed & (self.model.layer > layer))
+
+    def normal_stress(self, layer: int) -> float:
+        """What the plane at the bottom of a layer carries across the slope by the weight on it (Pa)."""
+        model, period = self.model, self.model.period
+        on_it = ~model.fixed & (model.layer >= layer)
+        length = period[0] if period is not None else np.inf
+        return float((model.mass * model.weight)[on_it].sum()) * G * float(np.cos(self.angle)) / length
+
+    def liquefy(self, layers: Sequence[int], case: Case, settings: SlideSettings | None = None) -> Slider:
+        """Lets layers liquefy as a case says, without Kh, and follows the slope until it rests or its time is over.
+
+        Parameters
+        ----------
+        layers
+            Their numbers, from the base up.
+        case
+            What they lose, and keep.
+        settings
+            Onset and time; 20 s without Kh if None. Its Kh comes on before the layers liquefy.
+
+        Returns
+        -------
+        Slider
+            The slide as it went in its `slide`; the slope goes on from where that ended.
+        """
+        slider = Slider(self.model, self.ground, list(layers), case, settings or SlideSettings(kh=0.0, duration=20.0))
+        slider.run()
+        self.model = slider.model
+        return slider
+
+    def push(self, kh: float, seconds: float, *, layer: int = 0, later: float = LATER) -> "Push":
+        """Puts a seismic coefficient on for some seconds, then takes it away, and follows the slope until it rests.
+
+        Parameters
+        ----------
+        kh
+            Seismic coefficient, downhill; it comes and goes within a millisecond, as in Newmark's closed form.
+        seconds
+            How long it acts (s).
+        layer
+            The layer above which the ground is the block that slides.
+        later
+            Time after it until which the slope is followed (s).
+
+        Returns
+        -------
+        Push
+            How far the block slid, and the strength that held it.
+        """
+        model, block = self.model, self.above(layer)
+        on, begin, start = Acceleration.seismic(kh, tilt=self.angle), model.time, model.x.copy()
+        times = begin + np.array([0.0, 1e-3, seconds, seconds + 1e-3])
+        model.acceleration = Acceleration(
+            times, on.x[0] * np.array([0.0, 1.0, 1.0, 0.0]), on.z[0] * np.array([0.0, 1.0, 1.0, 0.0])
+        )
+        rows: list[tuple[float, float, float]] = []
+
+        def look(m: DiscModel) -> None:
+            rows.append((m.time - begin, float((m.x - start)[block].mean()), float(m.vx[block].mean())))
+
+        rest = run_until_rest(
+            model, still=STILL, longest=seconds + later, every=LOOK, at_least=seconds + 1.0, on_look=look
+        )
+        return Push(self.angle, kh, seconds, np.array(rows), rest)
+
+
+class Push:
+    """How a block slid under Kh.
+
+    Attributes
+    ----------
+    time, slide, speed : (k,)
+        Since Kh came on (s), along the slope (m), and its rate (m/s): means over the block.
+    rest : UntilRest
+        Whether it came to rest.
+    """
+
+    def __init__(self, angle: float, kh: float, seconds: float, rows: np.ndarray, rest: UntilRest) -> None:
+        self.angle, self.kh, self.seconds, self.rest = angle, kh, seconds, rest
+        self.time, self.slide, self.speed = rows.T
+
+    def strength(self) -> tuple[float, float]:
+        """Shear strength over normal stress that its accelerations show, while it is pushed and while it is braked.
+
+        Of a block on a plane: (sin b + k cos b - a/g) / (cos b - k sin b); NaN where it did not move long enough.
+        """
+        b = self.angle
+        pushed = (self.time > 1.5) & (self.time <= self.seconds)
+        braked = (self.time > self.seconds + 0.25) & (self.speed > 0.15 * self.speed.max())
+        on, off = (
+            float(np.polyfit(self.time[part], self.speed[part], 1)[0]) if part.sum() > 2 else np.nan
+            for part in (pushed, braked)
+        )
+        driven = (np.sin(b) + self.kh * np.cos(b) - on / G) / (np.cos(b) - self.kh * np.sin(b))
+        return float(driven), float((np.sin(b) - off / G) / np.cos(b))
+
+
+def newmark_slide(angle: float, strength_ratio: float, kh: float, seconds: float) -> float:
+    """Slide (m) of a rigid block under a constant Kh that acts for some seconds (Newmark 1965), on its plane.
+
+    Parameters
+    ----------
+    angle
+        Of the plane (rad).
+    strength_ratio
+        Shear strength over the normal stress of that moment.
+    kh
+        Seismic coefficient, downhill.
+    seconds
+        How long it acts (s).
+
+    Returns
+    -------
+    float
+        0 where it does not slide, infinite where it does not stop.
+    """
+    sine, cosine = float(np.sin(angle)), float(np.cos(angle))
+    on = G * (sine + kh * cosine - strength_ratio * (cosine - kh * sine))
+    off = G * (sine - strength_ratio * cosine)
+    if on <= 0.0:
+        return 0.0 if off <= 0.0 else float("inf")
+    if off >= 0.0:
+        return float("inf")
+    return 0.5 * on * seconds**2 + (on * seconds) ** 2 / (-2.0 * off)

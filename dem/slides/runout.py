@@ -1,0 +1,143 @@
+"""How far discs ran: profile of the deposit, quantiles of the mass, and what has left the connected ground.
+
+All distances are in the frame of the discs, lengths in m. The deposit that counts is the one that hangs together: discs
+that touch, or nearly, and not what flew or rolled away from it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from dem.model import DiscModel
+
+NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
+FULL = 0.5  # of a row of discs: columns with less are beyond the front
+
+
+@dataclass(frozen=True)
+class RunOut:
+    """A deposit, as far as its front goes.
+
+    Attributes
+    ----------
+    front : float
+        Furthest rim of the connected deposit along x (m).
+    x98 : float
+        98 % of the mass lies to the left of it (m).
+    height : float
+        Top of the connected deposit over the lowest rim (m).
+    loose : float
+        Share of the mass that has left the connected ground.
+    """
+
+    front: float
+    x98: float
+    height: float
+    loose: float
+
+
+def connected_ground(model: DiscModel) -> np.ndarray:
+    """Mask (n,) of the free discs that hang together: the part of the largest mass whose discs touch or nearly do.
+
+    Parameters
+    ----------
+    model
+        Discs; nearly is closer than a quarter of their mean radius.
+
+    Returns
+    -------
+    (n,) bool
+        False for fixed discs.
+    """
+    free = np.flatnonzero(~model.fixed)
+    places, r = np.column_stack([model.x, model.z])[free], model.radius[free]
+    nearly = NEARLY * float(r.mean())
+    i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + nearly, output_type="ndarray").T
+    near = np.hypot(*(places[j] - places[i]).T) < r[i] + r[j] + nearly
+    links = coo_matrix((np.ones(int(near.sum())), (i[near], j[near])), shape=(len(free), len(free)))
+    _, part = connected_components(links, directed=False)
+    largest = int(np.bincount(part, model.mass[free]).argmax())
+    chosen = np.zeros(len(model), bool)
+    chosen[free[part == largest]] = True
+    return chosen
+
+
+def loose_share(model: DiscModel) -> float:
+    """Share of the mass of the free discs that has left the connected ground, see `connected_ground`."""
+    free = ~model.fixed
+    return float(1.0 - model.mass[connected_ground(model)].sum() / model.mass[free].sum())
+
+
+def mass_quantile(model: DiscModel, share: float) -> float:
+    """x (m) to the left of which this share of the mass of the free discs lies.
+
+    Parameters
+    ----------
+    model
+        Discs.
+    share
+        From 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        For any other share.
+    """
+    if not 0.0 <= share <= 1.0:
+        raise ValueError(f"a share of the mass lies between 0 and 1, not at {share}")
+    free = ~model.fixed
+    order = np.argsort(model.x[free], kind="stable")
+    below = np.cumsum(model.mass[free][order]) / model.mass[free].sum()
+    return float(model.x[free][order][min(int(np.searchsorted(below, share)), len(order) - 1)])
+
+
+def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
+    """Surface of the connected deposit, column by column.
+
+    Parameters
+    ----------
+    model
+        Discs.
+    width
+        Of a column (m); four mean radii of the free discs if None.
+
+    Returns
+    -------
+    (k, 2)
+        Middle of each column and the highest rim in it (m), from the left to the last column that is half a row of
+        discs full; columns without any disc in between are left out.
+    """
+    chosen = connected_ground(model)
+    x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]
+    step = 4.0 * float(r.mean()) if width is None else width
+    column = ((x - x.min()) / step).astype(int)
+    top = np.full(column.max() + 1, -np.inf)
+    np.maximum.at(top, column, z + r)
+    area = np.bincount(column, np.pi * r**2, len(top))
+    last = int(np.flatnonzero(area > FULL * step * 2.0 * float(r.mean()) * np.pi / 4.0).max(initial=0))
+    middle = x.min() + (np.arange(len(top)) + 0.5) * step
+    there = np.isfinite(top[: last + 1])
+    return np.column_stack([middle[: last + 1][there], top[: last + 1][there]])
+
+
+def run_out(model: DiscModel) -> RunOut:
+    """How far the discs ran along x, as they lie now.
+
+    Parameters
+    ----------
+    model
+        Discs.
+
+    Returns
+    -------
+    RunOut
+        The run-out of a column of width d is `front` - d.
+    """
+    chosen = connected_ground(model)
+    x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]
+    return RunOut(
+        float((x + r).max()), mass_quantile(model, 0.98), float((z + r).max() - (z - r).min()), loose_share(model)
+    )

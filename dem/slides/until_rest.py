@@ -1,0 +1,118 @@
+"""Takes discs on until they lie still."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.engine.engine import Engine, largest_step
+from dem.errors import StepTooLargeError
+from dem.model import DiscModel
+
+SHARE = 0.5  # of the stable step
+SHORTER = 0.8  # times the step, where a step became too long on the way
+LOOKS = 3  # in a row in which nothing moves
+MOST = 0.98  # of the mass has to lie still: single discs that roll on are not waited for
+
+
+@dataclass(frozen=True)
+class UntilRest:
+    """How it went.
+
+    Attributes
+    ----------
+    rested : bool
+        Whether the discs lie still.
+    seconds : float
+        How long they were followed (s).
+    time : (k,)
+        Looks (s since the beginning).
+    moved : (k,)
+        What 98 % of the mass moved less than since the look before (m).
+    """
+
+    rested: bool
+    seconds: float
+    time: np.ndarray
+    moved: np.ndarray
+
+
+def run_until_rest(
+    model: DiscModel,
+    *,
+    still: float,
+    longest: float,
+    every: float = 0.5,
+    at_least: float = 0.0,
+    step_share: float = SHARE,
+    ledger: bool = False,
+    threads: int = 1,
+    on_look: Callable[[DiscModel], None] | None = None,
+) -> UntilRest:
+    """Takes discs on until 98 % of their mass moves less than `still` at each of three looks in a row.
+
+    Parameters
+    ----------
+    model
+        The discs; they are changed.
+    still
+        What counts as rest (m) from one look to the next.
+    longest
+        Time after which they are no longer followed (s).
+    every
+        From look to look (s).
+    at_least
+        Time before which they may not rest (s), such as that of a record or of Kh.
+    step_share
+        Time step over the stable one; found anew at every look, and shortened where a contact stiffens in between.
+    ledger
+        Whether the energy balance is kept, which stops a run that does not close.
+    threads
+        Of the engine.
+    on_look
+        Hears of every look.
+
+    Returns
+    -------
+    UntilRest
+        Whether, and when, they came to rest.
+
+    Raises
+    ------
+    DemError
+        Where a run of the engine stops.
+    ValueError
+        For times or a distance that are not positive.
+    """
+    if not (still > 0.0 and longest > 0.0 and every > 0.0):
+        raise ValueError(f"expected positive still, longest and every, not {still} m, {longest} s and {every} s")
+    begin, free = model.time, ~model.fixed
+    times, moved = [], []
+    quiet = 0
+    while model.time - begin < longest - 1e-9 and quiet < LOOKS:
+        before = np.array([model.x, model.z])
+        _advance(model, every, step_share, ledger, threads)
+        way = np.hypot(*(np.array([model.x, model.z]) - before))[free]
+        order = np.argsort(way)
+        share = np.cumsum(model.mass[free][order]) / model.mass[free].sum()
+        moved.append(float(way[order][min(int(np.searchsorted(share, MOST)), len(way) - 1)]))
+        times.append(model.time - begin)
+        quiet = quiet + 1 if moved[-1] < still and times[-1] >= at_least else 0
+        if on_look is not None:
+            on_look(model)
+    return UntilRest(quiet >= LOOKS, model.time - begin, np.array(times), np.array(moved))
+
+
+def _advance(model: DiscModel, seconds: float, share: float, ledger: bool, threads: int) -> None:
+    """So many seconds on, with shorter steps where a contact stiffens on the way."""
+    end = model.time + seconds
+    for _ in range(10):
+        engine = Engine(dt=share * largest_step(model).seconds, ledger=ledger, threads=threads)
+        try:
+            engine.run(model, end - model.time)
+            return
+        except StepTooLargeError:
+            share *= SHORTER
+            if end - model.time < 1e-9:
+                return
+    engine.run(model, end - model.time)

@@ -1,0 +1,42 @@
+"""Columns and uniform slopes of soil discs, against what is known of them."""
+
+import numpy as np
+import pytest
+
+import dem
+
+RADIUS, DENSITY, G = 0.5, 1800.0, 9.81
+
+
+def sand(height: float) -> dem.SoilContacts:
+    return dem.soil_contacts(0.0, np.radians(33.0), DENSITY * G * 0.5 * height)
+
+
+def test_a_uniform_slope_carries_its_weight() -> None:
+    """Normal stress at the base of each layer is rho g h cos b; Kh below the yield coefficient moves nothing far."""
+    contacts = sand(10.0)
+    slope = dem.UniformSlope(
+        np.radians(4.0), [4.0, 6.0], RADIUS,
+        lambda e: [contacts.discs(name, DENSITY, RADIUS, e) for name in ("low", "crust")], length=16.0,
+    )  # fmt: skip
+    for layer, depth in ((0, 10.0), (1, 6.0)):
+        expected = DENSITY * G * depth * np.cos(np.radians(4.0))
+        assert slope.normal_stress(layer) == pytest.approx(expected, rel=0.05)
+    push = slope.push(0.2, 2.0, later=10.0)
+    assert push.rest.rested
+    assert abs(push.slide[-1]) < 0.05
+
+
+def test_a_column_of_clay_that_stands() -> None:
+    """A vertical cut with gamma H / su = 3 stands (known: below 3.83); its front moves by less than H/20."""
+    height, width = 10.0, 10.0
+    su = DENSITY * G * height / 3.0
+    clay = dem.soil_contacts(su, 0.0, 0.5 * DENSITY * G * height, 300.0 * su)
+    column = dem.SoilColumn(width, height, RADIUS, lambda e: [clay.discs("clay", DENSITY, RADIUS, e)], reach=3.0)
+    column.settle()
+    assert column.porosity == pytest.approx(0.22, abs=0.03)
+    rest = column.release()
+    out = dem.run_out(column.model)
+    assert rest.rested
+    assert out.loose == 0.0
+    assert (out.front - width) / height < 0.05
