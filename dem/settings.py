@@ -171,7 +171,13 @@ class Case(Model):
 
     name: str = Field(default="", description="what the case is called, such as low strength")
     stiffness: float = Field(default=1.0, gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
-    damping: float = Field(default=0.1, ge=0.0, le=1.0, description="factor on the dashpots")
+    damping: float | None = Field(
+        default=None,
+        ge=0.0,
+        le=1.0,
+        description="factor on the dashpots; if not given the root of stiffness: springs that are left are damped as "
+        "before",
+    )
     friction: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the friction")
     cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the cohesion of soil discs' contacts")
     residual: Share | dict[str, Share] = Field(
@@ -187,6 +193,11 @@ class Case(Model):
     volumetric_strain: float = Field(
         default=0.0, ge=0.0, le=0.2, description="volume that drains away over the onset, such as 0.03; discs shrink"
     )
+
+    @property
+    def damping_left(self) -> float:
+        """`damping`, or the root of `stiffness`: dashpots are a share of sqrt(m K), and K is what is left of it."""
+        return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
 
     def residual_of(self, stratum: str) -> float:
         """The residual strength of a stratum by its name, over the vertical effective stress."""

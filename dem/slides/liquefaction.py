@@ -32,6 +32,7 @@ from dem.slides.drive import SAME, Shaking, held, shaken
 from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
 from dem.slides.rest import at_rest, what_drives
 from dem.slides.row import Row
+from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
@@ -230,7 +231,7 @@ class Slider:
         slide.slide_max_at_x_m = float(self.surface.x[int(np.argmax(moved))])
         slide.surface_after = Surface.of(model, self.ground).points(model, self.ground).tolist()
         slide.seconds_simulated = model.time - self.start.time
-        slide.escaped = escaped(model)
+        slide.escaped, slide.loose_share = escaped(model), loose_share(model)
         slide.notes = self._notes()
         return slide
 
@@ -249,6 +250,7 @@ class Slider:
                 f"{through} discs are pressed into the fixed ones at the sides or the base by more than a radius: the "
                 "box no longer holds them, and their layer is too soft for discs of this size"
             )
+        told += on_loose_mass(slide.loose_share)
         told += self._lost()
         if self.case is not None:
             told += held_by_geometry(start, self.strata, self.case)

@@ -32,7 +32,7 @@ def liquefied(
     for k, layer in enumerate(layers):
         if case is not None and k in which:
             power = [float(max(factor, 1e-12) ** share) if share < 1.0 else factor for factor in
-                     (case.stiffness, case.damping, case.friction)]  # fmt: skip
+                     (case.stiffness, case.damping_left, case.friction)]  # fmt: skip
             gone = layer.liquefied(*power)
             cohesion = layer.contact_cohesion * (1.0 - share * (1.0 - case.cohesion))
             kept = (residual or {}).get(k, NOTHING)

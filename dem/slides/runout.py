@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from dem.model import DiscModel
 
 NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
+TELL = 0.01  # of the mass, that has left the connected ground before it is told
 FULL = 0.5  # of a row of discs: columns with less are beyond the front
 
 
@@ -69,6 +70,13 @@ def loose_share(model: DiscModel) -> float:
     """Share of the mass of the free discs that has left the connected ground, see `connected_ground`."""
     free = ~model.fixed
     return float(1.0 - model.mass[connected_ground(model)].sum() / model.mass[free].sum())
+
+
+def on_loose_mass(share: float) -> list[str]:
+    """A sentence on the share of the mass that has left the connected ground, or none where that is little."""
+    if share <= TELL:
+        return []
+    return [f"{100.0 * share:.0f} % of the mass has left the connected ground: it flew or rolled away as single discs"]
 
 
 def mass_quantile(model: DiscModel, share: float) -> float:

@@ -25,6 +25,8 @@ class Slide:
         Why the slide is over.
     escaped : int
         Discs outside of the rigid lines.
+    loose_share : float
+        Share of the mass that has left the connected ground: flown, or rolled away.
     slide_max_at_x_m : float
         Where the surface slid furthest (m).
     slide : list of float
@@ -56,6 +58,7 @@ class Slide:
     settled: bool = False
     reason: str = ""
     escaped: int = 0
+    loose_share: float = 0.0
     slide_max_at_x_m: float = 0.0
     slide: list[float] = field(default_factory=list)
     slide_along: list[list[float]] = field(default_factory=list)

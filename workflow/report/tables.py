@@ -81,7 +81,9 @@ def case_rows(given: Input) -> Iterator[list[str]]:
     for number, case in enumerate(given.cases, start=1):
         names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
         if names:
-            yield [str(number), ", ".join(names), *(factor(getattr(case, name), name) for name in _changed(given))]
+            left = {"damping": case.damping_left}
+            factors = (factor(left.get(name, getattr(case, name)), name) for name in _changed(given))
+            yield [str(number), ", ".join(names), *factors]
 
 
 def factor(value: Any, name: str = "") -> str:

@@ -29,6 +29,7 @@ class CaseNumbers(Part):
     settled: bool = Field(description="whether the ground has come to rest")
     reason: str
     escaped: int = Field(description="discs that left the section")
+    loose_share: float = Field(default=0.0, description="share of the mass that has left the connected ground")
     cracked_pore_springs: int
     seconds_simulated: float = Field(description="since the onset")
     moved_lately_m: float | None = Field(default=None, description="how much its largest slide moved in its last 10 s")

@@ -57,7 +57,7 @@ def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() ->
     for settlement, said in ((0.25, "settles 0.25 m uphill"), (-0.25, "rises 0.25 m uphill")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
         told = list(slide_sentences(given, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
-        assert told[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.1, friction 0, cohesion 0.")
+        assert told[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
         assert said in told[1]
 
 
