@@ -48,7 +48,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
         }
         strata[k] = strata[k].model_copy(update=change)
-    return section.model_copy(update={"strata": tuple(strata)})
+    return section.with_strata(strata)
 
 
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:

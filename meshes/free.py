@@ -1,6 +1,6 @@
 """Free meshes of any section, conforming to every interface: quadrilaterals of a wanted size, or triangles."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import pairwise
@@ -93,8 +93,13 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
 
 
 def build_triangles(section: Section, sizes: Sizes) -> None:
-    """Mesh the section in the current gmsh model with triangles of about the ``sizes``."""
-    surfaces, curves, _ = _geometry(section, section.layering)
+    """Mesh the section in the current gmsh model with triangles of about the ``sizes``.
+
+    Edges follow the vertical lines at which pore pressures bend: within a triangle they are linear.
+    """
+    kinks = section.water_pressure.kinks
+    layers = section.layering_cut_at(kinks) if len(kinks) else section.layering
+    surfaces, curves, _ = _geometry(section, layers, cuts=kinks)
     _size_field(section, surfaces, curves, sizes)
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
@@ -103,15 +108,15 @@ def build_triangles(section: Section, sizes: Sizes) -> None:
 
 
 def _geometry(
-    section: Section, layers: Layering, sizes: Sizes | None = None
+    section: Section, layers: Layering, sizes: Sizes | None = None, cuts: Sequence[float] | np.ndarray = ()
 ) -> tuple[dict[int, list[int]], dict[str, list[int]], dict[int, float]]:
     """The strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights (m) of
     the vertical ones.
 
     Every polygon's edge is cut at every corner of another polygon that lies on it. Where ``sizes`` are given, layers
-    that are thin beside them get rows of cells.
+    that are thin beside them get rows of cells. Breakpoints that are ``cuts`` are vertical lines through all strata.
     """
-    polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k)]
+    polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k, cuts)]
     corners = _corners(section, layers, [polygon for _, polygon in polygons])
     seams = seams_of(layers, corners, partial(_size_in, section, sizes)) if sizes is not None else {}
     corners, own = np.concatenate([corners, *(seam.points() for seam in seams.values())]), corners

@@ -42,7 +42,8 @@ class KhBounds(Bracket):
     skins : tuple of Skin
         Cohesionless faces whose grains roll down at a smaller Kh than the bounds are for. Where there is one, the
         ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
-        bounds are those of the slope as a whole.
+        bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
+        the ground as it is given.
     section : Section
         What was analysed: the section, or that with its faces strengthened.
     substitute : Bracket or None
@@ -67,11 +68,18 @@ def kh_bounds(
         raise InputError(section.name, ['fem, sides = "tied": bounds know "roller" and "fixed"'])
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
+    limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
+
+    def bounds_of(ground: Section) -> Bracket:
+        mesh = first_mesh(ground, settings.max_cells)
+        return bracket(mesh, body_of(ground, mesh, fem), limits, observer)
+
     govern = governing_skins(section, fem)
     whole = strengthened(section, skins(section, fem), fem) if govern else section
-    mesh = first_mesh(whole, settings.max_cells)
-    limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
-    found = bracket(mesh, body_of(whole, mesh, fem), limits, observer)
+    found = bounds_of(whole)
+    govern = [face for face in govern if face.kh < found.upper]
+    if whole is not section and not govern:  # what coarse triangles bore too much decides: no face needs strength
+        whole, found = section, bounds_of(section)
     if found.upper < 0.0:
         raise UnstableError(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
@@ -79,7 +87,6 @@ def kh_bounds(
     substitute = None
     if settings.davis and fem.flow != "associated" and not is_dilating_fully(strata):
         substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
-    govern = [face for face in govern if face.kh < found.upper]
     return KhBounds(**vars(found), skins=tuple(govern), section=whole, substitute=substitute)
 
 

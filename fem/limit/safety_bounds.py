@@ -30,7 +30,7 @@ from fem.limit.adaptive_bounds import (
     refinement_indicator,
     singular_points,
 )
-from fem.limit.bounds import body_of, first_mesh, strengths
+from fem.limit.bounds import COARSE_CELLS, body_of, first_mesh, strengths
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import faces_at, least_rolling_factor, strengthened
@@ -92,7 +92,8 @@ class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
     ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least
-    depth below such faces was strengthened, as in the finite elements, and the bounds are of the slope as a whole.
+    depth below such faces was then strengthened, as in the finite elements, and the bounds are of the slope as a whole:
+    strict for the ground so strengthened. Without it they are strict for the ground as it is given.
     """
 
     kh: float
@@ -127,20 +128,35 @@ def safety_bounds(
     start = Start(kh, guess, davis, held)
     faces = faces_at(section, fem, kh)
     skin = least_rolling_factor(section, faces, kh, strengths(section.strata, davis)[1])
-    section = strengthened(section, faces, fem) if faces else section
+    if skin is not None and not _fails_before(section, fem, settings, replace(start, factor=skin)):
+        found = _bounds_of(strengthened(section, faces, fem), fem, settings, start)
+        if skin < found.upper:
+            return replace(found, skin=skin)
+    return _bounds_of(section, fem, settings, start)
+
+
+def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> bool:
+    """Whether the section as it is given fails at a smaller factor than grains roll down its faces at, by a mechanism
+    on coarse triangles."""
+    mesh = first_mesh(section, COARSE_CELLS)
+    searches = (_Search(section, mesh, fem, settings, sign, start) for sign in (1, -1))
+    return any(search.measure(start.factor, lower=False) and search.upper <= start.factor for search in searches)
+
+
+def _bounds_of(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> SafetyBounds:
+    """The bounds of a section as it stands, its faces strengthened or not."""
     searches = [_Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)]
     searches[0].find()
     searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
     if not searches[1].confirms(searches[0]):
-        start = replace(start, factor=searches[0].lower or guess, enough=searches[0].lower or math.inf)
+        start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
         searches.append(_Search(section, first_mesh(section, settings.max_cells), fem, settings, -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):
         raise NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
     trials = [trial for search in searches for trial in search.trials]
-    skin = skin if skin is not None and skin < upper else None
-    return SafetyBounds(kh, lower, upper, max(trial.cells for trial in trials), trials, skin)
+    return SafetyBounds(start.kh, lower, upper, max(trial.cells for trial in trials), trials)
 
 
 class _Search:

@@ -77,11 +77,13 @@ class Layering:
         deepest = below_tops.shape[1] - 1 - np.argmax(below_tops[:, ::-1], axis=1)
         return np.where(inside, deepest, -1)
 
-    def polygons(self, stratum: int) -> list[np.ndarray]:
-        """The outlines (n, 2) of a stratum, counter-clockwise, one for each piece that is connected."""
+    def polygons(self, stratum: int, cuts: Sequence[float] | np.ndarray = ()) -> list[np.ndarray]:
+        """The outlines (n, 2) of a stratum, counter-clockwise, one for each piece that is connected; pieces end at
+        ``cuts``, too, which are breakpoints."""
         pieces: list[list[int]] = []
+        cut = np.isin(self.x, cuts)
         for i in np.flatnonzero(self.present()[:, stratum]):
-            if pieces and pieces[-1][-1] == i - 1 and self._joined(i, stratum):
+            if pieces and pieces[-1][-1] == i - 1 and not cut[i] and self._joined(i, stratum):
                 pieces[-1].append(i)
             else:
                 pieces.append([i])

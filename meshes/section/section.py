@@ -2,8 +2,9 @@
 
 import hashlib
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import compress
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -107,11 +108,18 @@ class Section(Model):
 
     @cached_property
     def _layers(self) -> Layers:
+        return self._layers_with(())
+
+    def _layers_with(self, more: Iterable[float]) -> Layers:
         bottoms = [stratum.bottom for stratum in self.strata]
         base, ends = self.base, [x for load in self.surcharges for x in (load.start, load.end)]
         if (past := self._continuation) is not None:
             base, bottoms = past.line(base), [bottom and past.line(bottom) for bottom in bottoms]
-        return layering(self.ground, base, bottoms, ends)
+        return layering(self.ground, base, bottoms, [*ends, *more])
+
+    def layering_cut_at(self, x: Iterable[float]) -> Layering:
+        """The layers with breakpoints at other x (m), too."""
+        return self._layers_with(x).layering
 
     @cached_property
     def _continuation(self) -> Continuation | None:
@@ -216,6 +224,23 @@ class Section(Model):
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
         data["strata"] = [s.model_dump(mode="python", exclude_none=True, by_alias=True) for s in strata]
         return type(self).model_validate(data)
+
+    def with_strata(self, strata: Sequence[Stratum]) -> Self:
+        """The section with other strata that the program derived from its own, without those that have no area.
+
+        They are not validated: what a person cannot have meant, such as a cohesion of 1 Pa, may well be derived.
+
+        Parameters
+        ----------
+        strata : sequence of Stratum
+            From the top down, as in a file; names, lines and quantities that fit each other.
+        """
+        changed = self.model_copy(update={"strata": tuple(strata)})
+        for kind in type(self).__mro__:  # what was found with the strata before
+            for name in [name for name, value in vars(kind).items() if isinstance(value, cached_property)]:
+                changed.__dict__.pop(name, None)
+        there = changed.layering.areas() > 0.0
+        return changed if there.all() else self.with_strata(list(compress(strata, there)))
 
     @classmethod
     def read(cls, path: Path | str) -> Self:

@@ -16,6 +16,9 @@ from meshes.section.layering import Layering
 from meshes.section.quantity import GRAVITY
 from meshes.section.stratum import Stratum
 
+# A level this near to the ground, as a share of what makes two points one, does not go through it there.
+ON_GROUND = 1e-3
+
 
 @dataclass(frozen=True, eq=False)
 class WaterPressure:
@@ -91,13 +94,44 @@ class WaterPressure:
         effective = self.overburden(points, near) + self.ponded(self.after, points, near)
         return ratio * np.maximum(effective - self.at_rest(points, near, stratum), 0.0)
 
-    def slope(self, point: tuple[float, float], stratum: int, step: float) -> np.ndarray:
-        """Slope (2,) of the pore pressure at rest at a point, over a ``step`` (m) to either side of it (Pa/m)."""
-        at, of = np.array([point]), np.array([stratum])
-        steps = step * np.eye(2)
-        return np.array([float((self.at_rest(at + d, at, of) - self.at_rest(at - d, at, of))[0]) for d in steps]) / (
-            2.0 * step
-        )
+    def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, shaken: bool) -> np.ndarray:
+        """Pore pressure (n,), with what shaking adds if the ground is ``shaken``."""
+        pressure = self.at_rest(points, near, stratum)
+        return pressure + self.shaken(points, near, stratum) if shaken else pressure
+
+    def slope(self, point: tuple[float, float], stratum: int, step: float, shaken: bool) -> np.ndarray:
+        """Slope (2,) of the pore pressure at a point, over a ``step`` (m) to either side of it (Pa/m)."""
+        ahead = np.array(point) + step * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+        pressure = self.inside(ahead, np.array([point] * 4), np.array([stratum] * 4), shaken)
+        return (pressure[:2] - pressure[2:]) / (2.0 * step)
+
+    @cached_property
+    def kinks(self) -> np.ndarray:
+        """The x (m), inside the section, between which all pressures just below the ground, and along any vertical
+        line, change with x by one rule in every stratum.
+
+        Levels bend there or go through the ground. Where a pore pressure follows from the weight of the ground above,
+        or a drawdown takes off what stood on the ground, all breakpoints of the layers are among them.
+        """
+        lines = [level for level in (*self.levels, self.before, self.after) if level is not None]
+        ends, near = self.layers.x, self.layers.tolerance
+        x = np.unique(np.concatenate([ends, *(line[:, 0] for line in lines)]))
+        x = x[(x >= ends[0]) & (x <= ends[-1])]
+        middle = 0.5 * (x[1:] + x[:-1])
+        ground = [self.layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])]
+        found = [line[:, 0] for line in lines]
+        for line in lines:
+            first, last = (np.interp(end, *line.T) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
+            i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > ON_GROUND * near))
+            found.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
+        by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata)
+        if by_weight or self.after is not self.before:
+            found.append(ends)
+        at = np.unique(np.concatenate(found)) if found else np.empty(0)
+        closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
+        at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
+        at = at[np.diff(at, prepend=-np.inf) > near]
+        return at[(at > ends[0]) & (at < ends[-1])]
 
     def overburden(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Weight (n,) of the column of soil above each point, per area (Pa)."""

@@ -1,0 +1,212 @@
+"""Faces without cohesion under any water: none is told to bear more than its own infinite slope."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fem.limit.bounds import first_mesh, kh_bounds
+from fem.limit.safety_bounds import safety_bounds
+from fem.settings import BoundsSettings, FemSettings
+from fem.skin import Skin, faces_at, least_rolling_factor, skins, strengthened
+from meshes.pore_loads import Pressure, at_ends, corner_pressure
+from meshes.section.section import Section
+from tests.support.water import WATER, soil
+
+FIXED = FemSettings(sides="fixed")
+SLOPE = 0.4
+FACE = {"surface": [[-30.0, 0.0], [0.0, 0.0], [50.0, 20.0], [90.0, 20.0]], "base": {"elevation": -5.0}}
+
+
+def face_of_sand(phi: float = 45.0, water: dict[str, Any] | None = None, **changes: Any) -> Section:
+    """A face of 2.5:1, 20 m high, of sand, with water as a file has it."""
+    sand = soil("Sand", cohesion=0.0, friction_angle=f"{phi} deg", density="19 kN/m^3", **changes)
+    table = {} if water is None else {"water": water}
+    return Section.parse({"name": "face", **FACE, **table, "strata": [sand]})
+
+
+def infinite_slope(phi: float, weight: float, pressure: float, driving: float = 1.0) -> float:
+    """Kh of an infinite slope of 2.5:1 whose base bears ``weight`` (N/m² per metre of depth), a share ``driving`` of
+    which drives it, the rest being borne by still water, and ``pressure`` more of water in the pores.
+
+    (W' cos² β - u) tan φ - W' sin β cos β over γ (cos² β + sin β cos β tan φ), for γ = 20 kN/m³: force balance of a
+    slice without forces between slices (Skempton & DeLory 1957) with Kh γ acting horizontally.
+    """
+    beta, tan = math.atan(SLOPE), math.tan(math.radians(phi))
+    sin, cos = math.sin(beta), math.cos(beta)
+    up = (weight * cos**2 - pressure) * tan - driving * weight * sin * cos
+    return up / (20e3 * (cos**2 + sin * cos * tan))
+
+
+BUOYANT = 20e3 - WATER
+ALONG = [[-30.0, 10.0], [25.0, 10.0], [50.0, 20.0], [90.0, 20.0]]
+
+
+def test_a_face_that_meets_the_pond_part_way_has_two_skins() -> None:
+    """Buoyant below the pond, 0.2184; with water seeping out above it, 0.0223 and a factor of safety of 1.078. The
+    middle of it all would tell 0.1204."""
+    section = face_of_sand(water={"table": ALONG})
+    below, above = skins(section, FIXED)
+    assert (below.start, below.end, above.start, above.end) == (0.0, 25.0, 25.0, 50.0)
+    assert below.kh == pytest.approx(infinite_slope(45.0, BUOYANT, 0.0), rel=1e-9)
+    assert below.kh == pytest.approx(0.2184, abs=5e-5)
+    assert above.kh == pytest.approx(infinite_slope(45.0, 20e3, WATER), rel=1e-9)
+    assert above.kh == pytest.approx(0.0223, abs=5e-5)
+    friction = [stratum.friction_angle for stratum in section.strata]
+    factor = least_rolling_factor(section, faces_at(section, FIXED, 0.0), 0.0, friction)
+    closed = (1.0 - WATER / (20e3 * math.cos(math.atan(SLOPE)) ** 2)) * math.tan(math.radians(45.0)) / SLOPE
+    assert factor == pytest.approx(closed, rel=1e-9)
+    assert factor == pytest.approx(1.078, abs=5e-4)
+
+
+def test_bounds_say_what_they_leave_out_and_are_strict_only_without() -> None:
+    """At the factor of the whole, 1.15, the face has failed: the skin's 1.078 stands beside the bounds. Where no face
+    rolls before, nothing is strengthened."""
+    few = BoundsSettings(gap=0.2, max_cells=800, davis=False)
+    section = face_of_sand(water={"table": ALONG})
+    found = kh_bounds(section, FIXED, few)
+    assert min(face.kh for face in found.skins) == pytest.approx(0.0223, abs=5e-5)
+    assert found.section is not section
+    told = safety_bounds(section, FIXED, few, held=True)
+    assert told.skin == pytest.approx(1.078, abs=5e-4)
+    assert told.skin < told.lower
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.35])
+def test_a_pore_pressure_ratio(ratio: float) -> None:
+    section = face_of_sand(pore_pressure_ratio=ratio, density_saturated=None)
+    [face] = skins(section, FIXED)
+    whole = infinite_slope(45.0, 19e3, ratio * 19e3) * 20e3 / 19e3
+    assert face.kh == pytest.approx(whole, rel=1e-9)
+
+
+def test_a_drawdown_leaves_the_pressure_that_the_water_took_its_weight_from() -> None:
+    """Above the new level the ground that does not drain has the pressure of a table along the face."""
+    section = face_of_sand(42.0, water={"table": 18.0, "after_drawdown": 9.0})
+    below, drawn, dry = skins(section, FIXED)
+    assert [below.end, drawn.end] == pytest.approx([22.5, 45.0])
+    assert below.kh == pytest.approx(infinite_slope(42.0, BUOYANT, 0.0), rel=1e-9)
+    assert drawn.kh == pytest.approx(infinite_slope(42.0, 20e3, WATER), rel=1e-9)
+    assert dry.kh == pytest.approx(math.tan(math.radians(42.0) - math.atan(SLOPE)), rel=1e-9)
+
+
+def test_pressure_that_shaking_adds_counts_where_the_ground_is_shaken() -> None:
+    section = face_of_sand(40.0, water={"table": 25.0}, excess_pore_pressure_ratio=0.3)
+    [shaken] = skins(section, FIXED)
+    [still] = skins(section, FIXED, shaken=False)
+    assert shaken.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.3 * BUOYANT), rel=1e-9)
+    assert still.kh == pytest.approx(infinite_slope(40.0, BUOYANT, 0.0), rel=1e-9)
+    assert faces_at(section, FIXED, 0.0) == [still]
+
+
+def test_water_just_below_the_face_counts_down_to_the_least_depth() -> None:
+    """A table 0.1 m below the face: of the 0.5 m that are left out, 0.4 m are as wet as with the table along it."""
+    table = [[-30.0, 10.0], [25.0, 9.9], [50.0, 19.9], [90.0, 19.9]]
+    section = face_of_sand(water={"table": table})
+    worst = min(skins(section, FIXED), key=lambda face: face.kh)
+    beta = math.atan(SLOPE)
+    wet = infinite_slope(45.0, 20e3, WATER) * 20e3 * 0.4
+    dry = math.tan(math.radians(45.0) - beta) * 19e3 * 0.1
+    assert worst.kh == pytest.approx((wet + dry) / (20e3 * 0.4 + 19e3 * 0.1), rel=1e-6)
+    strong = strengthened(section, [worst], FIXED)
+    assert sum("skin" in s.name for s in strong.strata) == 2
+    assert strong.layering.areas().sum() == pytest.approx(section.layering.areas().sum())
+
+
+@st.composite
+def random_face(draw: st.DrawFn) -> Section:
+    """A face under a pond, and a table along it, below it, or level; ratios, a drawdown, pressure of shaking."""
+    pond = draw(st.floats(-4.0, 22.0))
+    below = draw(st.sampled_from([0.0, 0.0, 0.07, 0.3, 2.0]))
+    top = draw(st.sampled_from(["level", "along", "rising"]))
+    x = min(max(pond / SLOPE, 0.0), 50.0)
+    behind = pond if top == "level" else 20.0 - below if top == "along" else draw(st.floats(pond, 30.0))
+    table = [[-30.0, pond], *([[x, pond - below]] if 0.0 < x < 50.0 else []), [50.0, behind], [90.0, behind]]
+    water: dict[str, Any] = {"table": table, "head": draw(st.sampled_from(["vertical", "normal"]))}
+    if draw(st.booleans()):
+        water["after_drawdown"] = draw(st.floats(-4.0, pond))
+    changes = {
+        "drains": draw(st.booleans()),
+        "pore_pressure_ratio": draw(st.sampled_from([None, None, 0.0, 0.25])),
+        "excess_pore_pressure_ratio": draw(st.sampled_from([0.0, 0.0, 0.4])),
+    }
+    return face_of_sand(draw(st.floats(28.0, 48.0)), water, **changes)
+
+
+def by_force(section: Section, x: float, depth: float, shaken: bool) -> tuple[float, float, float]:
+    """Weight less uplift, force of seepage to the left, and mass times g (N/m²) of the column of a thin layer below the
+    face: sums over 200 points of its own differences of the pore pressure."""
+    water = section.water_pressure
+    ground = SLOPE * x
+    z = ground - depth * (np.arange(200) + 0.5) / 200
+    at = np.column_stack([np.full(200, x), z])
+    layer = section.stratum_at(*at.T)
+
+    def pressure(points: np.ndarray) -> np.ndarray:
+        found = water.at_rest(points, at, layer)
+        return found + water.shaken(points, at, layer) if shaken else found
+
+    step = 1e-4 * depth
+    along, up = step * np.array([1.0, 0.0]), step * np.array([0.0, 1.0])
+    rise = [(pressure(at + d) - pressure(at - d)) / (2.0 * step) for d in (along, up)]
+    own = 9.80665 * np.array([section.strata[k].density_ordinary for k in layer])
+    share = depth / 200
+    return float(share * (own + rise[1]).sum()), float(share * rise[0].sum()), float(share * own.sum())
+
+
+def told(section: Section, found: list[Skin], x: float) -> Skin | None:
+    """The face at x, if it is one."""
+    return next((face for face in found if face.start < x < face.end), None)
+
+
+@given(random_face(), st.lists(st.floats(0.05, 49.95), min_size=5, max_size=20))
+@settings(max_examples=60, deadline=None)
+def test_no_face_is_told_to_bear_more_than_its_infinite_slope(section: Section, places: list[float]) -> None:
+    """Kh and factor of safety, at any place of the face that no water from outside holds, in a layer of 10 mm."""
+    down = FIXED.model_copy(update={"direction": "downhill"})
+    found, still = skins(section, down), faces_at(section, FIXED, 0.0)
+    beta, phi = math.atan(SLOPE), section.strata[0].friction_angle
+    least = least_rolling_factor(section, still, 0.0, [s.friction_angle for s in section.strata])
+    for x in places:
+        if min(abs(x - at) for at in (*section.water_pressure.kinks, *section.layering.x)) < 0.03:
+            continue
+        on = np.array([[x, SLOPE * x]])
+        stratum = section.stratum_at(*(on - [[0.0, 1e-3]]).T)
+        inside = section.water_pressure.at_rest(on, on, stratum)
+        if section.water_pressure.on_ground(on, on)[0] > inside[0] + 1.0:
+            assert told(section, found, x) is None
+            continue
+        vertical, left, mass = by_force(section, x, 0.01, shaken=True)
+        kh = (vertical * math.tan(phi - beta) - left) / mass
+        face = told(section, found, x)
+        assert face is not None
+        assert face.kh <= kh + 1e-6
+        if not face.into_water:
+            assert face.kh == pytest.approx(kh, abs=1e-6)
+        vertical, left, _ = by_force(section, x, 0.01, shaken=False)
+        driven = beta + math.atan2(left, vertical)
+        if driven > 0.0:
+            assert least is not None
+            assert least <= math.tan(phi) / math.tan(min(driven, math.pi / 2)) + 1e-6
+
+
+@given(random_face())
+@settings(max_examples=15, deadline=None)
+def test_pore_pressure_is_linear_in_every_triangle(section: Section) -> None:
+    """Bounds take it from the corners: where a table bends within a triangle they would be those of other water."""
+    mesh = first_mesh(section, 2000)
+    water = section.water_pressure
+    for pressure in (water.at_rest, water.shaken):
+        assert_linear(mesh, pressure)
+
+
+def assert_linear(mesh: Any, pressure: Pressure) -> None:
+    corner = corner_pressure(mesh, pressure)
+    middle = mesh.points[mesh.cells].mean(axis=1)
+    for j in range(3):
+        ends = mesh.cells[:, [j, (j + 1) % 3]]
+        half = pressure(mesh.points[ends].mean(axis=1), middle, mesh.stratum)
+        assert half == pytest.approx(at_ends(mesh, corner, np.arange(len(middle)), ends).mean(axis=1), abs=250.0)
