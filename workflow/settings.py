@@ -308,9 +308,7 @@ class Input(Section):
                 else own
                 for own, ratio in zip(strata, pore_pressures(found, len(strata)), strict=True)
             ]
-        changed = self.model_copy(update={"strata": tuple(strata)})
-        for name in ("water_pressure", "cases"):  # they were made of the strata before
-            changed.__dict__.pop(name, None)
+        changed = self.with_strata(strata)
         _ = changed.cases  # raises where no relation of residual strength holds
         return changed
 

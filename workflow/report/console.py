@@ -100,6 +100,11 @@ def _out_at(sides: tuple[str, ...]) -> str:
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
+def proven(strengthened: bool) -> str:
+    """What bounds are to be called, of the ground as it is or with its cohesionless faces ``strengthened``."""
+    return "Bounds of these deeper failures, the faces given a cohesion," if strengthened else "Strict bounds"
+
+
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     """The brackets of fem/bounds.json, and the faces that fail before the slope as a whole."""
     for face in answer.skins:
@@ -108,13 +113,13 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
             f"Grains roll down the face of {face.stratum} from x = {face.start:g} to {face.end:g} m {when}. What "
             f"follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
         )
-    yield f"Strict bounds with ψ = φ, the upper one for every ψ: {answer.words}."
+    yield f"{proven(bool(answer.skins))} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
-        yield f"Strict bounds of the factor of safety, ψ = φ: {factor.words}."
+        yield f"{proven(factor.skin is not None)} of the factor of safety, ψ = φ: {factor.words}."
     if answer.substitute:
-        yield f"Strict bounds of Davis's substitute for ψ < φ: {answer.substitute.words}."
+        yield f"{proven(bool(answer.skins))} of Davis's substitute for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason
 

@@ -161,10 +161,11 @@ def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
         full = fem.associated
         out = full.at_sides if full is not None and bounds.sides == fem.settings.sides else ()
         where = f"; it slides out at the {listed(out)} side, where the section was cut off" if out else ""
+        deeper = f", failures deeper than {bounds.least_depth:g} m below such faces" if bounds.skins else ""
         yield (
             f"Limit analysis proves that it is {bounds.lower:.3f} to {bounds.upper:.3f} for ground that dilates fully "
-            f"(ψ = φ, sides {bounds.sides}{where}), and never above {bounds.upper:.3f} for such ground that dilates "
-            "less."
+            f"(ψ = φ, sides {bounds.sides}{deeper}{where}), and never above {bounds.upper:.3f} for such ground that "
+            "dilates less."
         )
 
 

@@ -84,7 +84,7 @@ class SafetyPart(Part):
         """The bracket as a person reads it."""
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
-        rolling = "" if self.skin is None else f"; grains roll down a face at {self.skin:.3f}"
+        rolling = "" if self.skin is None else f"; grains roll down a face at {self.skin:.3f}, before failures so deep"
         return f"{low} <= FS <= {high} at Kh = {self.kh:g}, {self.cells} triangles{rolling}"
 
 

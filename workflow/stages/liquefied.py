@@ -118,6 +118,11 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     if lower is not None and lower > 1.0:
         bracket = _tried("strict bounds of Kh", notes, lambda: kh_bounds(section, fem, asked))
+    if strict is not None and strict.skin is not None:
+        notes.append(
+            f"grains roll down a face without cohesion at a factor of safety of {strict.skin:.2f}; the bounds are of "
+            f"failures deeper than {fem.least_depth:g} m"
+        )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(
             f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh is "

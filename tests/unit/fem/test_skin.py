@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fem.limit.bounds import governing_skins, kh_bounds
+from fem.liquefied_ground import Remains, liquefied_section
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import skins, strengthened
+from fem.skin import faces_at, skins, strengthened
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer
@@ -70,6 +71,43 @@ def test_a_stratum_thinner_than_the_least_depth_is_strengthened_as_a_whole() -> 
     assert len(strong.strata) == len(section.strata)
     assert strong.strata[0].name.startswith("1 Ts, skin")
     assert strong.layering.areas() == pytest.approx(section.layering.areas())
+
+
+@pytest.mark.parametrize("tilt", [1e-14, 3e-17, -1e-13, 1e-9])
+def test_ground_level_to_rounding_is_level(tilt: float) -> None:
+    """0.1 + 0.2 against 0.3 at the two ends of level sand: no face, no strip, and no factor of safety of 1e14."""
+    surface = [[0.0, 0.1 + 0.2 + tilt], [30.0, 0.3], [60.0, 0.3 - tilt]]
+    sand = layer("sand", cohesion=0, friction_angle="35 deg")
+    level = Section.parse({"name": "level", "surface": surface, "base": {"elevation": -9.0}, "strata": [sand]})
+    for direction in ("downhill", "uphill"):
+        assert skins(level, FemSettings(direction=direction)) == []
+    assert faces_at(level, FIXED, 0.0) == []
+
+
+@pytest.mark.parametrize("fall", [0.03, 1e-4])
+def test_what_a_gentle_face_is_strengthened_by_is_not_judged_as_input(fall: float) -> None:
+    """A cohesion of 40 Pa, or 0.1 Pa, that nobody wrote: a person who writes one means another unit."""
+    sand = layer("sand", cohesion=0, friction_angle="35 deg")
+    gentle = {"name": "gentle", "surface": [[0.0, fall], [15.0, 0.0]], "base": {"elevation": -9.0}, "strata": [sand]}
+    section = Section.parse(gentle)
+    [face] = skins(section, FIXED)
+    strip = strengthened(section, [face], FIXED).strata[0]
+    assert 0.0 < strip.cohesion < 50.0
+    assert strip.cohesion == pytest.approx(
+        1900.0 * 9.80665 * 0.5 * fall / 15.0 / math.cos(math.radians(35)) ** 2, rel=1e-4
+    )
+
+
+def test_liquefied_ground_is_not_judged_as_input() -> None:
+    """A residual strength of 10 Pa, in a layer below a face that is strengthened."""
+    section = bank()
+    loose = section.strata[1].model_copy(update={"friction_angle": math.radians(30.0)})
+    section = section.with_strata([section.strata[0], loose])
+    weak = liquefied_section(section, {1: Remains(cohesion=0.0, friction=0.1, residual=1e-4)})
+    assert 0.0 < weak.strata[1].cohesion < 20.0
+    strong = strengthened(weak, skins(weak, FIXED), FIXED)
+    assert [s.name for s in strong.strata] == ["sand, skin at x = 10 m", "sand", "clay"]
+    assert strong.strata[2].cohesion == weak.strata[1].cohesion
 
 
 def test_the_skin_governs_a_bank_of_sand_and_not_a_gentle_slope():
