@@ -53,12 +53,12 @@ def slid(start: DiscModel, ground: Ground, case: Case | None, **changes: object)
 
 def test_liquefied_layers_take_the_factors() -> None:
     """Table 2, case 1 of layer 4: springs and dashpots a tenth, no friction, no cohesion, no pore springs."""
-    dry, wet = liquefied(LAYERS, [1], Case(stiffness=0.1))
+    dry, wet = liquefied(LAYERS, [1], Case(stiffness=0.1, damping=0.1))
     assert replace(dry, allowed_overlap=1.0) == SAND
     assert (wet.kn, wet.ks, wet.cn, wet.ct) == pytest.approx((4.0e5, 1.0e5, 1.3e4, 6.5e3))
     assert (wet.friction, wet.pore_friction, wet.cohesion, wet.kpn, wet.kps) == (0.0, 0.0, 0.0, 0.0, 0.0)
     assert (dry.allowed_overlap, wet.allowed_overlap) == (2.0, 2.0)
-    on_the_way = liquefied(LAYERS, [1], Case(stiffness=0.01), 0.5)[1]
+    on_the_way = liquefied(LAYERS, [1], Case(stiffness=0.01, damping=0.1), 0.5)[1]
     assert on_the_way.kn == pytest.approx(0.1 * SAND.kn)
     assert liquefied(LAYERS, [1], Case(stiffness=0.1, friction=0.5))[1].friction == pytest.approx(0.5 * SAND.friction)
 
