@@ -123,7 +123,7 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(start: DiscModel, ground: Gr
 def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
     start: DiscModel, ground: Ground, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    case = Case(stiffness=0.1)
+    case = Case(stiffness=0.1, damping=0.1)
     plain = Slider(start, ground, [1], case, SETTINGS).run()
     assert plain.step_share == SETTINGS.step_of("paper")
 
