@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 
 from meshes.section.quantity import Length, Quantity, Strength
-from meshes.section.record_of_motion import RecordUnit
+from meshes.section.record_of_motion import RecordComponent, RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
@@ -233,10 +233,11 @@ class SlideSettings(Model):
     )
     accelerogram: str = Field(
         default="",
-        description="a record of the base in the place of kh, a file .AT2, K-NET or .csv; positive pushes downhill; "
+        description="a record of the base in the place of kh, a file as in [sliding_block]; positive pushes downhill; "
         '"average" takes what [site_response] finds above the slip surface',
     )
     unit: RecordUnit = ""
+    component: RecordComponent = ""
     scale: float = Field(
         default=1.0, ge=-100.0, le=100.0, description="a number that multiplies the record; negative turns it round"
     )

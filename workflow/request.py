@@ -9,6 +9,7 @@ from typing import Any
 
 from meshes.errors import InputError
 from workflow import stages
+from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import kept
 from workflow.run.stage import Job
 from workflow.run.store import Store
@@ -53,8 +54,7 @@ class Request:
         carried = {} if mesh or afresh else kept(store)
         if carried:
             read = _with(section, tables, carried, store)
-        if read.sliding_block.accelerogram:
-            read.sliding_block.in_use()  # a record that cannot be read is told now, not after minutes
+        list(records(read))  # a record that cannot be read is told now, not after minutes
         if read.slide.accelerogram:
             from workflow.stages.shaking import shaking_of
 

@@ -15,12 +15,13 @@ from meshes.errors import InputError
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.quantity import Coordinate, Length
-from meshes.section.record_of_motion import RecordScale, RecordUnit
+from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.column import column_of
+from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
 from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
@@ -92,9 +93,10 @@ class SlidingBlockSettings(Model):
     """What the slide of the discs is compared with, a table [sliding_block]."""
 
     accelerogram: str = Field(
-        default="", description="a file with a record of the ground's acceleration: .AT2, K-NET or .csv"
+        default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
     )
     unit: RecordUnit = ""
+    component: RecordComponent = ""
     scale: RecordScale = 1.0
     kh: float | None = Field(
         default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
@@ -105,7 +107,7 @@ class SlidingBlockSettings(Model):
 
     def in_use(self) -> Accelerogram:
         """The record that is named, scaled; raises InputError if it cannot be read."""
-        return read_record(Path(self.accelerogram), self.unit).scaled(self.scale)
+        return read_record(Path(self.accelerogram), self.unit, self.component).scaled(self.scale)
 
 
 class Input(Section):
@@ -206,9 +208,9 @@ class Input(Section):
 
     @property
     def notices(self) -> list[str]:
-        """What a person has to know of the section and of its mesh, one sentence each."""
+        """What a person has to know of the section, of its mesh and of its records, one sentence each."""
         cut_off = [line for one in self.reach.values() for line in one.notice.splitlines()]
-        return [*super().notices, *self.mesh.notices(self), *cut_off]
+        return [*super().notices, *self.mesh.notices(self), *cut_off, *remarks(self)]
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:

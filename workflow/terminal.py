@@ -135,10 +135,14 @@ def _tell(job: Job, choice: Choice, voice: Voice, pdf: bool) -> None:
 
 
 def _tell_in_sentences(job: Job, choice: Choice) -> None:
+    from workflow.earthquake.records_in_use import remarks
     from workflow.report.console import sentences
     from workflow.results.results import Results
 
     ends = Results.of(job).ends
+    if "mesh" not in choice.chosen:  # which tells them itself
+        for remark in remarks(job.given):
+            out.print(escape(f"Mind: {remark}."))
     for stage in job.stages:
         if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
             for line in sentences(stage.name, job.given, job.store):

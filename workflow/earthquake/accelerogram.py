@@ -1,45 +1,43 @@
-"""Records of the ground's acceleration: PEER .AT2, K-NET, and files of two columns."""
+"""Records of the ground's acceleration, whatever file they come in, and what is doubtful about them."""
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from meshes.errors import InputError
+from meshes.section.motion_units import EXPECTED, MotionUnit, motion_unit
 from meshes.section.quantity import GRAVITY
+from workflow.earthquake.network_formats import FORMATS
+from workflow.earthquake.record_table import table
+from workflow.earthquake.recorded_series import RecordedSeries
 
 GAL = 0.01  # m/s²
-UNITS = {"g": GRAVITY, "m/s^2": 1.0, "gal": GAL}
-# How headings of columns name the units.
-UNIT_WORDS = {
-    "g": "g",
-    "m/s^2": "m/s^2",
-    "m/s2": "m/s^2",
-    "m/s²": "m/s^2",
-    "gal": "gal",
-    "cm/s^2": "gal",
-    "cm/s2": "gal",
-}
-UNIT_IN_HEADING = re.compile(r"[(\[]\s*([^)\]]+?)\s*[)\]]|_(g|gal|m_s2)\s*$", re.IGNORECASE)
-
-# PEER's NGA files write "NPTS= 7807, DT= .0050 SEC", its older ones "4000 0.0100 NPTS, DT".
-AT2_NEW = re.compile(r"NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*([\d.Ee+-]+)", re.IGNORECASE)
-AT2_OLD = re.compile(r"^\s*(\d+)\s+([\d.Ee+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE)
-KNET_SCALE = re.compile(r"Scale Factor\s+([\d.]+)\(gal\)/(\d+)")
-KNET_RATE = re.compile(r"Sampling Freq\(Hz\)\s+([\d.]+)")
-KNET_HEADER = 17  # lines, of which the last begins with Memo.
+# The largest accelerations ever recorded are about 4 g; what is above ten is another quantity or unit.
+STRONG, IMPOSSIBLE, FAINT = 3.0 * GRAVITY, 10.0 * GRAVITY, 0.001 * GRAVITY
+COARSE = 0.1  # s, a step that leaves out what lies above 5 Hz
+OFFSET = 0.01  # of the peak
+STATED = 0.05  # by which the peak may differ from that of the heading
 
 
 @dataclass(frozen=True)
 class Accelerogram:
-    """``time`` (n,) in s, rising or with steps, and ``acceleration`` (n,) in m/s²; linear in between."""
+    """A record of acceleration; linear in between.
+
+    Attributes
+    ----------
+    name, kind : of the file, and of its format
+    time : (n,) in s, rising or with steps
+    acceleration : (n,) in m/s²
+    remarks : what was done to it, and what is doubtful about it, one sentence without its full stop each
+    """
 
     name: str
     kind: str
     time: np.ndarray
     acceleration: np.ndarray
+    remarks: tuple[str, ...] = ()
 
     @property
     def peak(self) -> float:
@@ -48,106 +46,167 @@ class Accelerogram:
 
     def scaled(self, factor: float) -> "Accelerogram":
         """The same with every acceleration multiplied."""
-        return Accelerogram(self.name, self.kind, self.time, factor * self.acceleration)
+        found = replace(self, acceleration=factor * self.acceleration)
+        told = [text for text in (_size(found.peak),) if text and factor != 1.0]
+        return replace(found, remarks=(*self.remarks, *(f"multiplied by {factor:g}, {text}" for text in told)))
 
 
-def read(path: Path, unit: str = "") -> Accelerogram:
-    """A record, its kind known by what stands in it.
+def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
+    """A record of acceleration in any of the formats, which is known by what stands in the file.
 
-    ``unit`` is that of a two-column file whose heading names none. Raises InputError if there is no such file or it is
-    none of the three kinds.
+    Velocity and displacement are differentiated in time, and an offset is taken off: both are told as remarks.
+
+    Parameters
+    ----------
+    path : Path
+        A file of PEER (.AT2, .VT2, .DT2), K-NET or KiK-net, COSMOS or CSMIP (V1, V2), ESM, or columns of numbers.
+    unit : str
+        Of a file whose heading names none.
+    component : str
+        Which one of a file with several: as the heading names it, or its number from 1.
+
+    Returns
+    -------
+    Accelerogram
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is of no known format, or its quantity, unit, component or times are not known.
     """
+    lines = _lines(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except FileNotFoundError:
-        raise InputError(str(path), ["there is no such accelerogram"]) from None
-    except OSError as error:
-        raise InputError(str(path), [f"cannot be read: {error.strerror}"]) from None
-    head = "\n".join(lines[:KNET_HEADER])
-    try:
-        if KNET_SCALE.search(head):
-            return _knet(path, lines, head)
-        if AT2_NEW.search(head) or any(AT2_OLD.search(line) for line in lines[:6]):
-            return _at2(path, lines)
-        return _columns(path, lines, unit)
+        known = next((one for one in FORMATS if one.recognised(lines)), None)
+        series = _chosen(table(lines) if known is None else known.read(lines), component)
+        return _accelerogram(path.name, series, unit)
     except ValueError as error:
         if isinstance(error, InputError):
             raise
         raise InputError(str(path), [str(error)]) from None
 
 
-def _at2(path: Path, lines: Sequence[str]) -> Accelerogram:
-    """PEER: acceleration in g after a line with the number of points and the time step."""
-    place = next(i for i, line in enumerate(lines) if AT2_NEW.search(line) or AT2_OLD.search(line))
-    found = AT2_NEW.search(lines[place]) or AT2_OLD.search(lines[place])
-    assert found is not None
-    count, step = int(found[1]), float(found[2])
-    values = _numbers(lines, place + 1)
-    if len(values) != count:
-        raise ValueError(f"holds {len(values)} accelerations; its line {place + 1} says {count}")
-    if not step > 0.0:
-        raise ValueError(f"line {place + 1}: the time step is {step:g} s; expected one above 0")
-    return Accelerogram(path.name, "PEER .AT2", step * np.arange(count), GRAVITY * values)
+def _lines(path: Path) -> list[str]:
+    """The lines of a text file in UTF-8 or UTF-16, or in what is close enough to ASCII."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(str(path), ["there is no such accelerogram"]) from None
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be read: {error.strerror}"]) from None
+    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    return data.decode("utf-16" if wide else "utf-8-sig", errors="replace").splitlines()
 
 
-def _knet(path: Path, lines: Sequence[str], head: str) -> Accelerogram:
-    """K-NET and KiK-net: counts after 17 lines of heading, with an offset that their mean is."""
-    scale, rate = KNET_SCALE.search(head), KNET_RATE.search(head)
-    if scale is None or rate is None:
-        raise ValueError('is a K-NET file without "Sampling Freq(Hz)"')
-    counts = _numbers(lines, KNET_HEADER)
-    values = (counts - counts.mean()) * float(scale[1]) / float(scale[2]) * GAL
-    return Accelerogram(path.name, "K-NET", np.arange(len(values)) / float(rate[1]), values)
-
-
-def _columns(path: Path, lines: Sequence[str], unit: str) -> Accelerogram:
-    """Two columns, time (s) and acceleration, under a heading that names the unit of the latter, if there is one."""
-    rows: list[tuple[float, float]] = []
-    for number, line in enumerate(lines, start=1):
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        cells = [cell for cell in re.split(r"[,;\s]+", text) if cell]
-        try:
-            time, acceleration = (float(cell) for cell in cells)
-        except ValueError:
-            if rows:
-                raise ValueError(f"line {number}: {text!r}: expected two numbers, time and acceleration") from None
-            unit = _unit_of(text) or unit
-            continue
-        rows.append((time, acceleration))
-    if len(rows) < 2:
-        raise ValueError(
-            "is no accelerogram: expected PEER .AT2, K-NET, or lines of two numbers, time (s) and acceleration"
-        )
-    if not unit:
-        raise ValueError('sliding_block, unit: expected "g", "m/s^2" or "gal", or a heading such as time (s), a (g)')
-    time, acceleration = np.array(rows).T
-    if not np.isfinite(time).all() or not np.isfinite(acceleration).all():
-        raise ValueError("holds a number that is not finite")
-    back = np.flatnonzero(np.diff(time) < 0.0)
-    if len(back):
-        raise ValueError(f"the time falls from {time[back[0]]:g} s to {time[back[0] + 1]:g} s; expected it to rise")
-    return Accelerogram(path.name, "two columns", time, UNITS[unit] * acceleration)
-
-
-def _unit_of(heading: str) -> str:
-    """The unit that the last column of a heading names; empty if none does."""
-    found = UNIT_IN_HEADING.findall(heading.split(",")[-1])
+def _chosen(found: list[RecordedSeries], wanted: str) -> RecordedSeries:
+    """The component that is wanted, acceleration before what follows from it. Raises ValueError without a choice."""
+    of_acceleration = [one for one in found if one.quantity.lower().startswith("accel")]
+    found = of_acceleration or found
     if not found:
-        return ""
-    word = (found[-1][0] or found[-1][1]).lower().replace("m_s2", "m/s^2")
-    return UNIT_WORDS.get(word, "")
+        raise ValueError("its heading is that of a record, but no values follow")
+    if not wanted:
+        if len(found) > 1:
+            raise ValueError(f"holds {len(found)} components, {_names(found)}: expected component = one of them")
+        return found[0]
+    key = _plain(wanted)
+    for number, one in enumerate(found, start=1):
+        parts = {_plain(one.component), *map(_plain, one.component.split(":")), str(number)}
+        if key in parts or (key.isalpha() and _plain(one.component).startswith(key)):
+            return one
+    raise ValueError(f'component = "{wanted}": holds {_names(found)}')
 
 
-def _numbers(lines: Sequence[str], first: int) -> np.ndarray:
-    """All numbers from a line on."""
-    values = []
-    for number, line in enumerate(lines[first:], start=first + 1):
-        try:
-            values += [float(cell) for cell in line.split()]
-        except ValueError:
-            raise ValueError(f"line {number}: {line.strip()!r}: expected numbers") from None
-    if len(values) < 2 or not np.isfinite(values).all():
-        raise ValueError("holds no two finite accelerations")
-    return np.array(values)
+def _names(found: list[RecordedSeries]) -> str:
+    return ", ".join(f'"{one.component or number}"' for number, one in enumerate(found, start=1))
+
+
+def _plain(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalnum())
+
+
+def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
+    measured = _unit(series, unit)
+    values = measured.factor * series.values
+    remarks: list[str] = []
+    if measured.motion != "acceleration":
+        peak = f"{np.abs(series.values).max():.4g} {series.unit or unit}"
+        remarks.append(f"it holds {measured.motion}, up to {peak}, which was differentiated in time")
+        values = _differentiated(series.time, values, 1 if measured.motion == "velocity" else 2)
+    elif series.counts:
+        values = values - values.mean()
+    else:
+        values, told = _without_offset(series.time, values)
+        remarks += told
+    found = Accelerogram(name, series.format, series.time, values)
+    if found.peak >= IMPOSSIBLE:
+        raise ValueError(
+            f'its peak is {found.peak / GRAVITY:.3g} g where its unit is "{series.unit or unit}"; no ground has moved '
+            "so: expected acceleration, and its unit"
+        )
+    stated = None if series.peak is None else measured.factor * series.peak
+    return replace(found, remarks=(*remarks, *_doubts(found, stated if measured.motion == "acceleration" else None)))
+
+
+def _unit(series: RecordedSeries, given: str) -> MotionUnit:
+    """What the values measure and in which unit. Raises ValueError where nothing says it, or two things say two."""
+    found = motion_unit(series.unit) if series.unit else None
+    if series.unit and found is None:
+        raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
+    wanted = motion_unit(given) if given else None
+    if found is None and wanted is None:
+        raise ValueError(
+            'its heading names no unit; expected unit = "g", "m/s^2" or "gal" beside the name of the file, or a '
+            "heading such as time (s), acceleration (g)"
+        )
+    if found is not None and wanted is not None and found != wanted:
+        raise ValueError(f'unit = "{given}": its heading says "{series.unit}"; expected the same, or no unit')
+    unit = found or wanted
+    assert unit is not None
+    if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
+        said = f"its heading says {series.quantity.lower()}, in {series.unit or given}, a unit of {unit.motion}"
+        raise ValueError(f"{said}: expected these to agree")
+    return unit
+
+
+def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndarray:
+    """Acceleration from velocity, or twice from displacement, by a spline of the fifth degree through the values."""
+    from scipy.interpolate import make_interp_spline
+
+    if len(time) < 6 or np.any(np.diff(time) <= 0.0):
+        raise ValueError("holds velocity or displacement with fewer than six values, or with steps: not differentiated")
+    return np.asarray(make_interp_spline(time, values, k=5).derivative(times)(time))
+
+
+def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """The values without what shifts all of them, and what is told of it.
+
+    Ground that ends at rest has a mean acceleration of 0. Where the middle value agrees with the mean, the whole record
+    is shifted; where it does not, the record is a pulse, or cut off, and stays.
+    """
+    mean = float(0.5 * (values[1:] + values[:-1]) @ np.diff(time)) / max(float(time[-1] - time[0]), 1e-9)
+    middle, peak = float(np.median(values)), float(np.abs(values).max())
+    if abs(mean) <= OFFSET * peak:
+        return values, []
+    size = f"{mean / GAL:.3g} gal, {100.0 * abs(mean) / peak:.2g} % of its peak"
+    shifted = abs(middle - mean) <= 0.25 * abs(mean) and abs(mean) < 0.5 * peak
+    if shifted:
+        return values - mean, [f"its mean of {size}, was taken off as an offset"]
+    return values, [f"its mean is {size}, so that the ground does not end at rest; it was left as it is"]
+
+
+def _doubts(record: Accelerogram, stated: float | None) -> Iterator[str]:
+    """What is doubtful about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
+    if text := _size(record.peak):
+        yield text
+    longest = float(np.diff(record.time).max())
+    if longest > COARSE:
+        yield f"its steps of time are up to {longest:g} s long; expected up to {COARSE:g} s: are its times in seconds?"
+    if stated is not None and abs(record.peak - stated) > STATED * stated:
+        yield f"its peak is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
+
+
+def _size(peak: float) -> str:
+    if peak > STRONG:
+        return f"its peak is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g: is that its unit?"
+    if peak < FAINT:
+        return f"its peak is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal: is that its unit?"
+    return ""

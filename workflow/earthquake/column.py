@@ -40,7 +40,7 @@ class Column:
 
 def column_of(given: Section, settings: SiteResponseSettings) -> Column:
     """The response of a section to the record that the settings name. Raises InputError."""
-    record = accelerogram.read(Path(settings.record), settings.unit).scaled(settings.scale)
+    record = accelerogram.read(Path(settings.record), settings.unit, settings.component).scaled(settings.scale)
     left, right = given.given_extent
     x = 0.5 * (left + right) if settings.x is None else float(settings.x)
     problems = [f"site_response, {text}" for text in [outside(given, x, 0.0)] if text]

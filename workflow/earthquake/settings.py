@@ -7,9 +7,10 @@ from pydantic import Field
 
 from meshes.errors import InputError
 from meshes.section.quantity import Coordinate, Density, Length
-from meshes.section.record_of_motion import RecordScale, RecordUnit
+from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
+from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
@@ -48,10 +49,11 @@ class EarthquakeSettings(Model):
     )
     record: str = Field(
         default="",
-        description="a file with a record of the ground surface, .AT2, K-NET or .csv, whose peak is taken; goes before "
-        "magnitude and distance",
+        description="a file with a record of the ground surface (PEER, K-NET, COSMOS, ESM, .csv), whose peak is "
+        "taken; goes before magnitude and distance",
     )
     unit: RecordUnit = ""
+    component: RecordComponent = ""
     scale: RecordScale = 1.0
 
     def motion(self) -> Motion | None:
@@ -62,11 +64,17 @@ class EarthquakeSettings(Model):
         if self.peak_acceleration is not None:
             return Motion(float(self.peak_acceleration), 0.0, "as given", "the input", "as given")
         if self.record:
-            found = read_record(Path(self.record), self.unit).scaled(self.scale)
+            found = self._recorded()
             return Motion(found.peak, 0.0, f"the peak of {found.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
         return expected(self, self.magnitude, self.distance)
+
+    def _recorded(self) -> Accelerogram:
+        try:
+            return read_record(Path(self.record), self.unit, self.component).scaled(self.scale)
+        except InputError as error:
+            raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
     def problems(self) -> list[str]:
         """What the relation misses, or cannot be used for; a record is looked at when it is read."""
@@ -84,9 +92,11 @@ class SiteResponseSettings(Model):
 
     record: str = Field(
         default="",
-        description="a file with a record of the rock below: .AT2, K-NET or .csv, as it is where rock crops out",
+        description="a file with a record of the rock below (PEER, K-NET, COSMOS, ESM, .csv), as it is where rock "
+        "crops out",
     )
     unit: RecordUnit = ""
+    component: RecordComponent = ""
     scale: RecordScale = 1.0
     x: Coordinate | None = Field(default=None, description="where, along the section; its middle if not given")
     velocities: dict[str, Annotated[float, Field(gt=10.0, le=3000.0)]] = Field(

@@ -39,7 +39,7 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
 
 def _record(given: Input) -> tuple[np.ndarray, np.ndarray]:
     """Times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
-    record = accelerogram.read(Path(given.slide.accelerogram), given.slide.unit)
+    record = accelerogram.read(Path(given.slide.accelerogram), given.slide.unit, given.slide.component)
     return record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
 
 

@@ -68,7 +68,7 @@ def _levels(given: Input, table: Table) -> dict[str, np.ndarray]:
     values = np.array(table.drawn(path), dtype=float)
     if not record:
         return {"Kh": values}
-    return {"PGA / g": np.abs(values) * read(Path(record), given.slide.unit).peak / GRAVITY}
+    return {"PGA / g": np.abs(values) * read(Path(record), given.slide.unit, given.slide.component).peak / GRAVITY}
 
 
 def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:

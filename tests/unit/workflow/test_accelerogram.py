@@ -51,7 +51,7 @@ def written(folder: Path, text: str, name: str = "record.txt") -> Path:
 @pytest.mark.parametrize("text", [AT2, AT2_OLD, AT2.replace("\n", "\r\n")])
 def test_peer(text: str, tmp_path: Path) -> None:
     record = read(written(tmp_path, text))
-    assert record.kind == "PEER .AT2"
+    assert record.kind == "PEER"
     np.testing.assert_allclose(record.time, 0.005 * np.arange(7))
     np.testing.assert_allclose(record.acceleration, VALUES * GRAVITY, rtol=1e-12)
     assert record.peak == pytest.approx(0.05 * GRAVITY)
@@ -90,11 +90,11 @@ def test_two_columns(heading: str, unit: str, factor: float, tmp_path: Path) -> 
     [
         ("", "is no accelerogram"),
         ("hello\nworld", "is no accelerogram"),
-        ("0.0, 1.0\n0.1, 2.0\n", "sliding_block, unit"),
+        ("0.0, 1.0\n0.1, 2.0\n", "its heading names no unit"),
         ("t (s), a (g)\n0.0, 1.0\n0.1, x\n", "line 3: '0.1, x': expected two numbers"),
         ("t (s), a (g)\n0.1, 1.0\n0.0, 1.0\n", "the time falls from 0.1 s to 0 s"),
         ("t (s), a (g)\n0.1, 1.0\n0.2, nan\n", "not finite"),
-        (AT2.replace("NPTS=      7", "NPTS=      8"), "holds 7 accelerations; its line 4 says 8"),
+        (AT2.replace("NPTS=      7", "NPTS=      8"), "holds 7 values of acceleration in G; its line 4 says 8"),
         (AT2.replace(".3000000E-02", "***"), "line 6"),
         (KNET.replace("Sampling Freq(Hz) 100Hz", "Sampling"), "Sampling Freq"),
     ],

@@ -1,0 +1,159 @@
+"""Random records, and files of every format written from them as the networks write theirs."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+GRAVITY = 9.80665
+
+
+def motion(seed: int, count: int, step: float) -> np.ndarray:
+    """A record (n,) in m/s² that swells and ebbs, of up to a few m/s², with a mean of 0."""
+    generator = np.random.default_rng(seed)
+    time = step * np.arange(count)
+    rates = generator.uniform(0.3, min(8.0, 0.15 / step), 12)
+    sines = np.sin(2.0 * np.pi * rates * time[:, None] + generator.uniform(0.0, 6.28, 12)) @ generator.normal(size=12)
+    values = sines * np.exp(-(((time - 0.4 * time[-1]) / (0.25 * time[-1])) ** 2))
+    values *= generator.uniform(0.3, 5.0) / np.abs(values).max()
+    values[[0, -1]] = 0.0
+    values[1:-1] -= values[1:-1].mean()
+    return values
+
+
+def peer(values: np.ndarray, step: float, unit: str, quantity: str = "ACCELERATION") -> str:
+    rows = ["".join(f"{v:15.7E}" for v in values[k : k + 5]) for k in range(0, len(values), 5)]
+    heading = "PEER NGA STRONG MOTION DATABASE RECORD\nSomewhere, 1/1/1999, Station, 090\n"
+    return (
+        f"{heading}{quantity} TIME SERIES IN UNITS OF {unit}\nNPTS={len(values):7d}, DT= {step:.5f} SEC,\n"
+        + "\n".join(rows)
+        + "\n"
+    )
+
+
+def peer_old(values: np.ndarray, step: float, unit: str) -> str:
+    rows = ["".join(f"{v:15.7E}" for v in values[k : k + 5]) for k in range(0, len(values), 5)]
+    heading = "PACIFIC ENGINEERING AND ANALYSIS STRONG-MOTION DATA\nSOMEWHERE 01/01/79\n"
+    heading += f"ACCELERATION TIME HISTORY IN UNITS OF {unit}."
+    return (
+        f"{heading} FILTER POINTS: HP=0.1 Hz LP=40.0 Hz\n{len(values):6d} {step:.5f} NPTS, DT\n"
+        + "\n".join(rows)
+        + "\n"
+    )
+
+
+def knet(gal: np.ndarray, step: float, apart: str = "") -> str:
+    """Counts with an offset, 8 in a row; with ``apart`` = "," as a spreadsheet saves it."""
+    counts = np.round(gal * 6182761.0 / 3920.0).astype(int) + 14000
+    peak = np.abs(counts - counts.mean()).max() * 3920.0 / 6182761.0
+    keys = {
+        "Origin Time": "2011/03/11 14:46:00", "Lat.": "38.103", "Long.": "142.860", "Depth. (km)": "24", "Mag.": "9.0",
+        "Station Code": "MYG004", "Station Lat.": "38.7292", "Station Long.": "141.0217", "Station Height(m)": "40",
+        "Record Time": "2011/03/11 14:46:30", "Sampling Freq(Hz)": f"{1.0 / step:.0f}Hz", "Duration Time(s)": "80",
+        "Dir.": "E-W", "Scale Factor": "3920(gal)/6182761", "Max. Acc. (gal)": f"{peak:.3f}",
+        "Last Correction": "2011/03/11 14:46:30", "Memo.": "",
+    }  # fmt: skip
+    heading = [f"{key}{apart}{value}" if apart else f"{key:<18}{value}" for key, value in keys.items()]
+    rows = [(apart or " ").join(f"{c:8d}" for c in counts[k : k + 8]) for k in range(0, len(counts), 8)]
+    return "\n".join([*heading, *rows]) + "\n"
+
+
+def cosmos(values: np.ndarray, step: float, unit: str, more: str = "", channel: str = "340 deg") -> str:
+    """One block of V1 or V2 in columns of ten, in which numbers may touch; ``more`` is a block behind it."""
+    reals = np.full(100, -999.0)
+    reals[33], reals[63] = step, float(values[np.argmax(np.abs(values))])
+    integers = ["".join(f"{-999:8d}" for _ in range(10)) for _ in range(10)]
+    texts = [
+        "Corrected acceleration    (Format v01.20 with 13 text lines) Src: test",
+        "Somewhere in California",
+        "Hypocenter: 34.0580  -117.0110  H= 12km(SCSN) ML=4.9", "Origin: 06/16/2005, 20:53:26.1 UTC",
+        "Statn No: 01-23075",
+        "Coords: 34.0460 -117.0350", "Recorder: SSA-2  s/n 1238 ( 1 Chns of  3  at Sta)", "Rcrd start time:06/16/2005",
+        f"Sta Chan  1: {channel} (Rcrdr Chan  1) Location: ground", "Raw record length", "Processed: 06/17/2005",
+        "Record filtered below 0.30  Hz", "Values used when parameter or data value is unknown/unspecified:   -999",
+    ]  # fmt: skip
+    rows = ["".join(f"{v:13.6f}" for v in reals[k : k + 6]) for k in range(0, 100, 6)]
+    data = ["".join(f"{v:10.5f}" for v in values[k : k + 8]) for k in range(0, len(values), 8)]
+    return "\n".join([
+        *texts, " 100 Integer-header values follow on  10 lines, Format= (10I8)", *integers,
+        " 100 Real-header values follow on  17 lines, Format= (6F13.6)", *rows,
+        '  1 Comment line(s) follow, each starting with a "|":', " | 17 of these lines are no data",
+        f"{len(values):8d}  acceleration pts, approx 70 secs, units={unit}(04),Format=(8F10.5)",
+        *data, "End-of-data for Chan  1 acceleration", more,
+    ]) + "\n"  # fmt: skip
+
+
+def csmip_v2(values: np.ndarray, step: float, unit: str) -> str:
+    """Acceleration, then velocity and displacement (here zeros), as CSMIP's Volume 2 has them."""
+
+    def block(of: np.ndarray, word: str, its: str) -> list[str]:
+        rows = ["".join(f"{v:10.5f}" for v in of[k : k + 8]) for k in range(0, len(of), 8)]
+        return [f"{len(of):6d} points of {word} data equally spaced at  {step:.4f} sec, in {its}. (8f10.5)    ", *rows]
+
+    heading = ["Corrected accelerogram   89146-L2500       Chan  1: 360 Deg     from   ", "Willow Creek"]
+    zeros = np.zeros_like(values)
+    numbers = ["    1  100    1    3    3  200    1    3"]
+    return "\n".join([*heading, *numbers, *block(values, "accel", unit), *block(zeros, "veloc", "cm/sec"),
+                      *block(zeros, "displ", "cm"), "/&  ----  end of data for channel  1  ----"])  # fmt: skip
+
+
+def csmip_v1(values: np.ndarray, step: float, unit: str) -> str:
+    rows = ["".join(f"{v:9.6f}" for v in values[k : k + 8]) for k in range(0, len(values), 8)]
+    first = (
+        f"{len(values):6d} Accelerogram points at {1.0 / step:.0f} pts/sec in units of {unit} .      Format: (8f9.6)  "
+    )
+    return "\n".join(["Uncorrected Accelerogram Data   CGS", "Chan  1: 360 Deg", first, *rows]) + "\n"
+
+
+def esm(values: np.ndarray, step: float, unit: str, quantity: str = "ACCELERATION") -> str:
+    peak = values[np.argmax(np.abs(values))]
+    keys = {
+        "EVENT_NAME": "GREECE", "EVENT_TIME_HHMMSS": "160908", "MAGNITUDE_W": "", "STATION_CODE": "DLFA",
+        "VS30_M/S": "",
+        "SAMPLING_INTERVAL_S": f"{step:.6f}", "NDATA": str(len(values)), "STREAM": "HNE", "UNITS": unit,
+        f"PG{quantity[0]}_CM/S^2": f"{peak:.6f}", "LATE/NORMAL_TRIGGERED": "NT", "DATABASE_VERSION": "DYNA 1.0",
+        "HEADER_FORMAT": "DYNA 1.2", "DATA_TYPE": quantity, "USER5": "",
+    }  # fmt: skip
+    return "\n".join([*(f"{key}: {text}" for key, text in keys.items()), *(f"{v:.6f}" for v in values)]) + "\n"
+
+
+def jma(gal: dict[str, np.ndarray], step: float) -> str:
+    """The CSV files of the Japan Meteorological Agency: components without times."""
+    heading = ["SITE CODE= ABC,37.5,137.2,16,7.6", " LAT.= 37.0", " LON.= 137.0", f" SAMPLING RATE= {1.0 / step:.0f}Hz",
+               " UNIT  = gal(cm/s/s)", "INITIAL TIME = 2024 01 01 16 10 00", ",".join(gal)]  # fmt: skip
+    rows = [",".join(f"{v:.5f}" for v in row) + "," for row in zip(*gal.values(), strict=True)]
+    return "\r\n".join([*(f"{line},,," for line in heading[:-1]), heading[-1], *rows]) + "\r\n"
+
+
+def columns(time: np.ndarray, values: np.ndarray, heading: str, apart: str = ",", decimal: str = ".") -> str:
+    rows = [f"{t:.6f}{apart}{v:.8f}".replace(".", decimal) for t, v in zip(time, values, strict=True)]
+    return "\n".join([heading, *rows]) + "\n"
+
+
+Writer = Callable[[np.ndarray, float], str]
+CM = 100.0  # gal in m/s²
+# Of a record in m/s²; what the columns of each format leave of it is a hundred-thousandth of a gal, or of its peak.
+WRITERS: dict[str, Writer] = {
+    "PEER in g": lambda a, dt: peer(a / GRAVITY, dt, "G"),
+    "PEER in CM/SEC/SEC": lambda a, dt: peer(CM * a, dt, "CM/SEC/SEC"),
+    "PEER in m/s2": lambda a, dt: peer(a, dt, "M/S2"),
+    "PEER of old": lambda a, dt: peer_old(a / GRAVITY, dt, "G"),
+    "K-NET": lambda a, dt: knet(CM * a, dt),
+    "K-NET as CSV": lambda a, dt: knet(CM * a, dt, ","),
+    "COSMOS in cm/sec2": lambda a, dt: cosmos(CM * a, dt, "cm/sec2"),
+    "COSMOS in g": lambda a, dt: cosmos(a / GRAVITY, dt, "g"),
+    "CSMIP V1": lambda a, dt: csmip_v1(a / GRAVITY, dt, "g"),
+    "CSMIP V2": lambda a, dt: csmip_v2(CM * a, dt, "cm/sec2"),
+    "ESM": lambda a, dt: esm(CM * a, dt, "cm/s^2"),
+    "JMA": lambda a, dt: jma({"NS": CM * a}, dt),
+    "semicolons": lambda a, dt: columns(dt * np.arange(len(a)), a, "t [s];a [m/s²]", ";"),
+    "decimal commas": lambda a, dt: columns(dt * np.arange(len(a)), a, "t [s];a [m/s²]", ";", ","),
+    "tabs, milliseconds": lambda a, dt: columns(1e3 * dt * np.arange(len(a)), a / GRAVITY, "time (ms)\tacc (g)", "\t"),
+    "blanks": lambda a, dt: columns(dt * np.arange(len(a)), CM * a, "Time(s) Acc(cm/s^2)", " "),
+    "units below names": lambda a, dt: columns(dt * np.arange(len(a)), CM * a, "t,a\ns,gal"),
+    "one column": lambda a, dt: f"# dt = {dt:.5f} s, units: g\n" + "\n".join(f"{v:.9f}" for v in a / GRAVITY),
+}  # fmt: skip
+
+
+def three(seed: int, count: int, step: float) -> dict[str, Any]:
+    return {name: motion(seed + k, count, step) for k, name in enumerate(("NS", "EW", "UD"))}

@@ -1,0 +1,189 @@
+"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, ESM.
+
+Sources: PEER NGA-West2, file formats; NIED, "About K-NET ASCII format"; COSMOS Strong Motion Data Format v1.20 (2001);
+A. F. Shakal, M. J. Huang, Standard Tape Format for CSMIP Strong-Motion Data, OSMS 85-03 (1985); ESM, DYNA 1.2.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.motion_units import motion_unit, time_unit
+from workflow.earthquake.recorded_series import RecordedSeries, fixed_numbers, free_numbers, steps
+
+Lines = Sequence[str]
+HEADING = 100  # lines within which a file says what it is
+
+# PEER's NGA files write "NPTS= 7807, DT= .0050 SEC", its older ones "4000 0.0100 NPTS, DT".
+PEER_NEW = re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.Ee+-]+)\s*([A-Za-z]*)", re.IGNORECASE)
+PEER_OLD = re.compile(r"^\s*(\d+)\s+([\d.Ee+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE)
+QUANTITY = re.compile(r"\b(ACCEL|VELOC|DISPL)[A-Z]*", re.IGNORECASE)
+IN_UNITS = re.compile(r"UNITS?\s*(?:OF|IN|ARE|[:=])?\s+(\S+(?: ?/ ?\w+)*)|UNITS?\s*[:=]\s*(\S+)", re.IGNORECASE)
+
+KNET_LINES = 17  # of heading, of which the last begins with Memo.
+KNET_FIRST = re.compile(r"^\s*Origin Time\b")
+KNET_SCALE = re.compile(r"Scale Factor[\s,;]+([\d.]+)\(gal\)/(\d+)")
+KNET_RATE = re.compile(r"Sampling Freq\(Hz\)[\s,;]+([\d.]+)")
+KNET_PEAK = re.compile(r"Max\.? ?Acc\.? ?\(gal\)[\s,;]+([\d.]+)")
+KNET_WAY = re.compile(r"Dir\.[\s,;]+(\S+)")
+
+COSMOS = re.compile(
+    r"^\s*(\d+)\s+(?:raw )?(accel|veloc|displ)\w*\.?\s+pts\s*,\s*approx\s+[\d.]+\s*secs?\s*,\s*units\s*=\s*([^(,]+?)\s*"
+    r"(?:\(\s*\d+\s*\))?\s*,\s*Format\s*=\s*(.+?)\s*$",
+    re.IGNORECASE,
+)
+COSMOS_REALS = re.compile(
+    r"^\s*(\d+)\s+Real-header values follow on\s+\d+\s+lines?\s*,\s*Format\s*=?\s*(.+?)\s*$", re.I
+)
+COSMOS_CHANNEL = re.compile(r"^\s*Sta Cha\w*\s*:?\s*(\d+)\s*:?\s*(.*?)\s*(?:\(|$)", re.IGNORECASE)
+COSMOS_STEP, COSMOS_PEAK = 34, 64  # which of the real values are the sampling interval (s) and the series' peak
+
+CSMIP_V1 = re.compile(
+    r"^\s*(\d+)\s+acc\w*\s+points at\s+([\d.]+)\s*pts/sec,? in units of\s+(\S+?)[\s.,]+.*?(\(\d*f\d+\.\d+\))?\s*$", re.I
+)
+CSMIP_V2 = re.compile(
+    r"^\s*(\d+)\s+points of\s+(accel|veloc|displ)\w*\s+data\s+equally spaced at\s+([\d.]+)\s*sec\w*[.,]*\s*"
+    r"\(?(?:in|units:)\s*([^\s()]+?)[.)]*\s*(\(?\d*f\d+\.\d+\)?)?\s*$",
+    re.IGNORECASE,
+)
+CSMIP_CHANNEL = re.compile(r"\bChan\s+(\d+)\s*:\s*(.*?)\s*(?:Location|from|$)", re.IGNORECASE)
+
+ESM_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*): ?(.*)$")
+
+
+@dataclass(frozen=True)
+class NetworkFormat:
+    """A format: how its files are recognised, and what reads them."""
+
+    name: str
+    recognised: Callable[[Lines], bool]
+    read: Callable[[Lines], list[RecordedSeries]]
+
+
+def peer(lines: Lines) -> list[RecordedSeries]:
+    """PEER .AT2, .VT2, .DT2: values after a line with their number and the time step; the line above names the unit."""
+    place = next(k for k, line in enumerate(lines) if PEER_NEW.search(line) or PEER_OLD.search(line))
+    found = PEER_NEW.search(lines[place]) or PEER_OLD.search(lines[place])
+    assert found is not None
+    second = time_unit(found[3]) if found.re is PEER_NEW and found[3] else 1.0
+    if second is None:
+        raise ValueError(f'line {place + 1}: "{found[3]}" is no unit of time; expected SEC')
+    heading = [line for line in lines[:place] if IN_UNITS.search(line)]
+    line = heading[-1] if heading else next((line for line in lines[:place] if QUANTITY.search(line)), "")
+    quantity, unit = _word(line), unit_in(line)
+    values = free_numbers(lines, place + 1)
+    if len(values) != int(found[1]):
+        of = " ".join(word for word in ("values", quantity and f"of {quantity.lower()}", unit and f"in {unit}") if word)
+        raise ValueError(f"holds {len(values)} {of}; its line {place + 1} says {found[1]}")
+    time = steps(len(values), float(found[2]) * second, f"line {place + 1}")
+    return [RecordedSeries("PEER", "", time, values, unit, quantity)]
+
+
+def knet(lines: Lines) -> list[RecordedSeries]:
+    """K-NET and KiK-net: counts of one component after 17 lines of heading, apart by blanks or commas."""
+    head = "\n".join(lines[:KNET_LINES])
+    scale, rate = KNET_SCALE.search(head), KNET_RATE.search(head)
+    if scale is None or rate is None:
+        key = "Scale Factor" if scale is None else "Sampling Freq(Hz)"
+        raise ValueError(f'is a K-NET file whose heading has no "{key}"')
+    counts = free_numbers(lines, KNET_LINES)
+    peak, way = KNET_PEAK.search(head), KNET_WAY.search(head)
+    values = counts * float(scale[1]) / float(scale[2])
+    time = steps(len(counts), 1.0 / float(rate[1]), "Sampling Freq(Hz)")
+    return [RecordedSeries("K-NET", way[1] if way else "", time, values, "gal", "acceleration",
+                           float(peak[1]) if peak else None, counts=True)]  # fmt: skip
+
+
+def cosmos(lines: Lines) -> list[RecordedSeries]:
+    """COSMOS V1 and V2: blocks of one series each, with the time step in the real values of their heading."""
+    found: list[RecordedSeries] = []
+    reals, channel = np.zeros(0), ""
+    place = 0
+    while place < len(lines):
+        line = lines[place]
+        place += 1
+        if named := COSMOS_CHANNEL.match(line):
+            channel = f"{named[1]}: {named[2]}".strip(" :")
+        elif header := COSMOS_REALS.match(line):
+            reals, place = fixed_numbers(lines, place, int(header[1]), header[2])
+        elif block := COSMOS.match(line):
+            values, after = fixed_numbers(lines, place, int(block[1]), block[4])
+            step = float(reals[COSMOS_STEP - 1]) if len(reals) >= COSMOS_STEP else -999.0
+            peak = float(abs(reals[COSMOS_PEAK - 1])) if len(reals) >= COSMOS_PEAK else 999.0
+            time = steps(len(values), step, f"line {place}: real value {COSMOS_STEP} of its heading")
+            found.append(
+                RecordedSeries("COSMOS", channel, time, values, block[3], block[2], None if peak == 999.0 else peak)
+            )
+            place = after
+    return found
+
+
+def csmip(lines: Lines) -> list[RecordedSeries]:
+    """CSMIP V1 and V2: blocks of one series each, whose first line has number, time step, unit and format."""
+    found: list[RecordedSeries] = []
+    channel = ""
+    place = 0
+    while place < len(lines):
+        line = lines[place]
+        place += 1
+        if named := CSMIP_CHANNEL.search(line):
+            channel = f"{named[1]}: {named[2]}".strip(" :")
+        if raw := CSMIP_V1.match(line):
+            count, step, quantity, unit, form = int(raw[1]), 1.0 / float(raw[2]), "acceleration", raw[3], raw[4]
+        elif block := CSMIP_V2.match(line):
+            count, step, quantity, unit, form = int(block[1]), float(block[3]), block[2], block[4], block[5]
+        else:
+            continue
+        values, after = fixed_numbers(lines, place, count, form or "")
+        found.append(RecordedSeries("CSMIP", channel, steps(count, step, f"line {place}"), values, unit, quantity))
+        place = after
+    return found
+
+
+def esm(lines: Lines) -> list[RecordedSeries]:
+    """ESM (DYNA): keys with values, one a line, then one value a line."""
+    keys: dict[str, str] = {}
+    first = 0
+    for line in lines:
+        if (found := ESM_KEY.match(line)) is None:
+            break
+        keys[found[1]] = found[2].strip()
+        first += 1
+    missing = [key for key in ("SAMPLING_INTERVAL_S", "NDATA", "UNITS") if not keys.get(key)]
+    if missing:
+        raise ValueError(f"is an ESM file whose heading has no {', '.join(missing)}")
+    values = free_numbers(lines, first)
+    if len(values) != int(keys["NDATA"]):
+        raise ValueError(f"holds {len(values)} values; its NDATA says {keys['NDATA']}")
+    time = steps(len(values), float(keys["SAMPLING_INTERVAL_S"]), "SAMPLING_INTERVAL_S")
+    stated = next((text for key, text in keys.items() if re.fullmatch(r"PG[AVD]_CM.*", key)), "")
+    return [RecordedSeries("ESM", keys.get("STREAM", ""), time, values, keys["UNITS"], keys.get("DATA_TYPE", ""),
+                           abs(float(stated)) if stated else None)]  # fmt: skip
+
+
+def unit_in(heading: str) -> str:
+    """The unit that a heading names behind "units of", "units:", "units =" or in brackets; empty without one."""
+    if found := IN_UNITS.search(heading):
+        return (found[1] or found[2]).strip(" .,;:")
+    brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
+    return next((word for word in reversed(brackets) if motion_unit(word)), "")
+
+
+def _word(heading: str) -> str:
+    found = QUANTITY.search(heading)
+    return found[0] if found else ""
+
+
+def _any(*patterns: re.Pattern[str]) -> Callable[[Lines], bool]:
+    return lambda lines: any(pattern.search(line) for line in lines[:HEADING] for pattern in patterns)
+
+
+FORMATS = (
+    NetworkFormat("COSMOS V1 and V2", _any(COSMOS, COSMOS_REALS), cosmos),
+    NetworkFormat("CSMIP V1 and V2", _any(CSMIP_V1, CSMIP_V2), csmip),
+    NetworkFormat("K-NET", lambda lines: bool(KNET_SCALE.search("\n".join(lines[:KNET_LINES]))), knet),
+    NetworkFormat("ESM", lambda lines: any(line.startswith("SAMPLING_INTERVAL_S:") for line in lines[:HEADING]), esm),
+    NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),
+)

@@ -1,0 +1,165 @@
+"""Records in columns: time and components under a heading, apart by commas, semicolons, tabs or blanks.
+
+Also without a column of time, where the heading has a time step or a sampling rate (as in the CSV files of the Japan
+Meteorological Agency), and with decimal commas where semicolons or tabs part the columns.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.motion_units import motion_unit, time_unit
+from workflow.earthquake.network_formats import unit_in
+from workflow.earthquake.recorded_series import RecordedSeries, finite, steps
+
+BRACKETS = re.compile(r"\[([^\]]+)\]|\(((?:[^()]|\([^()]*\))+)\)|_(g|gal|m_s2|ms2|cm_s2|s|ms)\s*$", re.IGNORECASE)
+SUFFIXES = {"m_s2": "m/s^2", "ms2": "m/s^2", "cm_s2": "cm/s^2"}
+TIME = re.compile(r"^\W*(t|time|times|zeit|temps|tempo|tiempo|時間|時刻|経過時間)\b|^\W*(t|time)_", re.IGNORECASE)
+STEP = re.compile(
+    r"\b(?:dt|delta_?t|time[ _]?step|step|(?:sampling|sample)[ _](?:interval|period))\b[^\d\n-]*?"
+    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*([a-zµ]*)",
+    re.IGNORECASE,
+)
+RATE = re.compile(
+    r"\b(?:(?:sampling|sample)[ _](?:rate|freq\w*)|frequency|fs)\b[^\d\n]*?(\d+\.?\d*)\s*(hz|sps|1/s)?", re.IGNORECASE
+)
+DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
+LONGEST_STEP = 1.0  # s
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column: its name, and the unit in it, or empty."""
+
+    name: str
+    unit: str
+
+
+def table(lines: Sequence[str]) -> list[RecordedSeries]:
+    """The components of a record in columns. Raises ValueError for what is no such table, or has no times."""
+    heading, rows = _split(lines)
+    if len(rows) < 2:
+        raise ValueError(
+            "is no accelerogram: expected PEER .AT2, K-NET, COSMOS, CSMIP, ESM, or columns of numbers, time (s) and "
+            "acceleration"
+        )
+    values = np.array(rows)
+    columns = _columns(heading, values.shape[1])
+    text = "\n".join(heading)
+    step = _step(text)
+    timed = any(TIME.search(column.name) or time_unit(column.unit) for column in columns)
+    if not timed and (values.shape[1] == 1 or step is not None):
+        if step is None:
+            raise ValueError(
+                'holds one column: expected a column of time before it, or a heading such as "dt = 0.01 s"'
+            )
+        time, first = steps(len(values), step, "the heading"), 0
+    else:
+        time, first = _times(values[:, 0], columns[0] if columns else Column("", "")), 1
+    stated = unit_in(text) if not columns or not any(column.unit for column in columns[first:]) else ""
+    found = [
+        RecordedSeries("columns", columns[k].name if columns else "", time, finite(values[:, k].tolist()),
+                       (columns[k].unit if columns else "") or stated)
+        for k in range(first, values.shape[1])
+    ]  # fmt: skip
+    return found if len(found) == 1 else _of_acceleration(found)
+
+
+def _of_acceleration(found: list[RecordedSeries]) -> list[RecordedSeries]:
+    """The components in units of acceleration where some are: others beside them are what follows from them."""
+    known = [(one, motion_unit(one.unit)) for one in found]
+    return [one for one, unit in known if unit is not None and unit.motion == "acceleration"] or found
+
+
+def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
+    """The lines before the first row of numbers, and all rows, of which each has as many numbers as the first."""
+    heading: list[str] = []
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        row = None if text.startswith(("#", "%", "!")) else _row(text.partition("#")[0])
+        if row is None and rows and text and not text.startswith(("#", "%", "!")):
+            raise ValueError(f"line {number}: {text!r}: expected {_numbers(len(rows[0]))}")
+        if row is None:
+            heading += [text.lstrip("#%! ")] if text and not rows else []
+        elif row and rows and len(row) != len(rows[0]):
+            raise ValueError(f"line {number}: {text!r}: expected {_numbers(len(rows[0]))}")
+        elif row:
+            rows.append(row)
+    return heading, rows
+
+
+def _numbers(count: int) -> str:
+    return "two numbers, time and acceleration" if count == 2 else f"{count} numbers, as in the rows above"
+
+
+def _row(text: str) -> list[float] | None:
+    """The numbers of a line; none of a blank one, None of a line that holds anything else."""
+    text = text.strip()
+    apart = ";" if ";" in text else "\t" if "\t" in text else ""
+    cells = [cell.strip() for cell in text.split(apart)] if apart else re.split(r"[,\s]+", text)
+    if apart and any("," in cell for cell in cells):
+        if all(DECIMAL_COMMA.fullmatch(cell) for cell in cells if cell):
+            cells = [cell.replace(",", ".") for cell in cells]
+        else:
+            cells = re.split(r"[,;\s]+", text)
+    try:
+        return [float(cell) for cell in cells if cell]
+    except ValueError:
+        return None
+
+
+def _columns(heading: list[str], count: int) -> list[Column]:
+    """The names and units of the columns, from the last line of the heading that has as many; none without one."""
+    for above, line in enumerate(reversed(heading)):
+        for apart in (";", "\t", ","):
+            cells = [cell.strip() for cell in line.rstrip(" ,;\t").split(apart)]
+            if len(cells) == count and (count > 1 or BRACKETS.search(cells[0])):
+                return [_column(cell) for cell in cells]
+        cells = re.findall(r"[^\s(\[]+(?: ?[(\[][^)\]]*[)\]])?", line)
+        if count > 1 and len(cells) == count and above < 2 and (TIME.search(cells[0]) or BRACKETS.search(line)):
+            return [_column(cell) for cell in cells]
+    return []
+
+
+def _column(cell: str) -> Column:
+    cell = cell.strip("\"' ")
+    found = BRACKETS.findall(cell)
+    words = [next(filter(None, groups)).strip() for groups in found] or [cell]
+    unit = next((w for w in reversed(words) if motion_unit(SUFFIXES.get(w.lower(), w)) or time_unit(w)), "")
+    return Column(BRACKETS.sub("", cell).strip() or cell, SUFFIXES.get(unit.lower(), unit))
+
+
+def _step(text: str) -> float | None:
+    """The time step (s) that a heading states, or one over its sampling rate; None where it states neither."""
+    if found := STEP.search(text):
+        second = time_unit(found[2]) if found[2] else 1.0
+        return float(found[1]) * (second if second is not None else 1.0)
+    if found := RATE.search(text):
+        return 1.0 / float(found[1]) if float(found[1]) > 0.0 else None
+    return None
+
+
+def _times(values: np.ndarray, column: Column) -> np.ndarray:
+    """Times in s, in the unit of their heading. Raises ValueError where they fall, or cannot be seconds."""
+    if not np.isfinite(values).all():
+        raise ValueError("holds a time that is not finite")
+    second = time_unit(column.unit) if column.unit else 1.0
+    if second is None:
+        raise ValueError(f'the heading gives the time in "{column.unit}"; expected s or ms')
+    back = np.flatnonzero(np.diff(values) < 0.0)
+    if len(back):
+        shown = column.unit or "s"
+        raise ValueError(
+            f"the time falls from {values[back[0]]:g} {shown} to {values[back[0] + 1]:g} {shown}; expected it to rise"
+        )
+    typical = float(np.median(np.diff(values))) * second
+    if len(values) >= 50 and typical > LONGEST_STEP:
+        said = f'in "{column.unit}"' if column.unit else "without a unit, which are taken as seconds"
+        raise ValueError(
+            f"its times, {said}, are {typical:g} s apart; expected up to {LONGEST_STEP:g} s. If they are milliseconds, "
+            'head their column "time (ms)"'
+        )
+    return values * second

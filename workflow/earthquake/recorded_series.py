@@ -1,0 +1,92 @@
+"""A series of a record file as it stands there, and the numbers of a file in fixed or free columns."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+# Numbers that run into each other, such as -0.00003-0.00004 in columns of 8.
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[Ee][-+]?\d+)?")
+FORTRAN = re.compile(r"\(?\s*(\d+)?\s*[FEGIfegi]\s*(\d+)(?:\.\d+)?\s*\)?")
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedSeries:
+    """One component of a record, as its file has it.
+
+    Attributes
+    ----------
+    format : of the file, such as "K-NET"
+    component : how the file names it; empty where it names none
+    time : (n,) in s
+    values : (n,) in ``unit``
+    unit : as the heading has it; empty where it names none
+    quantity : the word of the heading, such as "VELOCITY"; empty where it has none
+    peak : the largest value without regard to sign that the heading states; None where it states none
+    counts : whether the values are counts of a recorder, whose zero is their mean
+    """
+
+    format: str
+    component: str
+    time: np.ndarray
+    values: np.ndarray
+    unit: str
+    quantity: str = ""
+    peak: float | None = None
+    counts: bool = False
+
+
+def free_numbers(lines: Sequence[str], first: int) -> np.ndarray:
+    """All numbers from a line on, apart by blanks or commas. Raises ValueError that names a line without."""
+    values: list[float] = []
+    for number, line in enumerate(lines[first:], start=first + 1):
+        if (found := _free(line)) is None:
+            raise ValueError(f"line {number}: {line.strip()!r}: expected numbers")
+        values += found
+    return finite(values)
+
+
+def fixed_numbers(lines: Sequence[str], first: int, count: int, form: str) -> tuple[np.ndarray, int]:
+    """``count`` numbers from a line on by a Fortran format such as (8F10.5), and the line behind them.
+
+    Raises ValueError where the numbers end before.
+    """
+    width = int(known[2]) if (known := FORTRAN.fullmatch(form.strip())) else 0
+    values: list[float] = []
+    place = first
+    while len(values) < count and place < len(lines):
+        line = lines[place].rstrip()
+        try:
+            cells = [line[k : k + width].strip() for k in range(0, len(line), width)] if width else NUMBER.findall(line)
+            values += [float(cell) for cell in cells if cell]
+        except ValueError:  # not in these columns after all, or the end
+            if not (found := _free(line)):
+                break
+            values += found
+        place += 1
+    if len(values) != count:
+        raise ValueError(f"line {first + 1}: {len(values)} numbers follow; the heading says {count}")
+    return finite(values), place
+
+
+def _free(line: str) -> list[float] | None:
+    """The numbers of a line, apart by blanks or commas; None where it holds anything else."""
+    try:
+        return [float(cell) for cell in re.split(r"[,;\s]+", line.strip(" \t\r\n,;")) if cell]
+    except ValueError:
+        return None
+
+
+def finite(values: Sequence[float]) -> np.ndarray:
+    """The values (n,) of a series. Raises ValueError without two of them, or where one is not finite."""
+    if len(values) < 2 or not np.isfinite(values).all():
+        raise ValueError("holds no two finite values, or one that is not finite")
+    return np.array(values)
+
+
+def steps(count: int, step: float, where: str) -> np.ndarray:
+    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0."""
+    if not (np.isfinite(step) and step > 0.0):
+        raise ValueError(f"{where}: the time step is {step:g} s; expected one above 0")
+    return step * np.arange(count)

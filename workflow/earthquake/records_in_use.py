@@ -1,0 +1,39 @@
+"""The records that the tables of an input name, and what is doubtful about them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from dem.settings import AVERAGE
+from meshes.errors import InputError
+from workflow.earthquake.accelerogram import Accelerogram, read
+
+PLACES = (
+    ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
+)  # fmt: skip
+
+
+def records(given: Any) -> Iterator[tuple[str, Accelerogram]]:
+    """Every record that an input names and uses, with the place of its name, such as "slide, accelerogram".
+
+    Raises InputError where one cannot be read.
+    """
+    for table, key in PLACES:
+        settings = getattr(given, table)
+        name = getattr(settings, key)
+        if name in ("", AVERAGE) or getattr(settings, "peak_acceleration", None) is not None:
+            continue
+        try:
+            found = read(Path(name), settings.unit, settings.component)
+        except InputError as error:
+            raise InputError(error.source, [f"{table}, {key}: {text}" for text in error.problems]) from None
+        yield f"{table}, {key}", found.scaled(settings.scale)
+
+
+def remarks(given: Any) -> list[str]:
+    """What was done to the records in use, and what is doubtful about them; nothing where one cannot be read."""
+    try:
+        told = [f"{place}, {found.name}: {text}" for place, found in records(given) for text in found.remarks]
+    except InputError:  # told when it is read
+        return []
+    return told
