@@ -20,6 +20,11 @@ SEEDS: dict[str, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 # s: sand liquefies over some cycles of shaking, and what loses its strength at once is thrown; the paper's does
 ONSET = {"soil": 5.0, "paper": 0.0}
 STEP = {"soil": 0.6, "paper": 0.3}  # soil discs have dashpots a tenth as large, and their energy balances with this
+# Settings of [dem] that soil discs do not know.
+OF_THE_PAPER = tuple(
+    f"dem.{key}"
+    for key in ("packing", "porosity", "springs", "damping_ratio", "kh_limit", "resolution", "allowed_overlap")
+)
 Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 
 

@@ -29,6 +29,7 @@ from dem.team import Team, Tell, alone
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
+TOGETHER = 2  # factors that are tried side by side: a search may not hang on how many workers there are
 NARROWINGS = 12  # searches at most once the target is bracketed
 NARROWEST = 1.003  # ratio of two factors between which no more is looked for
 SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
@@ -338,8 +339,8 @@ def _out_of_reach(
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
     """Factors to try, from 1 to the end of the range that lies towards the target.
 
-    Halves, quarters, ... or doubles, so many at a time; for soil discs, whose range is short, first the ratio of the
-    critical Kh wanted to that without a factor.
+    Halves, quarters, ... or doubles, two at a time whoever computes them; for soil discs, whose range is short, first
+    the ratio of the critical Kh wanted to that without a factor.
     """
     low, high = settings.factors
     weaker = base is None or middle(base) > target
@@ -350,7 +351,7 @@ def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iter
         count = 1
     else:
         steps = [f for f in ((0.5 if weaker else 2.0) ** k for k in range(1, 40)) if low < f < high]
-        count = settings.workers
+        count = TOGETHER
     steps.append(end)
     for start in range(0, len(steps), count):
         yield steps[start : start + count]

@@ -12,19 +12,22 @@ from workflow.settings import Input
 PROGRAM = "the program"
 
 
-def inputs(stage: Stage, job: Job) -> dict[str, str]:
-    """A fingerprint for all that a stage's results are made from, by names that people know."""
+def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
+    """A fingerprint for all that a stage's results are made from, by names that people know.
+
+    ``ignored`` are settings that change nothing in the results of the stage that needs it.
+    """
+    ignored = ignored.union(stage.ignores(job.given))
     prints = {"section": fingerprint_of(section_data(job.given)), PROGRAM: program(stage)}
-    for table in stage.tables:
-        prints[f"[{table}]"] = fingerprint_of(_settings(stage, table, job.given))
-    for name in stage.heeds:
-        table, key = name.split(".")
-        prints[name] = fingerprint_of(getattr(job.given, table).model_dump(mode="json")[key])
+    for name in stage.reads:
+        if name not in ignored:
+            prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.given, ignored))
+    prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.given).items()}
     for name, path in stage.files(job).items():
         prints[name] = fingerprint_of_file(path)
     for other in job.stages:
         if other.name in stage.needs:
-            prints[other.name] = fingerprint_of(inputs(other, job))
+            prints[other.name] = fingerprint_of(inputs(other, job, ignored))
     return prints
 
 
@@ -44,9 +47,11 @@ def section_data(given: Input) -> dict[str, Any]:
     return given.model_dump(mode="json", exclude=set(given.tables()))
 
 
-def _settings(stage: Stage, table: str, given: Input) -> dict[str, Any]:
-    data: dict[str, Any] = getattr(given, table).model_dump(mode="json")
-    return {key: value for key, value in data.items() if f"{table}.{key}" not in stage.ignores}
+def _settings(name: str, given: Input, ignored: frozenset[str]) -> dict[str, Any]:
+    """The settings of a "table", or one "table.key", without those that are ignored."""
+    table, _, key = name.partition(".")
+    data: dict[str, Any] = getattr(given, table).model_dump(mode="json", include={key} if key else None)
+    return {key: value for key, value in data.items() if f"{table}.{key}" not in ignored}
 
 
 def fingerprint_of(data: Any) -> str:

@@ -1,6 +1,6 @@
 """What a stage is, and the job that it is given: the engine of a run knows stages by no more than this."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,9 +57,11 @@ class Stage:
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
     drawn_after: whether its work leaves the pictures to ``draw``, which then goes on beside the work of the next stage.
     needs: the stages whose results it reads.
-    tables: the tables of settings that matter to it.
-    ignores: settings in these tables that change nothing in its results, as "table.key".
-    heeds: settings of other tables that matter to it, as "table.key".
+    reads: the settings that its work reads, a whole "table" or one "table.key" of it.
+    ignores: of these, and of those that the stages read which it needs, the settings that change nothing in its own
+        results, with an input as given.
+    takes: what it takes from settings that it does not read themselves, worked out and by what people call it: the
+        cases that follow from blow counts, for one.
     files: the user's own files that it reads, by what people call them.
     results: patterns of the files in which it leaves its results.
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
@@ -82,9 +84,9 @@ class Stage:
     draw: Callable[[Job], None] | None = None
     drawn_after: bool = False
     needs: tuple[str, ...] = ()
-    tables: tuple[str, ...] = ()
-    ignores: tuple[str, ...] = ()
-    heeds: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    ignores: Callable[[Input], Collection[str]] = lambda given: ()
+    takes: Callable[[Input], Mapping[str, Any]] = lambda given: {}
     files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
     results: tuple[str, ...] = ()
     read: Callable[[Store], object] = lambda store: None

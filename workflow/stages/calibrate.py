@@ -1,5 +1,6 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
+from dem.settings import OF_THE_PAPER
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
@@ -7,6 +8,7 @@ from workflow.results.like_discs import LikeDiscs
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
+from workflow.stages.fem import WITHOUT_EFFECT
 
 
 def work(job: Job) -> None:
@@ -34,6 +36,12 @@ def seconds(given: Input) -> float:
     return 27.0 * given.disc_work * (1.5 if given.dem.paper else 1.0)
 
 
+def ignored(given: Input) -> tuple[str, ...]:
+    """The settings that change nothing in discs that are calibrated, whatever they do to other stages."""
+    papers_own = given.dem.model == "paper" or given.dem.paper
+    return (*WITHOUT_EFFECT, "dem.workers", *(() if papers_own else OF_THE_PAPER))
+
+
 STAGE = Stage(
     name="calibrate",
     what="discs that fail at the same Kh",
@@ -41,7 +49,8 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("fem",),
-    tables=("dem",),
+    reads=("dem",),
+    ignores=ignored,
     seconds=seconds,
     results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, LikeDiscs.FILE, "dem/trials.jsonl", "dem/*.h5"),
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
+# Settings of [fem] that change nothing in the critical Kh and the path to it: factors of safety are found beside that.
+WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
+
 # Radii of discs down to which they cannot fail like a cohesionless face, grain by grain: two discs.
 DISCS_DEEP = 4.0
 
@@ -253,8 +256,8 @@ STAGE = Stage(
     draw=draw,
     drawn_after=True,
     needs=("mesh",),
-    tables=("fem",),
-    heeds=("dem.model", "dem.radius", "dem.elements"),  # how small the failures are that discs can show
+    reads=("fem", "dem.model", "dem.radius", "dem.elements"),  # of [dem] how small the failures are that discs can show
+    ignores=lambda given: ("fem.threads",),
     seconds=lambda given: 12.0 if given.mesh.columns or given.fem.accuracy == 0.0 else 100.0,
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,

@@ -11,6 +11,8 @@ from workflow.results.answer import SectionLabel
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
+from workflow.stages.fem import WITHOUT_EFFECT
+from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
     from fem.liquefied_ground import Remains
@@ -168,9 +170,9 @@ STAGE = Stage(
     module=__name__,
     work=work,
     needs=("mesh",),
-    tables=("fem", "bounds", "slide", "earthquake", "triggering"),
-    ignores=("earthquake.record",),
-    files=lambda job: job.given.files("earthquake"),
+    reads=("fem",),
+    ignores=lambda given: (*WITHOUT_EFFECT, "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box"),
+    takes=lambda given: {"what liquefies": cases_as_data(given, LOST)},
     beside=("mesh",),
     seconds=lambda given: 20.0,
     results=(LiquefiedAnswer.FILE,),

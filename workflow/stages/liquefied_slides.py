@@ -21,8 +21,9 @@ from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
+from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
-from workflow.stages.sliding import ALONE, Run, Task, liquefying, slid, task
+from workflow.stages.sliding import ALONE, Run, Task, slid, task
 
 USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
-from workflow.settings import FILES
+from workflow.settings import FILES, Input
 
 REPORT, PDF = "report.html", "report.pdf"
 
@@ -43,8 +43,6 @@ def named(job: Job) -> Mapping[str, Path]:
     return job.given.files()
 
 
-TABLES = ("sliding_block", "site_response", "earthquake", "triggering", "figures", "report")
-
 STAGE = Stage(
     name="report",
     what="pictures of all, summary and report",
@@ -52,8 +50,8 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide"),
-    tables=TABLES,
-    ignores=tuple(f"{table}.{key}" for table, key in FILES if table in TABLES),
+    reads=tuple(Input.tables()),  # it tells of every setting that is not the default
+    ignores=lambda given: [f"{table}.{key}" for table, key in FILES],
     files=named,
     results=(Summary.FILE, REPORT),
     read=Summary.read,

@@ -10,6 +10,7 @@ from dem.slides.drive import Shaking
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
 from workflow.settings import Input
+from workflow.stages.liquefaction import lowest_factors
 
 APART = 1e-6  # s between the two ends of a step of a record
 
@@ -30,7 +31,7 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
     push = settings.scale * push
     if settings.liquefies_at != "F_L":
         return Shaking(time, push, dict.fromkeys(strata, settings.liquefies_at))
-    lowest = [one.lowest for one in given.assessment().strata] if given.triggering.borings else []
+    lowest = lowest_factors(given)
     factors = {k: min(1.0, lowest[k] or 1.0) if k < len(lowest) else 1.0 for k in strata}
     size = np.abs(push)
     reached = {k: int(np.argmax(size >= factor * size.max())) for k, factor in factors.items()}

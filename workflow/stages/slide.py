@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from dem.settings import AVERAGE
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
+from workflow.stages import calibrate
+from workflow.stages.liquefaction import cases_as_data, lowest_factors
 
 
 def work(job: Job) -> None:
@@ -33,7 +36,23 @@ def files(job: Job) -> Mapping[str, Path]:
     """The record that shakes the discs: that of the base, or that of the rock where its response does."""
     average = job.given.slide.accelerogram == AVERAGE
     shakes = job.given.files("site_response" if average else "slide")
-    return job.given.files("earthquake") | {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
+    return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
+
+
+def ignored(given: Input) -> tuple[str, ...]:
+    """Files, whose content counts and not where they lie; cases, which are taken as they come to; what is of the
+    response of the layers, unless it shakes the discs; and what only calibration tells of."""
+    unused = () if given.slide.accelerogram == AVERAGE else ("site_response",)
+    return (
+        "slide.accelerogram", "site_response.record", "slide.cases", "dem.kh", "dem.element_tests", "dem.out_of_reach",
+        *calibrate.ignored(given), *unused,
+    )  # fmt: skip
+
+
+def taken(given: Input) -> dict[str, Any]:
+    """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
+    decides = given.slide.accelerogram and given.slide.liquefies_at == "F_L"
+    return {"what liquefies": cases_as_data(given)} | ({"its F_L": lowest_factors(given)} if decides else {})
 
 
 STAGE = Stage(
@@ -43,13 +62,10 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("calibrate",),
-    tables=("dem", "slide", "earthquake", "triggering", "site_response"),
+    reads=("dem", "slide", "site_response"),
+    ignores=ignored,
+    takes=taken,
     seconds=seconds,
-    ignores=(
-        "slide.accelerogram",
-        "site_response.record",
-        "earthquake.record",
-    ),  # what the file holds counts, not where it lies
     files=files,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,

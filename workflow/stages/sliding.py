@@ -12,6 +12,7 @@ from dem.team import Tell
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.liquefaction import liquefying
 from workflow.stages.shaking import shaking_of
 
 ALONE = 0  # the number of the case without liquefaction, Kh alone
@@ -42,13 +43,6 @@ class Task:
     def folder(self) -> str:
         """Where the checkpoints are, within the folder of the run."""
         return f"dem/slide_{self.springs}_{self.number}"
-
-
-def liquefying(given: Input) -> dict[int, list[int]]:
-    """For every case the indices of the strata that liquefy in it; cases without any are left out."""
-    numbers = range(1, len(given.cases) + 1)
-    found = {n: [k for k, stratum in enumerate(given.strata) if n in stratum.liquefies_in] for n in numbers}
-    return {n: strata for n, strata in found.items() if strata}
 
 
 def task(given: Input, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:

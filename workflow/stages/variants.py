@@ -11,6 +11,7 @@ from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.fem import WITHOUT_EFFECT
 
 if TYPE_CHECKING:
     from fem.at_once import AtOnce
@@ -167,7 +168,8 @@ STAGE = Stage(
     module=__name__,
     work=work,
     needs=("fem",),
-    tables=("mesh", "fem", "variants"),
+    reads=("mesh", "fem", "variants"),
+    ignores=lambda given: (*WITHOUT_EFFECT, "fem.rigid_box"),
     beside=("fem",),
     seconds=lambda given: 3.0 * len(given.variants.which),
     results=(VariantsAnswer.FILE,),

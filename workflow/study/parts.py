@@ -1,8 +1,10 @@
 """What can be computed of a sample, part by part."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from workflow.run.stage import Stage
+from workflow.stages.fem import WITHOUT_EFFECT
 from workflow.study.continuum import bounds, continuum
 from workflow.study.discs import STAGES, discs
 from workflow.study.sample import Numbers, Sample
@@ -16,18 +18,25 @@ class Part:
     ----------
     name : the word by which the command line knows it
     function : what computes it, of one sample
-    tables : the tables of settings that matter to it; where others differ it is not computed again
+    tables : the tables of settings that it reads; where others differ it is not computed again
+    ignores : settings in these tables that change nothing in its numbers, as "table.key"
     keeps : whether it takes so long that it keeps a folder to go on from
     """
 
     name: str
     function: Callable[[Sample], Numbers]
     tables: tuple[str, ...]
+    ignores: tuple[str, ...] = ()
     keeps: bool = False
 
 
+def _read_by(stages: Sequence[Stage]) -> tuple[str, ...]:
+    """The tables of settings that some stages read."""
+    return tuple(dict.fromkeys(name.split(".")[0] for stage in stages for name in stage.reads))
+
+
 PARTS = (
-    Part("fem", continuum, ("mesh", "fem")),
-    Part("bounds", bounds, ("fem", "bounds")),
-    Part("slide", discs, tuple(dict.fromkeys(table for stage in STAGES for table in stage.tables)), keeps=True),
+    Part("fem", continuum, ("mesh", "fem"), (*WITHOUT_EFFECT, "fem.rigid_box")),
+    Part("bounds", bounds, ("fem", "bounds"), (*WITHOUT_EFFECT, "fem.rigid_box", "bounds.safety_factor")),
+    Part("slide", discs, (*_read_by(STAGES), "earthquake", "triggering"), keeps=True),
 )

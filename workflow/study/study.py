@@ -103,6 +103,8 @@ def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
     """
     others = set(read.tables()) - set(part.tables)
     data = read.model_dump(mode="json", exclude_none=True, by_alias=True, exclude=others)
+    for table, key in (name.split(".") for name in part.ignores):
+        data[table].pop(key, None)
     if "triggering" in others:
         data["strata"] = [{**stratum, "liquefies_in": []} for stratum in data["strata"]]
     files = {name: fingerprint_of_file(path) for name, path in read.files(*part.tables).items()}

@@ -9,9 +9,9 @@ from tests.support.toy_stages import Toys, stage
 def toys() -> Toys:
     """Three stages in a row, and one that tells of all."""
     made = (
-        stage("mesh", tables=("mesh",)),
-        stage("fem", needs=("mesh",), tables=("fem",)),
+        stage("mesh", reads=("mesh",)),
+        stage("fem", needs=("mesh",), reads=("fem",)),
         stage("slide", needs=("fem",), leftovers=("dem/*",), partial=lambda job: job.cases is not None),
-        stage("report", needs=("mesh", "fem", "slide"), tables=("figures",), of_all=True),
+        stage("report", needs=("mesh", "fem", "slide"), reads=("figures",), of_all=True),
     )
     return Toys({each.name: each for each in made})

@@ -42,7 +42,7 @@ class Threads:
 @pytest.fixture
 def more(toys: Toys) -> Toys:
     """The toys, with one that may run beside others once there is a mesh."""
-    bounds = stage("bounds", tables=("bounds",), beside=("mesh",))
+    bounds = stage("bounds", reads=("bounds",), beside=("mesh",))
     report = replace(toys["report"], needs=("mesh", "fem", "slide", "bounds"))
     return Toys({**{name: toys[name] for name in ("mesh", "fem", "slide")}, "bounds": bounds, "report": report})
 

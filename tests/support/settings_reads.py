@@ -1,0 +1,96 @@
+"""Which settings a stage reads while it works, seen from outside, and which of them make it run again."""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from dem.settings import Case
+from workflow.run.fingerprint import inputs
+from workflow.run.stage import Job, Stage
+from workflow.run.store import Store
+from workflow.settings import FILES, Input
+from workflow.stages import STAGES
+
+TABLES = {type(Input.model_fields[table].default): table for table in Input.tables()}
+KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in model.model_fields)
+
+
+@contextmanager
+def reads() -> Iterator[set[str]]:
+    """The settings that are read in the block, in any thread of this process, as "table.key"."""
+    found: set[str] = set()
+    for model, table in TABLES.items():
+        model.__getattribute__ = _heard(table, frozenset(model.model_fields), found)  # type: ignore[method-assign]
+    try:
+        yield found
+    finally:
+        for model in TABLES:
+            del model.__getattribute__
+
+
+def _heard(table: str, fields: frozenset[str], found: set[str]) -> Any:
+    def read(settings: object, name: str) -> Any:
+        if name in fields:
+            found.add(f"{table}.{name}")
+        return object.__getattribute__(settings, name)
+
+    return read
+
+
+def traced(stages: tuple[Stage, ...], found: dict[str, set[str]]) -> tuple[Stage, ...]:
+    """The same stages, which leave in ``found`` by their names what their work reads; their pictures are left out."""
+
+    def one(stage: Stage) -> Stage:
+        def work(job: Job) -> None:
+            with reads() as settings:
+                try:
+                    stage.work(job)
+                finally:
+                    found.setdefault(stage.name, set()).update(settings)
+
+        return replace(stage, work=work, draw=None, drawn_after=False, pictures=())
+
+    return tuple(one(stage) for stage in stages)
+
+
+def altered(given: Input, name: str) -> Input:
+    """The same input with another value of one setting, whatever that is: nothing is computed with it."""
+    table, _, key = name.partition(".")
+    settings = getattr(given, table)
+    other = str(Path(__file__)) if (table, key) in FILES else _other(getattr(settings, key))
+    other = settings.model_copy(update={key: other})
+    found = given.model_copy(update={table: other})
+    found.__dict__.pop("cases", None)  # made of the settings before
+    return found
+
+
+def _other(value: Any) -> Any:
+    match value:
+        case bool():
+            return not value
+        case int() | float():
+            return 1.5 * value + 0.125
+        case str():
+            return f"{value} or another"
+        case tuple():
+            return (*value, Case(stiffness=0.5)) if value and isinstance(value[0], Case) else (*value, 0.125)
+        case dict():
+            return {**value, "another": 0.125}
+    return 0.125
+
+
+def stale(before: Input, after: Input) -> set[str]:
+    """The stages whose results before are none for the input after."""
+    first, then = (Job(given, Store(Path("nowhere")), STAGES) for given in (before, after))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of values that no setting has
+        return {stage.name for stage in STAGES if inputs(stage, first) != inputs(stage, then)}
+
+
+def with_needed(name: str) -> set[str]:
+    """A stage and all that it needs."""
+    (stage,) = [one for one in STAGES if one.name == name]
+    return {name}.union(*(with_needed(other) for other in stage.needs))

@@ -1,0 +1,172 @@
+"""A stage depends on the settings that it reads, and on no others: seen by what its work reads while it runs."""
+
+import tomllib
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from meshes.errors import NoAnswerError
+from tests.support import small_run
+from tests.support.borings import bored
+from tests.support.settings_reads import KEYS, altered, stale, traced, with_needed
+from tests.support.toy_stages import Heard
+from tests.workflow.test_soil_discs import SECTION
+from workflow.run import pipeline
+from workflow.run.plan import Choice
+from workflow.run.stage import Job
+from workflow.run.store import Store
+from workflow.settings import Input
+from workflow.stages import STAGES
+
+Reads = dict[str, set[str]]
+
+# What stages take of these tables is worked out when the input is read: F_L, cases, and what liquefies in them.
+TAKEN = ("earthquake", "triggering", "slide.cases")
+
+
+def read_by(given: Input, folder: Path) -> Reads:
+    """The settings that the work of every stage reads, all stages run in this process."""
+    found: Reads = {}
+    stages = traced(STAGES, found)
+    with suppress(NoAnswerError):  # discs that are only roughly at rest may be out of reach
+        pipeline.execute(Job(given, Store(folder), stages), Choice.of(stages), Heard(), "test")
+    return found
+
+
+def papers(folder: Path) -> Input:
+    """A few of the paper's discs for a moment, and all that stands beside them."""
+    data = tomllib.loads(small_run.written(folder).read_text())
+    data["sliding_block"] = {"accelerogram": str(folder / "quake.csv")}
+    return Input.parse({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
+
+
+def soil(folder: Path) -> Input:
+    """Soil discs, calibrated on two packings."""
+    few = {"elements": 150, "resolution": 0.1, "workers": 1}
+    return Input.parse({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
+
+
+def shaken(folder: Path) -> Input:
+    """The paper's discs beside a path with ψ as given, borings, and a record that makes strata liquefy by their F_L."""
+    data = tomllib.loads(small_run.written(folder).read_text())
+    tests = [{"depth": 1.0 + k, "N": 4} for k in range(8)]
+    for stratum in data["strata"]:
+        stratum["liquefies_in"] = "triggered"
+    data |= {
+        "water_table": {"depth": 0.5},
+        "fem": {**data["fem"], "flow": "section"},
+        "bounds": {**data["bounds"], "safety_factor": True},
+        "earthquake": {"magnitude": 7.5, "peak_acceleration": "300 gal"},
+        "triggering": {"borings": [{"name": "B-1", "x": 50.0, "spt": tests}]},
+        "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1},
+        "slide": {**small_run.SHORT_SLIDE, "accelerogram": str(folder / "quake.csv")},
+    }
+    return Input.parse(data)
+
+
+@pytest.fixture(scope="module")
+def of_the_papers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Input, Reads]:
+    folder = tmp_path_factory.mktemp("papers")
+    given = papers(folder)
+    return given, read_by(given, folder / "out")
+
+
+def unheard(given: Input, reads: Reads) -> set[tuple[str, str]]:
+    """Stages, and settings that their work reads, whose change would not make them run again."""
+    ignored = {stage.name: set(stage.ignores(given)) for stage in STAGES}
+    return {
+        (name, key)
+        for key in KEYS
+        if not key.startswith(TAKEN)
+        for name in reads.keys() - stale(given, altered(given, key))
+        if key in reads[name] and key not in ignored[name] and key.partition(".")[0] not in ignored[name]
+    }
+
+
+def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Input, Reads]) -> None:
+    given, reads = of_the_papers
+    assert set(reads) == {"mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report"}
+    assert all(reads.values())
+    assert unheard(given, reads) == set()
+
+
+@pytest.mark.slow
+def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Reads], tmp_path: Path) -> None:
+    """Over inputs that take other ways through the program: whatever makes a stage run again is read by it, or by one
+    that it needs, in one of them."""
+    seen = [of_the_papers]
+    for kind in (soil, shaken):
+        (folder := tmp_path / kind.__name__).mkdir()
+        given = kind(folder)
+        seen.append((given, read_by(given, folder / "out")))
+    read = {stage.name: set().union(*(reads.get(stage.name, set()) for _, reads in seen)) for stage in STAGES}
+    for given, reads in seen:
+        assert unheard(given, reads) == set()
+        needless = {
+            (name, key)
+            for key in KEYS
+            if not key.startswith(TAKEN)
+            for name in stale(given, altered(given, key)) - {"report"}  # it lists all that is not the default
+            if not any(key in read[other] for other in with_needed(name))
+        }
+        assert needless == set()
+
+
+@pytest.mark.parametrize(
+    ("key", "again"),
+    [
+        ("slide.seeds", {"slide"}),
+        ("slide.duration", {"slide"}),
+        ("dem.elements", {"fem", "variants", "calibrate", "slide"}),
+        ("dem.kh", {"calibrate"}),
+        ("dem.workers", set()),
+        ("dem.resolution", set()),  # of the paper's discs, which are not asked for
+        ("fem.threads", set()),
+        ("fem.safety_factor_at", {"fem"}),
+        ("fem.rigid_box", {"fem", "calibrate", "slide"}),
+        ("bounds.gap", {"bounds"}),
+        ("earthquake.magnitude", {"triggering"}),
+        ("site_response.base_velocity", {"response"}),
+        ("free_face.at", set()),
+        ("figures.report_width", set()),
+    ],
+)
+def test_which_stages_run_again(key: str, again: set[str]) -> None:
+    given = Input.parse(SECTION)
+    assert stale(given, altered(given, key)) == {*again, "report"}
+
+
+def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:
+    def bored_with(**changes: Any) -> Input:
+        data = bored()
+        data["water"] = {"table": data.pop("water_table")}
+        for stratum in data["strata"]:
+            del stratum["density_ordinary"], stratum["density_seismic"]
+            stratum |= {"density": "1.7 t/m^3", "density_saturated": "1.9 t/m^3"}
+        data["earthquake"] |= changes
+        return Input.parse(data)
+
+    before, as_before, less = (bored_with(peak_acceleration=f"{a} gal") for a in (250, 251, 20))
+    assert [bool(stratum.liquefies_in) for stratum in less.strata] != [bool(s.liquefies_in) for s in before.strata]
+    assert stale(before, as_before) == {"triggering", "report"}
+    assert stale(before, less) == {"triggering", "liquefied", "slide", "report"}
+
+
+def test_what_the_elements_ignore_changes_nothing(tmp_path: Path) -> None:
+    """Threads and factors of safety: the critical Kh, its path and the box that discs are held against are the same to
+    the last bit."""
+    from workflow.results.continuum import FemAnswer
+
+    given = papers(tmp_path)
+    fem = given.fem.model_copy(update={"threads": 2, "safety_factor_at": (0.1,)})
+    found = []
+    for number, one in enumerate((given, given.model_copy(update={"fem": fem}))):
+        store, stages = Store(tmp_path / str(number)), tuple(STAGES)
+        pipeline.execute(Job(one, store, stages), Choice.of(stages, only=["mesh", "fem"]), Heard(), "test")
+        found.append(FemAnswer.read(store))
+    first, other = (one.model_copy(update={"settings": given.fem, "safety_factors": ()}) for one in found)
+    assert first == other
+    assert np.isfinite(first.kc)
