@@ -10,6 +10,7 @@ from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.exits import ended, ended_as_program
+from workflow.making.command import section
 from workflow.options import (
     Columns,
     Folder,
@@ -289,18 +290,6 @@ def compare(
     return say("" if page is None else f"Page: {page}")
 
 
-@app.command("section")
-def make(
-    files: Annotated[list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), or a section.")],
-    to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
-    off: Annotated[float, typer.Option(help="How far (m) a boring may stand beside the line.")] = 20.0,
-) -> None:
-    """Make a section from borings or from a drawing, or draw a section as DXF."""
-    from workflow.making import make_section
-
-    make_section(files, to, off)
-
-
 @app.command()
 def bounds(
     section: SectionFile,
@@ -373,7 +362,7 @@ def slide(
     _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
-for command in (study, converge, verify):
+for command in (section, study, converge, verify):
     app.command()(command)
 
 

@@ -26,6 +26,7 @@ from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSetting
 from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.free_face import FreeFaceSettings
+from workflow.triggering.plausibility import implausible_triggering
 from workflow.triggering.settings import TriggeringSettings
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
@@ -153,6 +154,7 @@ class Input(Section):
     def _settings_fit(self) -> Self:
         problems = self.mesh.problems(self) + self.dem.problems(self) + self.free_face.problems(self.ground)
         problems += self.earthquake.problems() + off_the_section(self, self.triggering)
+        problems += implausible_triggering(self, self.earthquake, self.triggering)
         response = self.site_response
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')

@@ -1,108 +1,152 @@
-"""Borings from an AGS4 file: its groups LOCA, GEOL, ISPT, SCPG and SCPT."""
+"""Borings from an AGS4 file: its groups LOCA, GEOL, ISPT, WSTG, WSTD, SCPG and SCPT."""
 
-import csv
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
 from meshes.borings.ags4_cone import cones_of
+from meshes.borings.ags4_groups import Groups, Row, read_groups
+from meshes.borings.blows import is_refusal, read_blows
 from meshes.borings.boring import Sample
-from meshes.borings.log import Log, LogLayer, cone_problems, joined, layer_problems
+from meshes.borings.complaints import folded
+from meshes.borings.log import BoringFile, Log, LogLayer, cone_problems, joined, layer_problems, refusal_notices
+from meshes.borings.plausible import implausible_cones, implausible_sample
 from meshes.errors import InputError
+from meshes.section.sentences import sentences
+
+NATIONAL, LOCAL = ("LOCA_NATE", "LOCA_NATN"), ("LOCA_LOCX", "LOCA_LOCY")
+# The middle of the 30 cm that are counted lies so far (m) below the top of a test: below 15 cm of seating.
+MIDDLE = 0.30
 
 
-def read_ags4(path: Path) -> list[Log]:
-    """The borings of a file that have layers or a cone, in its order. Raises InputError with all problems."""
-    try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        raise InputError(str(path), [f"cannot be read: {error.strerror}"]) from None
-    groups = groups_of(text)
-    if not groups.get("LOCA"):
-        raise InputError(str(path), ["group LOCA: missing; expected the borings"])
-    if not groups.get("GEOL") and not groups.get("SCPT"):
-        raise InputError(str(path), ["group GEOL: missing; expected the layers of the borings, or SCPT, their cones"])
-    problems: list[str] = []
-    found = [_log(row, groups, problems) for row in groups["LOCA"]]
-    logs = [log for log in found if log is not None]
-    if not logs and not problems:
-        problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
+def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
+    """The borings of a file that have layers or a cone, in its order.
+
+    Parameters
+    ----------
+    path : of the file
+    columns : {"layer": heading of GEOL} that names the layers; by default GEOL_GEOL, or GEOL_LEG where that is empty
+
+    Raises
+    ------
+    InputError
+        With all problems.
+    """
+    groups, columns = read_groups(path), columns or {}
+    naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
+    problems = [f"--columns {key}={name}: AGS4 has its own names of columns; expected layer alone, as --layers says"
+                for key, name in columns.items() if key != "layer"]  # fmt: skip
+    if not groups.rows.get("LOCA"):
+        problems.append("group LOCA: missing; expected the borings")
+    if not groups.rows.get("GEOL") and not groups.rows.get("SCPT"):
+        problems.append("group GEOL: missing; expected the layers of the borings, or SCPT, their cones")
+    of_layers = [name for name in groups.headings.get("GEOL", ()) if name.startswith("GEOL_")]
+    if "layer" in columns and of_layers and naming[0] not in of_layers:
+        problems.append(f"--layers {naming[0]}: group GEOL has no such column; expected one of {', '.join(of_layers)}")
     if problems:
         raise InputError(str(path), problems)
-    return logs
+    borings = groups.rows["LOCA"]
+    axes = next((axes for axes in (NATIONAL, LOCAL) if any(row.get(axes[0]) for row in borings)), NATIONAL)
+    if axes is LOCAL:
+        groups.notices.append("no boring has national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
+    logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
+    if not logs and not groups.problems:
+        groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
+    if groups.problems:
+        raise InputError(str(path), folded(groups.problems))
+    if groups.rows.get("MOND"):
+        groups.notices.append("readings of piezometers, MOND, are not used: the water table is that struck in borings")
+    return BoringFile(logs, [*groups.notices, *refusal_notices(logs)])
 
 
-def groups_of(text: str) -> dict[str, list[dict[str, str]]]:
-    """The rows of data of every group, each by its headings (AGS4, rules 3-4: GROUP, HEADING, UNIT, TYPE, DATA).
-
-    The units stand in a group of their own, "SCPT UNIT" of SCPT.
-    """
-    groups: dict[str, list[dict[str, str]]] = {}
-    group = ""
-    heads: list[str] = []
-    for row in csv.reader(text.splitlines()):
-        kind, cells = (row[0].strip(), [cell.strip() for cell in row[1:]]) if row else ("", [])
-        if kind == "GROUP" and cells:
-            group, heads = cells[0], []
-            groups.setdefault(group, [])
-        elif kind == "HEADING":
-            heads = cells
-        elif kind == "UNIT" and group:
-            groups[f"{group} UNIT"] = [dict(zip(heads, cells, strict=False))]
-        elif kind == "DATA" and group:
-            groups[group].append(dict(zip(heads, cells, strict=False)))
-    return groups
-
-
-def _log(row: dict[str, str], groups: dict[str, list[dict[str, str]]], problems: list[str]) -> Log | None:
+def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Groups) -> Log | None:
     name = row.get("LOCA_ID", "")
-    mine = [one for one in groups.get("GEOL", []) if one.get("LOCA_ID") == name]
-    before = len(problems)
-    cones = cones_of(name, groups, problems)
-    problems += cone_problems(name, cones)
+    mine = groups.of("GEOL", name)
+    before = len(groups.problems)
+    cones = cones_of(name, groups)
+    groups.problems.extend(cone_problems(name, cones))
+    groups.problems.extend(implausible_cones(f"boring {name}, ", cones, with_units=True))
     if not mine and not cones:
         return None
-    place = (_number(row, "LOCA_NATE", name, problems), _number(row, "LOCA_NATN", name, problems))
-    ground = _number(row, "LOCA_GL", name, problems) if mine else math.nan
+    place = (_number(row, axes[0], name, groups), _number(row, axes[1], name, groups))
+    level = "LOCA_LOCZ" if row.get("LOCA_LOCZ") and not row.get("LOCA_GL") else "LOCA_GL"
+    ground = _number(row, level, name, groups) if mine else math.nan
     layers = []
     for one in mine:
-        label = one.get("GEOL_GEOL") or one.get("GEOL_LEG") or ""
+        label = next((one[key] for key in naming if one.get(key)), "")
         if not label:
-            problems.append(f"boring {name}: the layer at {one.get('GEOL_TOP', '?')} m has no GEOL_GEOL, no name")
-        top, bottom = _number(one, "GEOL_TOP", name, problems), _number(one, "GEOL_BASE", name, problems)
+            groups.problems.append(
+                f"boring {name}: the layer at {one.get('GEOL_TOP', '?')} m has no {naming[0]}, no name"
+            )
+        top, bottom = _number(one, "GEOL_TOP", name, groups), _number(one, "GEOL_BASE", name, groups)
         layers.append(LogLayer(label, top, bottom, "", one.get("GEOL_DESC", "")))
     layers = joined(sorted(layers, key=lambda layer: layer.top))
-    samples = _samples(name, groups.get("ISPT", []), problems)
-    if len(problems) == before and mine:
-        problems += layer_problems(name, layers)
-    if len(problems) > before:
+    samples = _samples(name, groups)
+    water = _water_level(name, ground, groups) if mine else None
+    if len(groups.problems) == before and mine:
+        groups.problems.extend(layer_problems(name, layers))
+    if len(groups.problems) > before:
         return None
-    return Log(name, place, ground, tuple(layers), samples, cones=cones)
+    return Log(name, place, ground, tuple(layers), samples, water, cones)
 
 
-def _samples(name: str, rows: list[dict[str, str]], problems: list[str]) -> tuple[Sample, ...]:
-    """The blow counts of a boring, at the middle of the 30 cm below the seating of 15 cm."""
+def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
+    """The blow counts of a boring from the top down; of two at one depth the smaller one."""
     found: dict[float, Sample] = {}
-    for one in rows:
-        if one.get("LOCA_ID") != name or not one.get("ISPT_NVAL"):
+    for row in groups.of("ISPT", name):
+        count, report = row.get("ISPT_NVAL", ""), row.get("ISPT_REP", "")
+        if not row.get("ISPT_TOP"):
+            groups.problems.append(f"boring {name}: a blow count N = {count or report} without a depth, ISPT_TOP")
             continue
-        if not one.get("ISPT_TOP"):
-            problems.append(f"boring {name}: a blow count N = {one['ISPT_NVAL']} without a depth, ISPT_TOP")
+        where = f"boring {name}, SPT at {row['ISPT_TOP']} {groups.units['ISPT_TOP']}"
+        if not count and not report:
+            groups.notices.append(f"{where}: has neither ISPT_NVAL nor ISPT_REP, and is not used")
             continue
-        depth = _number(one, "ISPT_TOP", name, problems) + 0.30
-        data: dict[str, Any] = {"depth": depth, "N": one["ISPT_NVAL"]}
-        try:
-            found[depth] = Sample.model_validate(data)
-        except ValidationError as error:
-            problems.append(f"boring {name}, ISPT_NVAL = {one['ISPT_NVAL']!r}: {error.errors()[0]['msg']}")
+        depth = _number(row, "ISPT_TOP", name, groups) + MIDDLE
+        sample = _sample(f"{where}, ", depth, _count_of(count, report), row.get("ISPT_ERAT", ""), groups)
+        if sample is None:
+            continue
+        other = found.setdefault(depth, sample)
+        if other is not sample:
+            found[depth] = min(sample, other, key=lambda one: one.N)
+            groups.notices.append(f"{where}: N = {other.N:g} and {sample.N:g}; the smaller one is taken")
     return tuple(found[depth] for depth in sorted(found))
 
 
-def _number(row: dict[str, str], key: str, name: str, problems: list[str]) -> float:
+def _count_of(count: str, report: str) -> str:
+    """What says the blow count: ISPT_REP where that is a refusal, or where there is no ISPT_NVAL."""
     try:
-        return float(row.get(key, ""))
+        return report if not count or is_refusal(read_blows(report)) else count
     except ValueError:
-        problems.append(f"boring {name}, {key} = {row.get(key, '')!r}: expected a number")
+        return count or report
+
+
+def _sample(where: str, depth: float, count: str, energy: str, groups: Groups) -> Sample | None:
+    data: dict[str, object] = {"depth": depth, "N": count}
+    if energy:
+        data["energy_ratio"] = energy.removesuffix("%").strip()
+    try:
+        sample = Sample.model_validate(data)
+    except ValidationError as error:
+        groups.problems.extend([f"{where}{text}" for text in sentences(error, data, Sample)])
+        return None
+    groups.problems.extend(implausible_sample(where, sample))
+    return sample
+
+
+def _water_level(name: str, ground: float, groups: Groups) -> float | None:
+    """Elevation (m) of the highest water that was struck, where it had risen to; None where none was."""
+    rows = [*groups.of("WSTG", name), *groups.of("WSTD", name)]
+    keys = [(row, key) for row in rows for key in ("WSTG_DPTH", "WSTD_POST") if row.get(key)]
+    depths = [_number(row, key, name, groups) for row, key in keys]
+    return ground - min(depths) if depths else None
+
+
+def _number(row: Row, key: str, name: str, groups: Groups) -> float:
+    try:
+        return groups.read(row, key)
+    except ValueError as error:
+        groups.problems.append(f"boring {name}, {key} = {row.get(key, '')!r}: {error}")
         return math.nan

@@ -5,6 +5,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
+from meshes.borings.blows import Blows
 from meshes.section.quantity import Coordinate, Length, Strength
 from meshes.section.section import Model
 
@@ -13,12 +14,20 @@ class Sample(Model):
     """One standard penetration test, and what the sampler brought up."""
 
     depth: Length = Field(description='the depth below the ground in the middle of the test, such as "3.3 m"')
-    N: float = Field(ge=0.0, le=500.0, description="the blow count for 30 cm, as measured, from 0 to 500")
+    N: Blows = Field(
+        description='the blow count for 30 cm as measured, from 0 to 500, or a refusal such as ">50" or "50/75 mm"'
+    )
     fines: float | None = Field(
         default=None, ge=0.0, le=100.0, description="the fines content in percent, from 0 to 100"
     )
     d50: Length | None = Field(default=None, description='the mean grain size, such as "0.25 mm"')
     plasticity: float | None = Field(default=None, ge=0.0, le=500.0, description="the plasticity index in percent")
+    energy_ratio: float | None = Field(
+        default=None,
+        ge=20.0,
+        le=120.0,
+        description="energy of its hammer in percent of its free fall, from 20 to 120; by default that of [triggering]",
+    )
 
 
 class Cone(Model):

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 
 import numpy as np
 
-from meshes.borings.log import Log
+from meshes.borings.log import Log, LogLayer
 from meshes.errors import InputError
+from meshes.section.numbering import Piece, Stack, stacked
 
 OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
 
@@ -35,6 +36,7 @@ class Connected:
     ground : elevations there
     bottoms : (strata, x) elevations of their bottoms; where a stratum is not, that of the one above
     soundings : those without layers, from left to right
+    notices : what a person has to know of how layers were connected, one sentence each
     """
 
     borings: tuple[Placed, ...]
@@ -43,6 +45,7 @@ class Connected:
     ground: np.ndarray
     bottoms: np.ndarray
     soundings: tuple[Placed, ...] = ()
+    notices: tuple[str, ...] = ()
 
 
 def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
@@ -87,38 +90,50 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     return tuple(found)
 
 
-def order(logs: Sequence[Log]) -> tuple[str, ...]:
-    """The names of the strata from the top down, as every boring has them; raises InputError where they disagree."""
+def order(logs: Sequence[Log]) -> tuple[str, ...] | None:
+    """The names of the strata from the top down, as every boring has them; None where there is no such order."""
     below: dict[str, set[str]] = {}
-    problems = []
     for log in logs:
         names = [layer.name for layer in log.layers]
-        twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-        problems += [
-            f'boring {log.name}: "{name}" is met twice; expected a name of its own for each layer' for name in twice
-        ]
         for name in names:
             below.setdefault(name, set())
         for above, name in pairwise(names):
             below[name].add(above)
-    if problems:
-        raise InputError("borings", problems)
     try:
         return tuple(TopologicalSorter(below).static_order())
-    except CycleError as error:
-        circle = " over ".join(f'"{name}"' for name in reversed(error.args[1]))
-        raise InputError("borings", [f"the layers do not lie in one order: {circle}"]) from None
+    except CycleError:  # a layer that is met twice lies above and below another
+        return None
+
+
+def _piece(log: Log, layer: LogLayer) -> Piece:
+    ends = (log.ground_level - layer.top, log.ground_level - layer.bottom)
+    return Piece(layer.name, ends, ends)
+
+
+def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
+    """The borings with numbers at the names of layers that lie above and below others, and the strata."""
+    stack = stacked([[_piece(one.log, layer) for layer in one.log.layers] for one in borings])
+    found = []
+    for one, numbers in zip(borings, stack.numbers, strict=True):
+        pairs = zip(one.log.layers, numbers, strict=True)
+        layers = tuple(replace(layer, name=stack.names[number]) for layer, number in pairs)
+        found.append(replace(one, log=replace(one.log, layers=layers)))
+    return tuple(found), stack
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     """The strata between borings: straight from one to the next, or ending half-way where the next one has none.
 
-    What lies below a boring's end is taken level from the nearest boring that reached it. Raises InputError.
+    A layer that lies above and below others is several strata, with numbers. What lies below a boring's end is taken
+    level from the nearest boring that reached it. Raises InputError.
     """
     everything = placed(logs, off_line)
     borings = tuple(one for one in everything if one.log.layers)
     soundings = tuple(one for one in everything if not one.log.layers)
-    names = order([one.log for one in borings])
+    names, notices = order([one.log for one in borings]), []
+    if names is None:
+        borings, stack = _numbered(borings)
+        names, notices = stack.names, [f"{text}, connected by their order" for text in stack.notices]
     at = np.array([one.x for one in borings])
     levels = np.array([one.log.ground_level for one in borings])
     known = [[_bottom(one.log, name, names) for name in names] for one in borings]
@@ -134,7 +149,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
             there = [value for value in values if value is not None]
             level = float(np.mean(there)) if len(there) == len(values) else float(above[place])
             bottoms[k, place] = min(level, float(above[place]))
-    return Connected(borings, names, x, ground, bottoms, soundings)
+    return Connected(borings, names, x, ground, bottoms, soundings, tuple(notices))
 
 
 UNKNOWN = math.nan  # below the end of a boring

@@ -7,30 +7,45 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from meshes.borings.boring import Sample
+from meshes.borings.complaints import folded
 from meshes.borings.cone_file import read_cones
-from meshes.borings.log import Log, LogLayer, joined, layer_problems
-from meshes.borings.table import PLACE, Table, columns_of, read_table, with_unit, written
+from meshes.borings.log import BoringFile, Log, LogLayer, joined, layer_problems, refusal_notices
+from meshes.borings.plausible import implausible_sample
+from meshes.borings.table import PLACE, Table, has_column, read_table, with_unit, written
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
+from meshes.section.sentences import sentences
 
 NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
-KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level")
+KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level", "energy_ratio")
+NOT_MEASURED = {"", "-", "--", "n/a", "na", "nan", "none"}
 
 
-def read_csv(path: Path) -> list[Log]:
-    """The borings of a file, in its order. Raises InputError with all problems.
+def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
+    """The borings of a file, in its order.
 
-    A layer may have several lines, one for each of its tests; N stands in the middle of its line.
+    A layer may have several lines, one for each of its tests; N stands in the middle of its line. A file with a column
+    qc holds cone penetration tests.
 
-    A file with a column qc holds cone penetration tests.
+    Parameters
+    ----------
+    path : of the file; its cells are parted by commas, or by semicolons or tabs, and numbers then may have commas
+    columns : the names of its columns by ours, where they differ, such as {"layer": "Stratum"}
+
+    Raises
+    ------
+    InputError
+        With all problems.
     """
-    if "qc" in columns_of(path):
-        return read_cones(path)
-    table = read_table(path, NEEDED, KNOWN)
+    columns = columns or {}
+    if has_column(path, "qc", columns):
+        return read_cones(path, columns)
+    table = read_table(path, NEEDED, KNOWN, columns)
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]
     if table.problems:
-        raise InputError(str(path), table.problems)
-    return [log for log in logs if log is not None]
+        raise InputError(str(path), folded(table.problems))
+    found = [log for log in logs if log is not None]
+    return BoringFile(found, [*table.notices, *refusal_notices(found)])
 
 
 def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table) -> Log | None:
@@ -48,7 +63,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
             table.problems.append(f"line {number}, unit_weight = {weight!r}: {error}")
         layers.append(LogLayer(cells.get("layer", ""), top, bottom, weight))
         middle = 0.5 * (top + bottom)
-        if cells.get("N") and math.isfinite(middle):  # else it has been told
+        if cells.get("N", "").lower() not in NOT_MEASURED and math.isfinite(middle):  # else it has been told
             sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]
@@ -64,15 +79,16 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
 
 def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -> Sample | None:
     data: dict[str, object] = {"depth": depth, "N": cells["N"]}
-    for key in ("fines", "plasticity"):
-        if cells.get(key):
-            data[key] = cells[key].removesuffix("%")
-    if cells.get("d50"):
+    for key in ("fines", "plasticity", "energy_ratio"):
+        if cells.get(key, "").lower() not in NOT_MEASURED:
+            data[key] = cells[key].removesuffix("%").strip()
+    if cells.get("d50", "").lower() not in NOT_MEASURED:
         data["d50"] = with_unit(cells["d50"], table.units.get("d50", ""))
     try:
-        return Sample.model_validate(data)
+        sample = Sample.model_validate(data)
     except ValidationError as error:
-        table.problems.extend(
-            [f"line {number}, {one['loc'][0]} = {one['input']!r}: {one['msg']}" for one in error.errors()]
-        )
+        table.problems.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
         return None
+    if not isinstance(data.get("d50"), str):  # a grain size with its unit is meant; [triggering] asks again
+        table.problems.extend(implausible_sample(f"line {number}, ", sample))
+    return sample

@@ -4,7 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Cone, Sample
+
+# Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.
+CONTACT = 0.0101
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,24 @@ class Log:
         return self.ground_level - self.layers[-1].bottom
 
 
+@dataclass(frozen=True)
+class BoringFile:
+    """The borings of a file, in its order, and what a person has to know of how they were read, one sentence each."""
+
+    logs: list[Log]
+    notices: list[str]
+
+
+def refusal_notices(logs: Sequence[Log]) -> list[str]:
+    """A sentence where blow counts are refusals, with the first of them."""
+    found = [f'{log.name} at {sample.depth:g} m "{getattr(sample.N, "written", sample.N)}", N = {sample.N:g}'
+             for log in logs for sample in log.samples if is_refusal(sample.N)]  # fmt: skip
+    if not found:
+        return []
+    more = f" and {len(found) - 3} more" if len(found) > 3 else ""
+    return [f"refusals count as the least that N can be: {'; '.join(found[:3])}{more}"]
+
+
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     """What is wrong with the layers of a boring: none, gaps, overlaps, layers upside down."""
     told = [] if layers else [f"boring {name}: it has no layers"]
@@ -54,11 +76,11 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
         if layer.bottom <= layer.top:
             told.append(f'boring {name}, "{layer.name}": the bottom at {layer.bottom:g} m is not below the top')
     for above, below in pairwise(layers):
-        if abs(below.top - above.bottom) > 1e-6:
+        if abs(below.top - above.bottom) > CONTACT:
             told.append(
                 f'boring {name}: "{above.name}" ends at {above.bottom:g} m and "{below.name}" begins at {below.top:g} m'
             )
-    if layers and abs(layers[0].top) > 1e-6:
+    if layers and abs(layers[0].top) > CONTACT:
         told.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
     return told
 
@@ -67,7 +89,7 @@ def joined(layers: list[LogLayer]) -> list[LogLayer]:
     """Neighbours with the same name as one layer: a file may have a line for each test, or each description."""
     found: list[LogLayer] = []
     for layer in layers:
-        if found and found[-1].name == layer.name and abs(found[-1].bottom - layer.top) < 1e-6:
+        if found and found[-1].name == layer.name and abs(found[-1].bottom - layer.top) <= CONTACT:
             last = found.pop()
             layer = LogLayer(layer.name, last.top, layer.bottom, last.unit_weight, last.description)
         found.append(layer)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Sample
 from meshes.borings.connect import Connected
 from meshes.borings.log import Log
@@ -27,6 +28,7 @@ def _head(found: Connected, name: str) -> Iterator[str]:
     for one in (*found.borings, *found.soundings):
         if one.beside:
             yield f"# Boring {one.log.name} stood {abs(one.beside):.1f} m beside the line of the section."
+    yield from (f"# {text[0].upper()}{text[1:]}." for text in found.notices)
     yield ""
     yield f"name = {json.dumps(name)}"
     yield f"surface = {_points(found.x[::2], found.ground[::2])}"
@@ -121,7 +123,13 @@ def _tests(log: Log) -> Iterator[str]:
             more = f", fines = {sample.fines:g}" if sample.fines is not None else ""
             more += f", plasticity = {sample.plasticity:g}" if sample.plasticity is not None else ""
             more += f', d50 = "{1000.0 * sample.d50:g} mm"' if sample.d50 is not None else ""
-            yield f"  {{ depth = {sample.depth:g}, N = {sample.N:g}{more} }},"
+            more += f", energy_ratio = {sample.energy_ratio:g}" if sample.energy_ratio is not None else ""
+            refused = (
+                f"     # at least: {' '.join(str(getattr(sample.N, 'written', '')).split())}"
+                if is_refusal(sample.N)
+                else ""
+            )
+            yield f"  {{ depth = {sample.depth:g}, N = {sample.N:g}{more} }},{refused}"
         yield "]"
     if log.cones:
         yield "cpt = ["

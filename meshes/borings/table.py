@@ -7,20 +7,34 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from meshes.borings.text_file import read_text
 from meshes.errors import InputError
-from meshes.section.quantity import COORDINATE
+from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
 
-HEADING = re.compile(r"^\s*(\w+)\s*(?:[(\[]\s*([^)\]]*?)\s*[)\]])?\s*$")
+HEADING = re.compile(r"^\s*([^(\[]+?)\s*(?:[(\[]\s*([^)\]]*?)\s*[)\]])?\s*$")
 PLACE = ("x", "easting", "northing")
+SEPARATORS = ";\t,"
+# A number with a decimal comma, and perhaps a unit, in a file whose cells are not parted by commas.
+DECIMAL_COMMA = re.compile(r"([-+]?\d+),(\d+)(\s*[^\d,]\S*)?")
+KINDS: dict[str, Kind] = {
+    **dict.fromkeys((*PLACE, "ground_level", "water_level", "top", "bottom", "depth"), COORDINATE),
+    "d50": LENGTH, "unit_weight": DENSITY, "qc": STRENGTH, "fs": STRENGTH,
+}  # fmt: skip
+# What a column without a dimension may say of its unit; blows for a foot are those for 30 cm.
+PERCENT = ("", "%", "percent")
+BLOWS = ("", "-", "blows", "bpf", "blows/ft", "blows/foot", "blows/30cm", "blows/300mm", "blows/0.3m", "blows/12in")
+PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 
 @dataclass(frozen=True)
 class Table:
-    """Lines of a file by boring, each with its number and its cells by column; units by column; what is wrong."""
+    """Lines of a file by boring, each with its number and its cells by column; units by column; what is wrong, and
+    what a person has to know."""
 
     lines: Mapping[str, Sequence[tuple[int, Mapping[str, str]]]]
     units: Mapping[str, str]
     problems: list[str] = field(default_factory=list)
+    notices: list[str] = field(default_factory=list)
 
     def length(self, number: int, cells: Mapping[str, str], key: str) -> float:
         """A coordinate in m; not a number, and a problem, where it cannot be read."""
@@ -37,40 +51,116 @@ class Table:
         return self.length(number, cells, "easting"), self.length(number, cells, "northing")
 
 
-def columns_of(path: Path) -> list[str]:
-    """The names of the columns, without their units. Raises InputError."""
-    return [_split(cell)[0] for cell in _rows(path)[0]]
+@dataclass(frozen=True)
+class _Sheet:
+    """The cells of a file, the heading first, each row with the number of its line; columns under our names."""
+
+    rows: list[tuple[int, list[str]]]
+    heads: list[tuple[str, str]]
+    notices: list[str]
 
 
-def read_table(path: Path, needed: Sequence[str], known: Sequence[str]) -> Table:
-    """The lines of a file that has a boring in each. Raises InputError where columns are missing or not known."""
-    rows = _rows(path)
-    if len(rows) < 2:
+def has_column(path: Path, name: str, columns: Mapping[str, str]) -> bool:
+    """Whether a file has a column of that name. Raises InputError where it cannot be read."""
+    return name in [head for head, _ in _sheet(path, columns, (name,)).heads]
+
+
+def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns: Mapping[str, str]) -> Table:
+    """The lines of a file that has a boring in each.
+
+    Parameters
+    ----------
+    path : of the file; commas, semicolons or tabs part its cells
+    needed, known : names of columns that it has to have, and that it may have
+    columns : names of its columns by ours, where they differ; others are then left out
+
+    Raises
+    ------
+    InputError
+        Where columns are missing or not known, or have units that are not understood.
+    """
+    sheet = _sheet(path, columns, known)
+    if len(sheet.rows) < 2:
         raise InputError(str(path), [f"holds no lines; expected a heading with {', '.join(needed)}, and lines below"])
-    heads = [_split(cell) for cell in rows[0]]
-    names = [name for name, _ in heads]
-    problems = [f"column {name!r}: expected one of {', '.join(known)}" for name in names if name not in known]
-    problems += [f"column {name}: missing" for name in needed if name not in names]
-    if "x" not in names and not {"easting", "northing"} <= set(names):
-        problems.append("column x: missing; expected it, or easting and northing")
+    names = [name for name, _ in sheet.heads]
+    units = dict(sheet.heads)
+    others = [name for name in names if name not in known]
+    problems = _unknown(sheet, columns, known, needed)
+    problems += [text for name, unit in sheet.heads if (text := _unit_problem(name, unit))]
     if problems:
         raise InputError(str(path), problems)
+    if others:
+        sheet.notices.append(f"{path.name}: not used: {', '.join(others)}")
     by_boring: dict[str, list[tuple[int, dict[str, str]]]] = {}
-    for number, row in enumerate(rows[1:], start=2):
-        cells = {name: cell.strip() for name, cell in zip(names, row, strict=False)}
+    for number, row in sheet.rows[1:]:
+        cells = {name: cell for name, cell in zip(names, row, strict=False) if name in known}
         by_boring.setdefault(cells.get("boring", ""), []).append((number, cells))
     missing = [f"line {its[0][0]}, boring: missing; expected the name of the boring" for name, its in by_boring.items()
                if not name]  # fmt: skip
-    return Table(by_boring, dict(heads), missing)
+    return Table(by_boring, units, missing, sheet.notices)
 
 
-def _rows(path: Path) -> list[list[str]]:
+def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], needed: Sequence[str]) -> list[str]:
+    """Columns that are missing, not known, or not there though they were named."""
+    names = [name for name, _ in sheet.heads]
+    written = [_split(cell)[0] for cell in sheet.rows[0][1]]
+    problems = [f"--columns {key}={name}: expected our name of a column, one of {', '.join(known)}"
+                for key, name in columns.items() if key not in known]  # fmt: skip
+    problems += [f"--columns {key}={name}: there is no column {name!r}; expected one of {', '.join(written)}"
+                 for key, name in columns.items() if key in known and key not in names]  # fmt: skip
+    if not columns:
+        told = f"expected one of {', '.join(known)}; --columns says which is which, --columns layer=Stratum, and leaves"
+        problems += [f"column {name!r}: {told} out what it does not name" for name in names if name not in known]
+    problems += [f"column {name}: missing" for name in needed if name not in names]
+    problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
+                 if name in known and names.count(name) > 1]  # fmt: skip
+    if "x" not in names and not {"easting", "northing"} <= set(names):
+        problems.append("column x: missing; expected it, or easting and northing")
+    return problems
+
+
+def _unit_problem(name: str, unit: str) -> str:
+    """What is wrong with the unit in the heading of a column; empty where nothing is."""
+    if name in PLAIN and re.sub(r"\s|_", "", unit.lower()).replace("per", "/") not in PLAIN[name]:
+        expected = "blows for 30 cm or for a foot" if name == "N" else "percent"
+        return f"column {name} ({unit}): expected {expected}"
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = [row for row in csv.reader(file) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), [f"cannot be read: {getattr(error, 'strerror', None) or error}"]) from None
-    return rows or [[]]
+        if unit and name in KINDS:
+            KINDS[name].read(written("1", unit))
+    except ValueError as error:
+        return f"column {name} ({unit}): {error}"
+    return ""
+
+
+def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _Sheet:
+    text, notice = read_text(path)
+    lines = text.splitlines(keepends=True)
+    separator = ""
+    if lines and (said := re.fullmatch(r"\s*\"?sep=(.)\"?\s*", lines[0])):  # Excel's way to say it
+        separator, lines[0] = said[1], "\n"
+    heading = next((line for line in lines if line.strip(" \t\r\n,;")), "")
+    separator = separator or max(SEPARATORS, key=re.sub(r'"[^"]*"|\([^)]*\)', "", heading).count)
+    reader = csv.reader(lines, delimiter=separator)
+    rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    rows = [(number, [_decimal(cell.strip(), separator) for cell in row]) for number, row in rows]
+    wanted = {_plain(name): key for key, name in columns.items()}
+    ours = {_plain(name): name for name in known}
+    heads = []
+    for cell in rows[0][1] if rows else ():
+        name, unit = _split(cell)
+        key = wanted.get(_plain(name))
+        free = _plain(name) in ours and ours[_plain(name)] not in columns
+        heads.append((key or (ours[_plain(name)] if free else name), unit))
+    return _Sheet(rows, heads, [notice] if notice else [])
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s_]+", "_", name.strip()).casefold()
+
+
+def _decimal(cell: str, separator: str) -> str:
+    """A cell with a decimal point where it has a decimal comma."""
+    return DECIMAL_COMMA.sub(r"\1.\2\3", cell) if separator != "," and DECIMAL_COMMA.fullmatch(cell) else cell
 
 
 def _split(cell: str) -> tuple[str, str]:
@@ -79,9 +169,8 @@ def _split(cell: str) -> tuple[str, str]:
 
 
 def written(value: str, unit: str) -> str:
-    """A value with the unit of its heading, if it has none of its own; m3 is m^3."""
-    text = f"{value} {unit}" if unit and re.fullmatch(r"[-+.\deE]+", value) else value
-    return re.sub(r"(?<=[a-z])([23])\b", r"^\1", text).replace("m²", "m^2").replace("m³", "m^3")
+    """A value with the unit of its heading, if it has none of its own."""
+    return f"{value} {unit}" if unit and re.fullmatch(r"[-+.\deE]+", value) else value
 
 
 def with_unit(value: str, unit: str) -> str | float:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, get_type_hints
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -11,6 +11,7 @@ from meshes.section.cutting import BELOW_WATER, Halves, halves
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.quantity import GRAVITY
+from meshes.section.ranges import Range, sentence, within
 from meshes.section.stratum import MISSING_DENSITY, Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.water import Water
@@ -19,20 +20,6 @@ from meshes.section.water import Water
 WRONG_SIDE = 0.02
 # How level (m) the surface of standing water has to be.
 LEVEL = 0.01
-
-
-class Range(NamedTuple):
-    """What a quantity can be, in its unit, of which one has ``si`` in SI units; ``slips`` are wrong factors.
-
-    With ``or_none`` it can be 0, too, below its range.
-    """
-
-    low: float
-    high: float
-    unit: str
-    si: float
-    slips: tuple[tuple[float, str], ...]
-    or_none: bool = False
 
 
 # From fresh peat to ore; buoyant peat; very soft clay to steel; a slurry to rock; rubble; from warm fresh water to the
@@ -55,7 +42,7 @@ def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequ
     told = [text for k, s in enumerate(strata, start=1) for text in _told(f'strata {k} "{s.name}"', s, OF_A_STRATUM)]
     told += _told("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
-        told += [_sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not _within(q, LOAD)]
+        told += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
     return list(dict.fromkeys(told))
 
 
@@ -72,37 +59,19 @@ def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]
                 value = TypeAdapter(kinds[key]).validate_python(written[key])
             except (KeyError, ValidationError):
                 continue
-            if value is not None and not _within(value, limits):
-                yield _sentence(f"{where}, {key}", value, limits)
+            if value is not None and not within(value, limits):
+                yield sentence(f"{where}, {key}", value, limits)
 
 
 def _told(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
     for key, limits in ranges.items():
         value = getattr(model, key)
-        if value is None or _within(value, limits):
+        if value is None or within(value, limits):
             continue
         one = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
         if one and key == "density_ordinary":
             continue  # both densities are the one that was given, and the other is told
-        yield _sentence(f"{where}, {'density' if one and key == 'density_seismic' else key}", value, limits)
-
-
-def _within(value: float, limits: Range) -> bool:
-    none = limits.or_none and value == 0.0
-    return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
-
-
-def _sentence(key: str, value: float, limits: Range) -> str:
-    written = getattr(value, "written", value)
-    shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
-    number = str(written).split()[0]
-    meant = next((unit for factor, unit in limits.slips if _within(factor * value, limits)), None)
-    hint = f' (did you mean "{number} {meant}"?)' if meant and f"{number} {meant}" != written else ""
-    expected = f"{'0, or ' if limits.or_none else ''}{limits.low:g} to {limits.high:g} {limits.unit}"
-    return (
-        f"{key} = {shown}: {value / limits.si:.6g} {limits.unit} is beyond what there is{hint}; expected {expected}, "
-        "or unusual = true at the head of the file if it is meant"
-    )
+        yield sentence(f"{where}, {'density' if one and key == 'density_seismic' else key}", value, limits)
 
 
 def against_the_water(

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
+from meshes.section.units import DEFINITIONS, spelled
+
 if TYPE_CHECKING:
     import pint
 
@@ -35,8 +37,6 @@ COMMON_UNITS = {
     "deg": ("rad", math.pi / 180.0),
     "°": ("rad", math.pi / 180.0),
 }
-# A power written as "m3" is.
-BARE_POWER = re.compile(r"(?<=[A-Za-z])([23])(?![A-Za-z\d.])")
 
 
 class Quantity(float):
@@ -98,7 +98,7 @@ class Kind:
 
     def _convert(self, text: str) -> float:
         parts = NUMBER_AND_UNIT.fullmatch(text)
-        wanted = BARE_POWER.sub(r"^\1", parts[2]) if parts else ""
+        wanted = spelled(parts[2]) if parts else ""
         unit, factor = COMMON_UNITS.get(wanted, ("", 0.0))
         if parts and unit and unit == self.unit:
             return float(parts[1]) * factor
@@ -117,7 +117,9 @@ class Kind:
         same_dimension = quantity.is_compatible_with(registry.Unit(self.unit))
         angle_for_ratio = not self.unit and not quantity.unitless
         if not same_dimension or angle_for_ratio:
-            raise ValueError(f"has the wrong dimension ({quantity.units}); {self.expected}")
+            mass = self.unit == "Pa" and quantity.is_compatible_with(registry.Unit("kg / m^2"))
+            hint = ", a mass per area: write tf, kgf or lbf for a force" if mass else ""
+            raise ValueError(f"has the wrong dimension ({quantity.units}){hint}; {self.expected}")
         return float(quantity.to(self.unit).magnitude)
 
 
@@ -126,7 +128,10 @@ def unit_registry() -> "pint.UnitRegistry":
     """pint's units, which know the tonne-force (tf) of Japanese soil reports."""
     import pint
 
-    return pint.UnitRegistry()
+    registry: pint.UnitRegistry = pint.UnitRegistry()
+    for definition in DEFINITIONS:
+        registry.define(definition)
+    return registry
 
 
 def _field(kind: Kind) -> Any:

@@ -18,6 +18,14 @@ PLAIN_WORDS = {
     "bool_type": "expected true or false",
     "int_type": "expected a whole number",
 }
+# The same, of numbers, whose description need not say that they are such.
+NUMBERS = {
+    "int_parsing": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "float_type": "expected a number",
+    "float_parsing": "expected a number",
+    "finite_number": "expected a finite number",
+}
 
 
 Place = tuple[int | str, ...]
@@ -87,6 +95,8 @@ def _told(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[st
     if error["type"] == "value_error":
         return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
     expected = _description(error["loc"], model)
+    if number := NUMBERS.get(error["type"]):
+        return [f"{key}{shown}: {number}" + (f", {expected}" if expected else "")]
     plain = PLAIN_WORDS.get(error["type"])
     if plain:
         return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]

@@ -189,6 +189,7 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
         sample.fines or 0.0,
         None if sample.d50 is None else 1000.0 * sample.d50,
         sample.plasticity,
+        sample.energy_ratio,
     )
 
 
@@ -198,7 +199,7 @@ def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float
     if isinstance(point, ConeTest):
         resistance, clean = boulanger_idriss.normalised(point)
         return boulanger_idriss.equivalent_count(resistance), boulanger_idriss.equivalent_count(clean)
-    return idriss_boulanger.normalised(point, settings.energy_ratio, settings.rods_above)
+    return idriss_boulanger.normalised(point, point.energy_ratio or settings.energy_ratio, settings.rods_above)
 
 
 def fines_of(test: Judged) -> float:

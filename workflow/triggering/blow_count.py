@@ -22,6 +22,7 @@ class BlowCount:
     fines : content of fines (%)
     d50 : mean grain size (mm); None if not known
     plasticity : plasticity index (%); None if not known
+    energy_ratio : energy of its hammer (% of its free fall); None if it is that of all
     """
 
     depth: float
@@ -31,6 +32,7 @@ class BlowCount:
     fines: float
     d50: float | None = None
     plasticity: float | None = None
+    energy_ratio: float | None = None
 
 
 @dataclass(frozen=True)

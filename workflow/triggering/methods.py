@@ -35,7 +35,7 @@ class Relation:
 
 
 def _idriss_boulanger(point: BlowCount, shaking: Shaking, settings: TriggeringSettings) -> Resistance:
-    return idriss_boulanger.assess(point, shaking, settings.energy_ratio, settings.rods_above)
+    return idriss_boulanger.assess(point, shaking, point.energy_ratio or settings.energy_ratio, settings.rods_above)
 
 
 def _boulanger_idriss(point: ConeTest, shaking: Shaking, settings: TriggeringSettings) -> Resistance:

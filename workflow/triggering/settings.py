@@ -27,7 +27,8 @@ class TriggeringSettings(Model):
         default=60.0,
         ge=20.0,
         le=120.0,
-        description="energy of the hammer in percent of its free fall, from 20 to 120; for Idriss & Boulanger alone",
+        description="energy of the hammer in percent of its free fall, from 20 to 120, where a blow count has "
+        "none of its own; for Idriss & Boulanger alone",
     )
     rods_above: Length = Field(
         default=1.5, description='how far the rods stand out of the ground, such as "1.5 m"; for Idriss & Boulanger'

@@ -1,5 +1,6 @@
 """Borings from CSV and AGS4 files, connected to a section; sections as drawings and back."""
 
+import math
 import tomllib
 from pathlib import Path
 
@@ -76,7 +77,8 @@ def problems(folder: Path, text: str) -> str:
 
 def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> None:
     """Fill is 1.5 m thick at x = 40 m and gone at 70 m; silt begins at 20 m. The gravel below B-3 is that of B-2."""
-    given = Input.parse(tomllib.loads(text_of(connected(read_csv(written(tmp_path, HEAD + "\n" + LINES))), "made")))
+    logs = read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs
+    given = Input.parse(tomllib.loads(text_of(connected(logs), "made")))
     plain = {s.name.split(",")[0]: s for s in given.strata}
     assert list(plain) == ["fill", "silt", "sand", "gravel"]
     x = np.array([0.0, 20.0, 40.0, 70.0, 100.0])
@@ -92,7 +94,7 @@ def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> N
 
 def test_values_have_units_too(tmp_path: Path) -> None:
     text = "boring,x,ground_level,top,bottom,layer,unit_weight\nA,0 m,10 ft,0,150 cm,sand,1.8 t/m^3\n"
-    (log,) = read_csv(written(tmp_path, text))
+    (log,) = read_csv(written(tmp_path, text)).logs
     assert (log.ground_level, log.layers[0].bottom) == (pytest.approx(3.048), pytest.approx(1.5))
     assert log.layers[0].unit_weight == "1.8 t/m^3"
 
@@ -134,12 +136,24 @@ def test_borings_are_projected_on_the_line_of_the_section() -> None:
         placed(logs, 2.0)
 
 
-def test_layers_that_lie_in_no_order_are_named() -> None:
-    assert order([log("A", (0.0, 0.0), "a", "c"), log("B", (1.0, 0.0), "b", "c")])[-1] == "c"
-    with pytest.raises(InputError, match="do not lie in one order"):
-        order([log("A", (0.0, 0.0), "a", "b"), log("B", (1.0, 0.0), "b", "a")])
-    with pytest.raises(InputError, match='"a" is met twice'):
-        order([log("A", (0.0, 0.0), "a", "b", "a")])
+def test_layers_above_and_below_others_have_numbers() -> None:
+    """Clay over sand over clay, and clay over sand beside sand over clay: each part is a stratum of its own."""
+    found = order([log("A", (0.0, 0.0), "a", "c"), log("B", (1.0, 0.0), "b", "c")])
+    assert found is not None
+    assert found[-1] == "c"
+    for one, other, names in (
+        (("a", "b", "a"), ("a", "b"), ("a 1", "b", "a 2")),
+        (("a", "b", "a"), ("b", "a"), ("a 1", "b", "a 2")),
+        (("a", "b", "a"), ("a", "c", "b", "a", "d"), ("a 1", "c", "b", "a 2", "d")),
+        (("a", "b"), ("b", "a"), ("a 1", "b", "a 2")),
+        (("a", "b", "a"), ("a 1", "b"), ("a (1)", "a 1", "b", "a (2)")),
+    ):
+        made = connected([log("A", (0.0, math.nan), *one), log("B", (9.0, math.nan), *other)])
+        assert sorted(made.names) == sorted(names)
+        assert [name for name in made.names if name.startswith(("a 2", "a (2"))] == [n for n in names if "2" in n]
+        assert len(made.notices) == 1
+        assert "from the top down it is" in made.notices[0]
+        assert np.all(np.diff(np.vstack([made.ground, made.bottoms]), axis=0) <= 0.0)
 
 
 def test_ags4(tmp_path: Path) -> None:
@@ -147,7 +161,7 @@ def test_ags4(tmp_path: Path) -> None:
 
     The groups of the 87 test files that python-ags4 1.2.0 ships read as that package reads them: 94 groups LOCA, GEOL
     and ISPT, compared by hand since none of them may be copied here."""
-    one, two = read_ags4(written(tmp_path, AGS4, "borings.ags"))
+    one, two = read_ags4(written(tmp_path, AGS4, "borings.ags")).logs
     assert [(layer.name, layer.top, layer.bottom) for layer in one.layers] == [
         ("MG", 0.0, 1.5), ("AL", 1.5, 6.0), ("RTD", 6.0, 12.0)
     ]  # fmt: skip
@@ -156,7 +170,8 @@ def test_ags4(tmp_path: Path) -> None:
     for text, expected in (
         (AGS4.replace('"2.00","7"', '"","7"'), "a blow count N = 7 without a depth"),
         (AGS4.replace('"Loose SAND","AL"', '"Loose SAND",""'), "has no GEOL_GEOL, no name"),
-        ("no borings", "group LOCA: missing"),
+        ("no borings", "holds no GROUP; expected AGS4, with a group LOCA"),
+        (AGS4.replace('"GROUP","LOCA"', '"GROUP","HOLE"'), "group LOCA: missing"),
     ):
         with pytest.raises(InputError, match=expected):
             read_ags4(written(tmp_path, text, "bad.ags"))
@@ -184,7 +199,7 @@ SOUNDED = AGS4.replace('"DATA","TP1",', '"DATA","CPT1","115.00","220.00",""\n"DA
 
 def test_cones_of_an_ags4_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """qt = 1.5 MPa + (1 - 0.8) 50 kPa; a sleeve friction below zero is none; units are those of the file."""
-    one, two, cone = sorted(read_ags4(written(tmp_path, SOUNDED, "cones.ags")), key=lambda log: log.name)
+    one, two, cone = sorted(read_ags4(written(tmp_path, SOUNDED, "cones.ags")).logs, key=lambda log: log.name)
     assert (one.cones, cone.layers) == ((), ())
     assert [(c.depth, c.qc, c.fs) for c in cone.cones] == [
         (2.0, pytest.approx(1.51e6), 12e3),
@@ -192,7 +207,8 @@ def test_cones_of_an_ags4_file(tmp_path: Path, capsys: pytest.CaptureFixture[str
     ]
     assert [(c.depth, c.qc) for c in two.cones] == [(3.0, 9e6)]
     kilopascals = SOUNDED.replace('"MN/m2"', '"kPa"').replace('"9.00","45.0"', '"9000","45.0"')
-    assert read_ags4(written(tmp_path, kilopascals, "cones.ags"))[1].cones[0].qc == 9e6
+    kilopascals = kilopascals.replace('"1.50","12.0"', '"1500","12.0"').replace('"1.60","-0.3"', '"1600","-0.3"')
+    assert read_ags4(written(tmp_path, kilopascals, "cones.ags")).logs[1].cones[0].qc == 9e6
     path = written(tmp_path, SOUNDED, "cones.ags")
     assert command_line.run("section", path, "-o", tmp_path / "made.toml") == 0
     assert "2 borings with layers, cones in 2 of 3" in capsys.readouterr().out
@@ -219,17 +235,17 @@ def test_a_layer_may_have_a_line_for_each_of_its_tests(tmp_path: Path) -> None:
     """Two lines of one layer are that layer with two blow counts; the section made of them goes on past the borings."""
     lines = "A,0,5,0,2,sand,4\nA,0,5,2,4,sand,6\nA,0,5,4,8,clay,3\nB,40,4,0,3,sand,5\nB,40,4,3,8,clay,2\n"
     path = written(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines)
-    first, _ = read_csv(path)
+    first, _ = read_csv(path).logs
     assert [(one.name, one.top, one.bottom) for one in first.layers] == [("sand", 0.0, 4.0), ("clay", 4.0, 8.0)]
     assert [(one.depth, one.N) for one in first.samples] == [(1.0, 4.0), (3.0, 6.0), (6.0, 3.0)]
-    assert 'beyond = "20 m"' in text_of(connected(read_csv(path)), "two")
+    assert 'beyond = "20 m"' in text_of(connected(read_csv(path).logs), "two")
 
 
 def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Beside a file of borings; what is wrong has its line, and a sounding beyond the borings its x."""
     borings = written(tmp_path, HEAD + "\n" + LINES)
     text = "boring,x,depth (m),qc (MPa),fs (kPa)\nC-1,20,1.0,2.5,20\nC-1,20,1.1,2600 kPa,21\n"
-    (log,) = read_csv(written(tmp_path, text, "cones.csv"))
+    (log,) = read_csv(written(tmp_path, text, "cones.csv")).logs
     assert [(c.depth, c.qc, c.fs) for c in log.cones] == [(1.0, 2.5e6, 20e3), (1.1, 2.6e6, 21e3)]
     cones = tmp_path / "cones.csv"
     assert command_line.run("section", borings, cones, "-o", tmp_path / "made.toml") == 0
@@ -239,11 +255,11 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "line 4, qc = '-1 MPa'" in told
     assert "sounding C-1: 1 m follows 1.1 m" in told
     borings = written(tmp_path, HEAD + "\n" + LINES)
-    far = read_csv(written(tmp_path, text.replace("C-1,20", "C-1,120"), "cones.csv"))
+    far = read_csv(written(tmp_path, text.replace("C-1,20", "C-1,120"), "cones.csv")).logs
     with pytest.raises(
         InputError, match=r"sounding C-1: at x = 120 m it stands beyond the borings with layers, 0 to 100"
     ):
-        placed([*read_csv(borings), *far])
+        placed([*read_csv(borings).logs, *far])
 
 
 def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

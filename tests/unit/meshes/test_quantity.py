@@ -57,8 +57,33 @@ def test_converts_to_si(kind: Kind, written: str | float, expected: float) -> No
 
 
 @pytest.mark.parametrize(
+    ("kind", "written", "expected"),
+    [
+        (STRENGTH, "100 psf", 4788.0258980),
+        (STRENGTH, "1 ksf", 47880.258980),
+        (STRENGTH, "1 tsf", 95760.517961),
+        (STRENGTH, "1 tonf/ft^2", 95760.517961),
+        (DENSITY, "110 pcf", 110 * 16.018463374),
+        (DENSITY, "0.11 KCF", 110 * 16.018463374),
+        (STRENGTH, "50 KPa", 50e3),
+        (STIFFNESS, "20 Mpa", 20e6),
+        (DENSITY, "18 KN/m3", 18e3 / 9.80665),
+        (DENSITY, "18 kN/m³", 18e3 / 9.80665),
+        (STRENGTH, "5 tonf/m^2", 5 * 9806.65),
+        (DENSITY, "1.8 tonf/m3", 1800.0),
+        (DENSITY, "1.8 ton/m3", 1800.0),
+        (COORDINATE, "41 FT", 41 * 0.3048),
+    ],
+)
+def test_units_as_reports_spell_them(kind: Kind, written: str, expected: float) -> None:
+    """1 lbf/ft² is 47.88025898 Pa, 1 lbf/ft³ is 16.018463374 kg/m³ (NIST SP 811); tons are metric but beside feet."""
+    assert kind.read(written) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
     ("kind", "written", "reason"),
     [
+        (STRENGTH, "2 kg/cm2", "has the wrong dimension (kilogram / centimeter ** 2), a mass per area: write tf, kgf"),
         (STIFFNESS, "1560 t/m^2", "has the wrong dimension (metric_ton / meter ** 2)"),
         (STIFFNESS, "30 kg", "has the wrong dimension (kilogram)"),
         (DENSITY, "1.8 tf/m^2", "has the wrong dimension"),

@@ -134,7 +134,7 @@ def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: lis
             {"residual_strength": {"upper": 12, "lower": "-3 kPa"}},
             ["residual_strength, upper = 12: 0.012 kPa", "residual_strength, lower = '-3 kPa': out of range"],
         ),
-        ({"residual": "much"}, ["residual = 'much': input should be a valid number"]),
+        ({"residual": "much"}, ["residual = 'much': expected a number, residual strength"]),
     ],
 )  # fmt: skip
 def test_a_key_of_several_kinds_has_one_sentence_for_what_was_meant(case: dict[str, Any], told: list[str]) -> None:

@@ -1,0 +1,101 @@
+"""Blow counts as logs write them: numbers, and refusals, where the sampler did not go in as far as it was to."""
+
+import math
+import re
+from typing import Annotated, Any
+
+from pydantic import PlainSerializer, PlainValidator
+
+from meshes.section.quantity import Quantity
+
+# What counts as a refusal (ASTM D1586: 50 blows for less than 15 cm), and how far a counted drive goes (mm).
+REFUSAL, DRIVE = 50.0, 300.0
+HIGHEST = 500.0
+EXPECTED = (
+    f"expected the blow count for 30 cm as measured, from 0 to {HIGHEST:g}, or a refusal such as "
+    '">50", "50/75 mm" or "R"'
+)
+MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "inches": 25.4, '"': 25.4, "ft": 304.8,
+               "foot": 304.8, "feet": 304.8, "'": 304.8, "": 1.0}  # fmt: skip
+NUMBER = r"(\d+(?:\.\d+)?)"
+AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*\+", re.IGNORECASE)
+# A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
+TOLD = re.compile(rf"N\s*[=:]\s*>?\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\))", re.IGNORECASE)
+# Blows for a depth with its unit, "50/75mm" or "12 blows/ft"; without one only where nothing else is written.
+LENGTH = "mm|cm|m|inches|inch|in|feet|foot|ft|\"|'"
+DRIVEN = re.compile(rf"{NUMBER}\s*(?:blows?)?\s*(?:/|for|per|in)\s*{NUMBER}?\s*({LENGTH})", re.IGNORECASE)
+BARE = re.compile(rf"{NUMBER}\s*/\s*{NUMBER}()")
+WORDS = {"r", "ref", "refusal", "refused"}
+UNDER_ITS_WEIGHT = {"woh", "wor", "wr", "wh", "sw"}
+
+
+def read_blows(value: Any) -> Quantity:
+    """The blow count of a test; of a refusal the least that it can be.
+
+    A drive that ended after ``b`` blows and ``p`` mm has at least ``b`` blows, and in proportion 300 b / p; a refusal
+    counts as the smaller of these two where ``b`` is below 50, and at most as 50 then. A sampler that sinks under the
+    weight of rods or hammer ("WOH") has a count of 0.
+
+    Raises
+    ------
+    ValueError
+        With what was expected.
+    """
+    if isinstance(value, Quantity):
+        number, written = float(value), value.written
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        number, written = float(value), value
+    elif isinstance(value, str):
+        number, written = _counted(value.strip())[0], value.strip()
+    else:
+        raise ValueError(EXPECTED)
+    if not 0.0 <= number <= HIGHEST:  # nan is not, either
+        raise ValueError(EXPECTED)
+    return Quantity(number, _plain(written))
+
+
+def is_refusal(blows: float) -> bool:
+    """Whether a count is the least that a refusal can be."""
+    written = getattr(blows, "written", blows)
+    return isinstance(written, str) and _counted(written)[1]
+
+
+def _plain(written: str | float) -> str | float:
+    try:
+        return float(written)
+    except ValueError:
+        return written
+
+
+def _counted(text: str) -> tuple[float, bool]:
+    """The count of a text, not a number where it says none, and whether the sampler was refused."""
+    try:
+        return float(text), False
+    except ValueError:
+        pass
+    if text.lower() in WORDS:
+        return REFUSAL, True
+    if text.lower() in UNDER_ITS_WEIGHT:
+        return 0.0, False
+    if least := AT_LEAST.fullmatch(text):
+        return float(least[1] or least[2]), True
+    if told := TOLD.fullmatch(text):
+        driven, blows = list(DRIVEN.finditer(text)), float(told[1] or told[3])
+        return _driven(blows, driven[-1]) if driven else (blows, False)
+    driven = list(DRIVEN.finditer(text)) or list(BARE.finditer(text))[:1]
+    if driven and driven[-1].end() == len(text):
+        return _driven(float(driven[-1][1]), driven[-1])
+    return math.nan, False
+
+
+def _driven(blows: float, drive: re.Match[str]) -> tuple[float, bool]:
+    """The count of ``blows`` of which the last drive may have ended early, and whether it did."""
+    depth = float(drive[2] or 1.0) * MILLIMETRES[drive[3].lower()]
+    if depth >= 0.98 * DRIVE:  # 30 cm or a foot: it went in
+        return blows, False
+    if blows >= REFUSAL:
+        return blows, True
+    return REFUSAL if depth == 0.0 else min(REFUSAL, blows * DRIVE / depth), True
+
+
+Blows = Annotated[float, PlainValidator(read_blows), PlainSerializer(lambda number: getattr(number, "written", number))]

@@ -1,0 +1,48 @@
+"""Numbers of blow counts and cones that no test has: slips of the pen, mostly a unit."""
+
+from collections.abc import Iterator, Sequence
+
+from meshes.borings.boring import Boring, Cone, Sample
+from meshes.section.ranges import UNUSUAL, Range, sentence, within
+
+# From clay to the coarsest sand with gravel that a sampler of 35 mm brings up whole; a refusal to rock; bentonite; the
+# deepest borings for foundations; from mud to hard rock.
+GRAIN = Range(1e-5, 10.0, "mm", 1e-3, ((1e-3, "mm"), (1e-6, "µm")))
+BLOWS = Range(0.0, 200.0, "blows", 1.0, ())
+PLASTICITY = Range(0.0, 200.0, "%", 1.0, ())
+DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))
+# Of a whole sounding: single readings of soft ground are as small as noise.
+LARGEST_TIP = Range(0.02, 200.0, "MPa", 1e6, ((1e6, "MPa"), (1e3, "kPa"), (1e-3, "kPa")))
+LARGEST_SLEEVE = Range(0.2, 5000.0, "kPa", 1e3, ((1e3, "kPa"), (1e6, "MPa"), (1e-3, "Pa")), or_none=True)
+OF_A_SAMPLE = {"depth": DEPTH, "N": BLOWS, "plasticity": PLASTICITY, "d50": GRAIN}
+
+
+def implausible_tests(borings: Sequence[Boring]) -> list[str]:
+    """One sentence for each number of borings in [triggering] that is beyond what there is."""
+    told: list[str] = []
+    for number, boring in enumerate(borings, start=1):
+        where = f'triggering, borings {number} "{boring.name}"'
+        for place, sample in enumerate(boring.spt, start=1):
+            told += implausible_sample(f"{where}, spt {place}, ", sample, UNUSUAL)
+        told += implausible_cones(f"{where}, cpt, ", boring.cpt, UNUSUAL)
+    return told
+
+
+def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator[str]:
+    """The same of one blow count; ``where`` goes before the key, the ``remedy`` to the end."""
+    for key, limits in OF_A_SAMPLE.items():
+        value = getattr(sample, key)
+        if value is not None and not within(value, limits):
+            yield sentence(f"{where}{key}", value, limits, remedy)
+
+
+def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_units: bool = False) -> Iterator[str]:
+    """The same of the deepest reading of a sounding, and of its largest resistance and friction.
+
+    Where a file gave them ``with_units``, no other unit is guessed.
+    """
+    for key, limits in (("depth", DEPTH), ("qc", LARGEST_TIP), ("fs", LARGEST_SLEEVE)):
+        largest = max((getattr(cone, key) for cone in cones), default=None)
+        if largest is not None and not within(largest, limits):
+            limits = limits._replace(slips=()) if with_units else limits
+            yield sentence(f"{where}largest {key}", largest, limits, remedy)

@@ -1,0 +1,203 @@
+"""Outlines cut into columns at all their corners, and the strata that they make from the top down."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from meshes.drawings.shapes import JOINED, Shape
+from meshes.section.numbering import Piece, Stack, stacked
+
+# Corners whose x differ by less (m) are at one x; what is thinner is nothing.
+SNAP = 1e-4
+# An outline of which this share lies in another lies in it.
+INSIDE = 0.999
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The ground between breakpoints.
+
+    Attributes
+    ----------
+    x : (columns + 1,) the breakpoints (m)
+    pieces : of every column, from the top down
+    stack : the strata that they belong to
+    notices : what a person has to know: gaps and overlaps, one sentence each
+    problems : what keeps the outlines from being a section
+    """
+
+    x: np.ndarray
+    pieces: list[list[Piece]]
+    stack: Stack
+    notices: list[str]
+    problems: list[str]
+
+
+def columns_of(outlines: Sequence[Shape]) -> Columns:
+    """The strata of outlines; of several that hold a place the smallest one has it.
+
+    What lies between two outlines, where nothing is drawn, goes to what is below.
+    """
+    areas = [_area(outline.points) for outline in outlines]
+    x = _breakpoints(outlines)
+    edges = _edges(outlines, x)
+    tally = _Tally([outline.layer for outline in outlines], areas, x)
+    pieces, problems = [], []
+    for column in range(len(x) - 1):
+        cells = _cells(edges, x, column, areas, tally)
+        pieces.append(_pieces(cells, tally, column))
+        if not pieces[-1]:
+            problems.append(
+                f"nothing is drawn from x = {x[column]:.6g} to {x[column + 1]:.6g} m; expected ground there"
+            )
+    stack = stacked(pieces)
+    return Columns(x, pieces, stack, [*stack.notices, *tally.sentences()], problems)
+
+
+class _Tally:
+    """What is noticed column by column: gaps, and what lies on what, of all outlines by number."""
+
+    def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
+        self.names, self.areas, self.x = names, areas, x
+        self.kept = [0.0] * len(names)
+        self.shared: dict[tuple[int, int], list[float]] = {}  # area, and x from and to
+        self.gaps: dict[tuple[str, str], list[float]] = {}  # height, and x from and to
+
+    def add(self, inside: Sequence[int], owner: int, area: float, column: int) -> None:
+        """A cell that lies in outlines, and whose it is."""
+        self.kept[owner] += area
+        for other in inside:
+            if other != owner and self.names[other] != self.names[owner]:
+                whole = self.shared.setdefault((owner, other), [0.0, self.x[column], self.x[column + 1]])
+                whole[0], whole[2] = whole[0] + area, self.x[column + 1]
+
+    def gap(self, above: str, below: str, height: float, column: int) -> None:
+        """Nothing drawn between two strata."""
+        here = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
+        here[0], here[2] = max(here[0], height), self.x[column + 1]
+
+    def sentences(self) -> list[str]:
+        told = [
+            f'between "{above}" and "{below}" nothing is drawn, up to {height:.3g} m high from x = {start:.6g} to '
+            f'{end:.6g} m: it is taken for "{below}"'
+            for (above, below), (height, start, end) in self.gaps.items()
+            if height > JOINED
+        ]
+        for (owner, other), (area, start, end) in self.shared.items():
+            nested = area >= INSIDE * min(self.areas[owner], self.areas[other])
+            if not nested and area > JOINED * (end - start):
+                told.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
+                            f'{start:.6g} to {end:.6g} m: that is taken for "{self.names[owner]}"')  # fmt: skip
+        told += [f'the outline on layer "{name}" is covered by others, and not used'
+                 for name, kept in zip(self.names, self.kept, strict=True) if kept <= 0.0]  # fmt: skip
+        return told
+
+
+def _area(points: np.ndarray) -> float:
+    (x, z), (x1, z1) = points.T, np.roll(points, -1, axis=0).T
+    return abs(float(0.5 * (x * z1 - x1 * z).sum()))
+
+
+def _breakpoints(outlines: Sequence[Shape]) -> np.ndarray:
+    """x (m) of all corners, and of where edges cross, those within SNAP of each other once."""
+    starts = np.vstack([outline.points for outline in outlines])
+    ends = np.vstack([np.roll(outline.points, -1, axis=0) for outline in outlines])
+    swap = starts[:, 0] > ends[:, 0]
+    left, right = np.where(swap[:, None], ends, starts), np.where(swap[:, None], starts, ends)
+    slanted = right[:, 0] - left[:, 0] > SNAP
+    every = np.sort(np.concatenate([starts[:, 0], _crossings(left[slanted], right[slanted])]))
+    return every[np.concatenate([[True], np.diff(every) > SNAP])]
+
+
+def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """x (m) where edges, from left (n, 2) to right (n, 2), cross by more than SNAP."""
+    order = np.argsort(left[:, 0])
+    left, right = left[order], right[order]
+    slope = (right[:, 1] - left[:, 1]) / (right[:, 0] - left[:, 0])
+    found = [np.empty(0)]
+    for i in range(len(left)):
+        after = slice(i + 1, int(np.searchsorted(left[:, 0], right[i, 0])))
+        start, end = left[after, 0], np.minimum(right[after, 0], right[i, 0])
+        gap = [left[i, 1] + slope[i] * (x - left[i, 0]) - left[after, 1] - slope[after] * (x - left[after, 0])
+               for x in (start, end)]  # fmt: skip
+        crossed = (gap[0] * gap[1] < 0.0) & (np.minimum(np.abs(gap[0]), np.abs(gap[1])) > SNAP)
+        share = gap[0][crossed] / (gap[0][crossed] - gap[1][crossed])
+        found.append(start[crossed] + share * (end[crossed] - start[crossed]))
+    return np.concatenate(found)
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """Edges of all outlines: whose they are, and the breakpoints, by number, and elevations (m) of their ends."""
+
+    outline: np.ndarray
+    first: np.ndarray
+    last: np.ndarray
+    z_first: np.ndarray
+    z_last: np.ndarray
+
+
+def _edges(outlines: Sequence[Shape], x: np.ndarray) -> _Edges:
+    rows = []
+    for k, outline in enumerate(outlines):
+        at = np.searchsorted(0.5 * (x[1:] + x[:-1]), outline.points[:, 0])  # the nearest one
+        there, z = np.roll(at, -1), np.roll(outline.points[:, 1], -1)
+        for a, b, za, zb in zip(at, there, outline.points[:, 1], z, strict=True):
+            if a != b:
+                rows.append((k, a, b, za, zb) if a < b else (k, b, a, zb, za))
+    table = np.array(rows, dtype=float)
+    return _Edges(*table[:, :3].astype(int).T, *table[:, 3:].T)
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """What lies between two edges of a column: whose it is, -1 if nobody's; (left, right) of top and bottom (m)."""
+
+    owner: int
+    top: np.ndarray
+    bottom: np.ndarray
+
+
+def _cells(edges: _Edges, x: np.ndarray, column: int, areas: Sequence[float], tally: _Tally) -> list[_Cell]:
+    """The cells of a column, from the top down."""
+    here = np.flatnonzero((edges.first <= column) & (edges.last > column))
+    start, end = x[edges.first[here]], x[edges.last[here]]
+    share = (x[[column, column + 1]][:, None] - start) / (end - start)
+    lines = (edges.z_first[here] + share * (edges.z_last[here] - edges.z_first[here])).T
+    order = np.argsort(-lines.sum(axis=1), kind="stable")
+    inside: set[int] = set()
+    cells = []
+    width = float(x[column + 1] - x[column])
+    for upper, lower in pairwise(order):
+        inside ^= {int(edges.outline[here[upper]])}
+        top, bottom = lines[upper], lines[lower]
+        thick = float((top - bottom).mean())
+        if thick <= SNAP:
+            continue
+        owner = min(inside, key=lambda k: (areas[k], k)) if inside else -1
+        if owner >= 0:
+            tally.add(sorted(inside), owner, thick * width, column)
+        cells.append(_Cell(owner, top, bottom))
+    return cells
+
+
+def _pieces(cells: Sequence[_Cell], tally: _Tally, column: int) -> list[Piece]:
+    """The cells of a column as pieces of layers: neighbours of one name are one, gaps go to what is below."""
+    pieces: list[Piece] = []
+    gap: _Cell | None = None
+    for cell in cells:
+        if cell.owner < 0:
+            gap = cell if pieces else None
+            continue
+        name, top = tally.names[cell.owner], cell.top
+        if gap is not None and pieces:
+            tally.gap(pieces[-1].name, name, float((gap.top - gap.bottom).max()), column)
+            top, gap = gap.top, None
+        left, right = ((float(top[end]), float(cell.bottom[end])) for end in (0, 1))
+        if pieces and pieces[-1].name == name:
+            above = pieces.pop()
+            left, right = (above.left[0], left[1]), (above.right[0], right[1])
+        pieces.append(Piece(name, left, right))
+    return pieces

@@ -1,0 +1,126 @@
+"""The section that outlines and lines of a drawing make, as TOML for a person to complete."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from meshes.drawings.columns import SNAP, Columns, columns_of
+from meshes.drawings.shapes import Shape, Shapes
+from meshes.drawings.water_line import is_water, water_table
+from meshes.errors import InputError
+from meshes.section.simplified import needed
+
+SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
+
+
+class Drawn(NamedTuple):
+    """A section as TOML, and what a person has to know of how the drawing was read, one sentence each."""
+
+    text: str
+    notices: list[str]
+
+
+def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
+    """The section of a drawing, its soils still to be given.
+
+    Outlines are strata, of the names of their layers. Without outlines the highest line is the ground, and each other
+    one the bottom of the stratum of its layer. Raises InputError with all problems.
+    """
+    others = [line for line in shapes.lines if not is_water(line)]
+    if not shapes.outlines:
+        return _of_lines(others, shapes, path, name)
+    columns = columns_of(shapes.outlines)
+    if columns.problems:
+        raise InputError(str(path), columns.problems)
+    ground, bottoms = _interfaces(columns)
+    table, told = water_table(shapes.lines, float(columns.x[0]), float(columns.x[-1]))
+    unused = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}: it closes no outline, and is no water '
+              "table" for line in others]  # fmt: skip
+    notices = [*shapes.notices, *columns.notices, *told, *unused]
+    strata = [(stratum, _points(columns.x, bottom))
+              for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
+    base = strata[-1][1]
+    return Drawn(_text(name, notices, _points(columns.x, ground), base, table, strata), notices)
+
+
+def _interfaces(columns: Columns) -> tuple[np.ndarray, np.ndarray]:
+    """The ground (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at both ends.
+
+    The bottom of a stratum that is not there is that of the one above.
+    """
+    ground = np.array([[its[0].left[0], its[0].right[0]] for its in columns.pieces])
+    bottoms = np.full((len(columns.stack.names), *ground.shape), np.nan)
+    for column, (its, numbers) in enumerate(zip(columns.pieces, columns.stack.numbers, strict=True)):
+        for piece, number in zip(its, numbers, strict=True):
+            bottoms[number, column] = piece.left[1], piece.right[1]
+    above = ground
+    for bottom in bottoms:
+        bottom[:] = np.where(np.isnan(bottom), above, bottom)
+        above = bottom
+    return ground, bottoms
+
+
+def _of_lines(lines: Sequence[Shape], shapes: Shapes, path: Path, name: str) -> Drawn:
+    if len(lines) < 2:
+        expected = (
+            "expected one for each stratum, on a layer of its name, or a line for the ground and one for each bottom"
+        )
+        raise InputError(str(path), [f"holds no closed polylines; {expected}", *shapes.notices])
+    ordered = [(line.layer, line.points if line.points[0, 0] <= line.points[-1, 0] else line.points[::-1])
+               for line in sorted(lines, key=lambda line: -float(_mean(line.points)))]  # fmt: skip
+    (top, ground), *strata = ordered
+    left, right = float(ground[0, 0]), float(ground[-1, 0])
+    table, told = water_table(shapes.lines, left, right)
+    notices = [
+        *shapes.notices,
+        f'the drawing has no outlines: the highest line, on layer "{top}", is the ground, and each other one the '
+        "bottom of the stratum of its layer",
+        *told,
+    ]
+    below = [(layer, _thinned(points)) for layer, points in strata]
+    return Drawn(_text(name, notices, _thinned(ground), below[-1][1], table, below), notices)
+
+
+def _mean(points: np.ndarray) -> float:
+    """Mean elevation (m) of a line."""
+    width = np.abs(np.diff(points[:, 0]))
+    return float((0.5 * (points[1:, 1] + points[:-1, 1]) * width).sum() / max(float(width.sum()), 1e-12))
+
+
+def _text(
+    name: str,
+    notices: Sequence[str],
+    ground: np.ndarray,
+    base: np.ndarray,
+    table: np.ndarray | None,
+    strata: Sequence[tuple[str, np.ndarray]],
+) -> str:
+    lines = ["# Made from a drawing: soils are still to be given.", *(f"# {text}." for text in notices), ""]
+    lines += [f"name = {json.dumps(name)}", f"surface = {_written(ground)}"]
+    lines += [f"base = {{ elevation = {_written(base)} }}", ""]
+    if table is not None:
+        lines += ["[water]", f"table = {_written(_thinned(table))}", ""]
+    for k, (stratum, bottom) in enumerate(strata):
+        lines += ["[[strata]]", f"name = {json.dumps(stratum, ensure_ascii=False)}"]
+        if k + 1 < len(strata):
+            lines.append(f"bottom = {{ elevation = {_written(bottom)} }}")
+        lines += [f"# {key} =" for key in SOIL] + [""]
+    return "\n".join(lines)
+
+
+def _points(x: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """A line given at both ends (columns, 2) of every column as points (n, 2): two where it steps."""
+    chain = np.column_stack([np.repeat(x, 2)[1:-1], line.ravel()])
+    again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
+    return _thinned(chain[~again])
+
+
+def _thinned(points: np.ndarray) -> np.ndarray:
+    return points[needed(points, SNAP)]
+
+
+def _written(points: np.ndarray) -> str:
+    return "[" + ", ".join(f"[{x:.10g}, {z:.10g}]" for x, z in points) + "]"

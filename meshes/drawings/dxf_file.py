@@ -1,0 +1,103 @@
+"""Sections as DXF drawings: every stratum a closed polyline on a layer of its name, and the water an open one."""
+
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from meshes.drawings.drawn_section import Drawn, drawn_section
+from meshes.drawings.shapes import shapes_of
+from meshes.drawings.water_line import WATER
+from meshes.errors import InputError
+from meshes.section.section import Section
+
+# What a layer's name may not hold, and its look-alike in a drawing; the name itself stands in the layer's data.
+LOOK_ALIKES = str.maketrans('<>/\\":;?*|=,`', "＜＞／＼＂：；？＊｜＝，｀")
+APPLICATION = "NOSHIRO"
+LONGEST_NAME = 255
+RESERVED = {"0", "defpoints", WATER.casefold()}
+
+
+def _ezdxf(path: Path) -> Any:
+    if importlib.util.find_spec("ezdxf") is None:
+        raise InputError(str(path), ["drawings need the package ezdxf: pip install noshiro[drawings]"])
+    import ezdxf
+
+    return ezdxf
+
+
+def write_dxf(section: Section, path: Path) -> list[str]:
+    """Draw the strata and the water table, 1 unit = 1 m.
+
+    Returns
+    -------
+    A sentence for each thing of the section that a drawing has no place for, or another name for.
+    """
+    drawing = _ezdxf(path).new(setup=True, units=6)
+    drawing.appids.add(APPLICATION)
+    space = drawing.modelspace()
+    layers = layer_names([stratum.name for stratum in section.strata])
+    for k, (stratum, layer) in enumerate(zip(section.strata, layers, strict=True)):
+        drawing.layers.add(layer, color=k % 7 + 1).set_xdata(APPLICATION, [(1000, stratum.name[:LONGEST_NAME])])
+        for polygon in section.layering.polygons(k):
+            space.add_lwpolyline([(float(x), float(z)) for x, z in polygon], close=True, dxfattribs={"layer": layer})
+    water = section.water_points()
+    if water is not None:
+        drawing.layers.add(WATER, color=5)
+        space.add_lwpolyline([(float(x), float(z)) for x, z in water], dxfattribs={"layer": WATER})
+    drawing.saveas(path)
+    told = [f'stratum "{stratum.name}" is on layer "{layer}": a layer cannot have its name'
+            for stratum, layer in zip(section.strata, layers, strict=True) if layer != stratum.name]  # fmt: skip
+    lines = [stratum.name for stratum in section.strata if stratum.piezometric_level is not None]
+    told += [f"not drawn: the piezometric levels of {', '.join(lines)}"] if lines else []
+    if section.water is not None and section.water.after_drawdown is not None:
+        told.append("not drawn: the water table after the drawdown")
+    return told
+
+
+def layer_names(names: Sequence[str]) -> list[str]:
+    """Names of layers for those of strata: with look-alikes of what they may not hold, and all different."""
+    taken, found = set(RESERVED), []
+    for name in names:
+        plain = layer = name.translate(LOOK_ALIKES)[: LONGEST_NAME - 5]
+        number = 1
+        while layer.casefold() in taken:  # programs that draw take "Sand" and "SAND" for one
+            number += 1
+            layer = f"{plain} ({number})"
+        taken.add(layer.casefold())
+        found.append(layer)
+    return found
+
+
+def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
+    """The section of a drawing as TOML, its soils still to be given.
+
+    Parameters
+    ----------
+    path : of the drawing
+    name : of the section
+    unit : length (m) of one unit of the drawing, whatever its $INSUNITS says
+
+    Raises
+    ------
+    InputError
+        With all problems.
+    """
+    ezdxf = _ezdxf(path)
+    from ezdxf import recover
+
+    try:
+        drawing, _ = recover.readfile(path)
+    except (OSError, ezdxf.DXFError, ValueError) as error:
+        raise InputError(str(path), [f"is no DXF drawing: {error}"]) from None
+    return drawn_section(shapes_of(drawing, _names(drawing), unit), path, name)
+
+
+def _names(drawing: Any) -> dict[str, str]:
+    """What layers are called in the section, where the program wrote another name into the drawing."""
+    found = {}
+    for layer in drawing.layers:
+        if layer.has_xdata(APPLICATION):
+            name = next((str(tag.value) for tag in layer.get_xdata(APPLICATION) if tag.code == 1000), "")
+            found[str(layer.dxf.name)] = name or str(layer.dxf.name)
+    return found

@@ -1,0 +1,243 @@
+"""The outlines and lines of a DXF drawing in metres, in the plane of the section, curves as chords; and the rest."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+# Ends of lines that are closer (m) are joined, as the layers of a section are.
+JOINED = 0.01
+# Chords leave a curve by at most this (m), or this share of the drawing's height if that is less.
+SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
+CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}
+FILLED = {"HATCH", "MPOLYGON"}
+METRE = 6  # of $INSUNITS
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One outline or line.
+
+    Attributes
+    ----------
+    layer : its layer in the drawing
+    points : ndarray (n, 2), x and elevation (m); of an outline without the first one again
+    closed : whether it is an outline
+    kind : what it was in the drawing
+    """
+
+    layer: str
+    points: np.ndarray
+    closed: bool
+    kind: str = ""
+
+    @property
+    def span(self) -> str:
+        """From where to where it goes, in words."""
+        return f"x = {self.points[:, 0].min():.6g} to {self.points[:, 0].max():.6g} m"
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """What a drawing holds.
+
+    Attributes
+    ----------
+    outlines, lines : closed and open shapes; lines of one layer that meet end to end are one
+    notices : what a person has to know, one sentence each: units, what was closed, what is not used
+    """
+
+    outlines: list[Shape] = field(default_factory=list)
+    lines: list[Shape] = field(default_factory=list)
+    notices: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A shape in the drawing's own space: points (n, 3)."""
+
+    layer: str
+    points: np.ndarray
+    closed: bool
+    kind: str
+
+
+def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes:
+    """The shapes of a drawing.
+
+    Parameters
+    ----------
+    drawing : as ezdxf reads it
+    names : what the layers are called in the section, where it is not their name
+    unit : length (m) of one unit of the drawing; None for what $INSUNITS says
+    """
+    notices: list[str] = []
+    size = _unit(drawing, notices) if unit is None else unit
+    unused: Counter[str] = Counter()
+    coarse = list(_flattened(drawing, 1.0 / size, Counter()))
+    height = max((float(np.ptp(one.points, axis=0)[1:].max()) for one in coarse), default=1.0) * size
+    sagitta = min(SAGITTA, SHARE_OF_HEIGHT * (height or 1.0)) / size
+    found = [replace(one, points=one.points * size, layer=names.get(one.layer, one.layer))
+             for one in _flattened(drawing, sagitta, unused)]  # fmt: skip
+    if any(one.closed and one.kind not in FILLED for one in found):
+        unused.update(f"{one.kind} on layer {one.layer}" for one in found if one.kind in FILLED)
+        found = [one for one in found if one.kind not in FILLED]
+    shapes = _in_plane(found, unused)
+    width = max((float(shape.points[:, 0].max()) for shape in shapes), default=0.0) - min(
+        (float(shape.points[:, 0].min()) for shape in shapes), default=0.0
+    )
+    if shapes and not 1.0 <= width <= 1e5:
+        notices.append(f"the drawing is {width:.3g} m wide, its unit {size:g} m: --unit says if it is another")
+    joined = [one for layer in dict.fromkeys(shape.layer for shape in shapes)
+              for one in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
+    outlines: list[Shape] = []
+    lines: list[Shape] = []
+    for shape in joined:
+        if not shape.closed and not _across(shape.points):
+            gap = float(np.hypot(*(shape.points[0] - shape.points[-1])))
+            notices.append(f'the {shape.kind} on layer "{shape.layer}", {shape.span}, is open: it is closed by a '
+                           f"straight line of {gap:.3g} m")  # fmt: skip
+            shape = replace(shape, closed=True)
+        (outlines if shape.closed else lines).append(shape)
+    notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
+    return Shapes(outlines, lines, notices)
+
+
+def _unit(drawing: Any, notices: list[str]) -> float:
+    """Length (m) of one unit of a drawing by its $INSUNITS, and a sentence where that is not metres."""
+    from ezdxf import units
+
+    number = int(drawing.header.get("$INSUNITS", 0))
+    try:
+        size = float(units.conversion_factor(units.InsertUnits(number), units.InsertUnits(METRE)))
+    except (ValueError, TypeError, KeyError):
+        size = 0.0
+    if number == 0 or size <= 0.0:
+        notices.append("the drawing does not say its unit ($INSUNITS): 1 unit is taken for 1 m; --unit says another")
+        return 1.0
+    if number != METRE:
+        notices.append(f"1 unit of the drawing is {size:.6g} m, as its $INSUNITS = {number} says; --unit says another")
+    return size
+
+
+def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_Found]:
+    """All shapes of the model space, those of blocks too; counts by kind and layer what is none."""
+    from ezdxf import path
+
+    hidden = {layer.dxf.name.casefold() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
+    for entity in _entities(drawing.modelspace(), unused):
+        kind, layer = entity.dxftype(), str(entity.dxf.layer)
+        if layer.casefold() in hidden:
+            unused[f"{kind} on layer {layer}, which is off or frozen"] += 1
+            continue
+        try:
+            if kind in CURVES:
+                paths = [path.make_path(entity)]
+            elif kind in FILLED:
+                paths = [one for one in path.from_hatch(entity)]
+            else:
+                raise TypeError(kind)
+            chains = [(np.array([tuple(p) for p in one.flattening(sagitta)]), one.is_closed) for one in paths]
+        except (TypeError, ValueError, ArithmeticError):
+            unused[f"{kind} on layer {layer}"] += 1
+            continue
+        for points, closed in chains:
+            if len(points) > 1:
+                yield _Found(layer, points, bool(closed), kind)
+
+
+def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
+    """The entities of a space, those of blocks in their places; what lies on layer 0 of a block is on the block's."""
+    for entity in space:
+        if entity.dxftype() != "INSERT":
+            yield entity
+            continue
+        try:
+            for insert in entity.multi_insert() if entity.mcount > 1 else [entity]:
+                parts = list(insert.virtual_entities())
+                for part in parts:
+                    if part.dxf.layer == "0":
+                        part.dxf.layer = entity.dxf.layer
+                yield from _entities(parts, unused)
+        except (ValueError, AttributeError, TypeError):
+            unused[f'INSERT of block "{entity.dxf.name}"'] += 1
+
+
+def _in_plane(found: Sequence[_Found], unused: Counter[str]) -> list[Shape]:
+    """Shapes in x and elevation.
+
+    The drawing is its xy plane; where its shapes stand upright in one plane instead, elevations are z.
+    """
+    if not found:
+        return []
+    every = np.vstack([one.points for one in found])
+    upright = _upright(every)
+    shapes = []
+    for one in found:
+        if upright is not None:
+            (origin, way) = upright
+            plane = np.column_stack([(one.points[:, :2] - origin) @ way, one.points[:, 2]])
+        elif np.ptp(one.points[:, 2]) > JOINED:
+            unused[f"{one.kind} on layer {one.layer}, which does not lie in the plane of the drawing"] += 1
+            continue
+        else:
+            plane = one.points[:, :2]
+        plane = plane[np.concatenate([[True], np.hypot(*np.diff(plane, axis=0).T) > 1e-9])]
+        closed = one.closed or (len(plane) > 3 and bool(np.hypot(*(plane[0] - plane[-1])) <= JOINED))
+        if closed and np.hypot(*(plane[0] - plane[-1])) <= JOINED:
+            plane = plane[:-1]
+        if len(plane) > (2 if closed else 1):
+            shapes.append(Shape(one.layer, plane, closed, one.kind))
+        else:
+            unused[f"{one.kind} without length or area on layer {one.layer}"] += 1
+    return shapes
+
+
+def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Origin and direction (2,) in plan of a vertical plane in which all points (n, 3) lie; None if there is none."""
+    if np.ptp(points[:, 2]) <= JOINED:
+        return None
+    plan = points[:, :2]
+    for axis, way in ((1, [1.0, 0.0]), (0, [0.0, 1.0])):
+        if np.ptp(plan[:, axis]) <= JOINED:
+            return np.zeros(2), np.array(way)
+    first = plan[np.lexsort((plan[:, 1], plan[:, 0]))[0]]
+    far = plan[int(np.argmax(np.hypot(*(plan - first).T)))] - first
+    way = far / np.hypot(*far)
+    across = np.abs((plan - first) @ np.array([-way[1], way[0]]))
+    return (first, way) if across.max() <= JOINED else None
+
+
+def _joined(shapes: Sequence[Shape]) -> list[Shape]:
+    """Shapes of one layer with its open ones that meet end to end, two and no more, made one."""
+    done = [shape for shape in shapes if shape.closed]
+    waiting = [shape for shape in shapes if not shape.closed]
+    while waiting:
+        shape = waiting.pop(0)
+        met = [(k, end) for k, other in enumerate(waiting) for end in (0, -1) for own in (0, -1)
+               if np.hypot(*(shape.points[own] - other.points[end])) <= JOINED]  # fmt: skip
+        if not met:
+            done.append(shape)
+            continue
+        other = waiting.pop(met[0][0])
+        points = _end_to_end(shape.points, other.points)
+        closed = len(points) > 3 and bool(np.hypot(*(points[0] - points[-1])) <= JOINED)
+        one = Shape(shape.layer, points[:-1] if closed else points, closed, shape.kind)
+        (done if closed else waiting).append(one)
+    return done
+
+
+def _end_to_end(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Two lines (n, 2) that meet as one."""
+    ways = [(a, b) for a in (one, one[::-1]) for b in (other, other[::-1])]
+    first, second = min(ways, key=lambda way: float(np.hypot(*(way[0][-1] - way[1][0]))))
+    return np.vstack([first, second[1:]])
+
+
+def _across(points: np.ndarray) -> bool:
+    """Whether a line goes from the left to the right, or back, without turning; steps may be vertical."""
+    runs = [b - a for a, b in pairwise(points[:, 0])]
+    return all(run >= -JOINED for run in runs) or all(run <= JOINED for run in runs)

@@ -1,0 +1,53 @@
+"""The water table among the lines of a drawing."""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from meshes.drawings.shapes import JOINED, Shape
+
+WATER = "WATER"
+OF_WATER = re.compile(r"(?<![a-z])(water|gwl|gwt|phreatic|grundwasser|nappe|水位|地下水)", re.IGNORECASE)
+
+
+def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.ndarray | None, list[str]]:
+    """The longest line on a layer of water, from side to side, and a sentence for all else that is known of it.
+
+    Parameters
+    ----------
+    lines : open lines of the drawing; those on other layers are left alone
+    left, right : x (m) of the sides of the section
+
+    Returns
+    -------
+    points : ndarray (n, 2) of the table (m); None without one
+    notices : what was changed, and what is not used
+    """
+    found = sorted((line for line in lines if is_water(line)), key=lambda line: -float(np.ptp(line.points[:, 0])))
+    told = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}, beside the longer water table; it may be '
+            "after_drawdown in [water], or the piezometric_level of a stratum" for line in found[1:]]  # fmt: skip
+    if not found:
+        return None, told
+    points = found[0].points
+    points = points if points[-1, 0] >= points[0, 0] else points[::-1]
+    x = np.maximum.accumulate(points[:, 0])
+    points = np.column_stack([x, points[:, 1]])
+    inside = points[(x > left) & (x < right)]
+    ends = [[side, _level(points, side)] for side in (left, right)]
+    short = [f"{side:.6g} m" for side, end in ((left, x[0]), (right, x[-1])) if abs(side - end) > JOINED
+             and (end > left if side == left else end < right)]  # fmt: skip
+    if short:
+        told.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and goes on level to "
+                    f"x = {' and '.join(short)}")  # fmt: skip
+    return np.vstack([ends[:1], inside, ends[1:]]), told
+
+
+def is_water(line: Shape) -> bool:
+    """Whether a line is on a layer whose name says water."""
+    return OF_WATER.search(line.layer) is not None
+
+
+def _level(points: np.ndarray, x: float) -> float:
+    """Elevation (m) of a line at x, level beyond its ends."""
+    return float(np.interp(x, points[:, 0], points[:, 1]))

@@ -1,0 +1,118 @@
+"""Layers met several times from the top down, told apart by numbers and connected by their order."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+MATCH = 1.0  # what it is worth to go on with a layer; overlapping it is worth less than this in sum
+
+
+class Piece(NamedTuple):
+    """What a column has of a layer: its name, and elevations (m) of top and bottom at the left and the right end."""
+
+    name: str
+    left: tuple[float, float]
+    right: tuple[float, float]
+
+
+@dataclass
+class _Stratum:
+    """A stratum in the making: its name, and where it was met last."""
+
+    name: str
+    last: Piece
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Strata from the top down.
+
+    Attributes
+    ----------
+    names : of the strata, with numbers where several have one name
+    numbers : for each column the stratum, an index from 0, of every piece
+    notices : a sentence for each name that several have
+    """
+
+    names: tuple[str, ...]
+    numbers: list[list[int]]
+    notices: list[str]
+
+
+def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
+    """The strata, from the top down, that columns of pieces are made of.
+
+    A piece belongs to a stratum of its name. From one column to the next as many strata go on as the order allows, and
+    of several of one name that which the piece overlaps most; what is left becomes a new one, by its elevation.
+
+    Parameters
+    ----------
+    columns : pieces from the top down, of columns from the left to the right
+    """
+    strata: list[_Stratum] = []
+    members: list[list[_Stratum]] = []
+    for column in columns:
+        found = _aligned(column, strata)
+        members.append([])
+        place = 0
+        for k, piece in enumerate(column):
+            stratum = found.get(k)
+            if stratum is None:
+                after = next((strata.index(found[j]) for j in range(k + 1, len(column)) if j in found), len(strata))
+                while place < after and sum(strata[place].last.right) > sum(piece.left):
+                    place += 1
+                stratum = _Stratum(piece.name, piece)
+                strata.insert(place, stratum)
+            stratum.last = piece
+            place = strata.index(stratum) + 1
+            members[-1].append(stratum)
+    numbers = {id(stratum): k for k, stratum in enumerate(strata)}
+    before = [stratum.name for stratum in strata]
+    names = _numbered(before)
+    notices = []
+    for name in dict.fromkeys(before):
+        several = [f'"{new}"' for old, new in zip(before, names, strict=True) if old == name]
+        if len(several) > 1:
+            notices.append(f'"{name}" lies above and below others: from the top down it is {" and ".join(several)}')
+    return Stack(tuple(names), [[numbers[id(one)] for one in its] for its in members], notices)
+
+
+def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _Stratum]:
+    """For pieces of a column, by number, the strata that they go on with: the best that keeps the order of both."""
+    worth = [[0.0] * (len(strata) + 1) for _ in range(len(column) + 1)]
+    for i in range(len(column) - 1, -1, -1):
+        for j in range(len(strata) - 1, -1, -1):
+            both = _worth(column[i], strata[j], len(column)) + worth[i + 1][j + 1]
+            worth[i][j] = max(worth[i + 1][j], worth[i][j + 1], both)
+    found, i, j = {}, 0, 0
+    while i < len(column) and j < len(strata):
+        own = _worth(column[i], strata[j], len(column))
+        if own > 0.0 and worth[i][j] == own + worth[i + 1][j + 1]:
+            found[i] = strata[j]
+            i, j = i + 1, j + 1
+        elif worth[i][j] == worth[i][j + 1]:
+            j += 1
+        else:
+            i += 1
+    return found
+
+
+def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
+    if piece.name != stratum.name:
+        return 0.0
+    (top, bottom), (last_top, last_bottom) = piece.left, stratum.last.right
+    overlap, whole = min(top, last_top) - max(bottom, last_bottom), max(top, last_top) - min(bottom, last_bottom)
+    return MATCH + 0.9 * MATCH * max(0.0, overlap / whole if whole > 0.0 else 0.0) / pieces
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """Names with numbers from the top down where there are several of one."""
+    forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
+    numbers = range(1, len(names) + 1)
+    form = next(one for one in forms if not any(one.format(name, k) in names for name in names for k in numbers))
+    met: dict[str, int] = {}
+    found = []
+    for name in names:
+        met[name] = met.get(name, 0) + 1
+        found.append(form.format(name, met[name]) if names.count(name) > 1 else name)
+    return found

@@ -1,0 +1,325 @@
+"""Borings as others write them: units, refusals, encodings, separators, names of columns; numbers that cannot be."""
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from meshes.borings.ags4_file import read_ags4
+from meshes.borings.blows import is_refusal, read_blows
+from meshes.borings.complaints import folded
+from meshes.borings.connect import connected
+from meshes.borings.csv_file import read_csv
+from meshes.borings.section_text import text_of
+from meshes.errors import InputError
+from tests.support import command_line
+from tests.support.sections import slope
+from workflow.settings import Input
+
+FOOT = 0.3048
+BEYOND = ' is beyond what there is (did you mean "'
+
+
+def ags(*groups: tuple[str, str, str, str]) -> str:
+    """An AGS4 file of groups: name, headings, units, and lines of data."""
+    return "\n".join(_group(*group) for group in groups)
+
+
+def _group(name: str, heads: str, units: str, lines: str) -> str:
+    def row(kind: str, text: str) -> str:
+        return ",".join(f'"{cell}"' for cell in [kind, *text.split(",")])
+
+    rows = [
+        row("GROUP", name),
+        row("HEADING", heads),
+        row("UNIT", units),
+        row("TYPE", ",".join("X" for _ in heads.split(","))),
+    ]
+    return "\n".join(rows + [row("DATA", line) for line in lines.split("; ")]) + "\n"
+
+
+LOCA = ("LOCA", "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL", ",m,m,m", "B1,100,200,12; B2,140,200,8")
+GEOL = (
+    "GEOL",
+    "LOCA_ID,GEOL_TOP,GEOL_BASE,GEOL_GEOL,GEOL_LEG",
+    ",m,m,,",
+    "B1,0,4,FILL,1; B1,4,10,SAND,2; B2,0,7,SAND,2",
+)
+
+
+def written(folder: Path, text: str | bytes, name: str) -> Path:
+    path = folder / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def told(folder: Path, text: str | bytes, name: str) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        (read_ags4 if name.endswith("ags") else read_csv)(written(folder, text, name))
+    return list(caught.value.problems)
+
+
+@pytest.mark.parametrize(
+    ("count", "blows", "refused"),
+    [
+        (12, 12, False),
+        ("12", 12, False),
+        ("12 blows/ft", 12, False),
+        ("12/30cm", 12, False),
+        ("N=19 (3,4/4,5)", 19, False),
+        (">50", 50, True),
+        ("50+", 50, True),
+        ("50/75mm", 50, True),
+        ('50/3"', 50, True),
+        ("50 for 75 mm", 50, True),
+        ("R", 50, True),
+        ("N=50 (25 for 5mm/50 for 15mm)", 50, True),
+        ("25,50/75mm", 50, True),
+        ("100/150mm", 100, True),
+        ("30/250mm", 36, True),
+        ("30/150mm", 50, True),
+        ("25 for 0mm", 50, True),
+        ("50/0.2ft", 50, True),
+        ("WOH", 0, False),
+    ],
+)
+def test_refusals_count_as_the_least_that_n_can_be(count: str | float, blows: float, refused: bool) -> None:
+    """36 = 300/250 of 30 blows; a refusal with fewer than 50 blows counts at most as 50 (ASTM D1586)."""
+    found = read_blows(count)
+    assert (float(found), is_refusal(found)) == (pytest.approx(blows), refused)
+    assert read_blows(found.written) == found  # as it stands in a section
+
+
+@pytest.mark.parametrize("count", ["much", ">x", "-3", 501, True, None, "50/", "2,3,4", float("nan")])
+def test_what_is_no_count_is_told_with_what_was_expected(count: object) -> None:
+    with pytest.raises(ValueError, match=r'expected the blow count for 30 cm .* ">50", "50/75 mm" or "R"'):
+        read_blows(count)
+
+
+def test_every_heading_of_an_ags4_file_has_its_unit(tmp_path: Path) -> None:
+    feet = ags(
+        ("LOCA", LOCA[1], ",ft,km,ft", "B1,100,0.2,40; B2,140,0.2,30"),
+        ("GEOL", GEOL[1], ",ft,cm,,", "B1,0,122,FILL,; B1,4.0026,300,SAND,; B2,0,210,SAND,"),
+        ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",ft,", "B1,10,7"),
+        ("WSTG", "LOCA_ID,WSTG_DPTH", ",ft", "B1,6"),
+    )
+    one, two = read_ags4(written(tmp_path, feet, "feet.ags")).logs
+    assert one.place == (pytest.approx(100 * FOOT), 200.0)
+    assert (one.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
+    assert one.layers[0].bottom == pytest.approx(1.22)
+    assert one.samples[0].depth == pytest.approx(10 * FOOT + 0.3)
+    assert one.water_level == pytest.approx(34 * FOOT)
+    [bad] = told(tmp_path, feet.replace('"cm"', '"kg"'), "bad.ags")
+    assert "unit 'kg' of GEOL_BASE: has the wrong dimension" in bad
+
+
+def test_counts_energy_and_water_of_an_ags4_file(tmp_path: Path) -> None:
+    text = ags(
+        LOCA,
+        GEOL,
+        (
+            "ISPT",
+            "LOCA_ID,ISPT_TOP,ISPT_NVAL,ISPT_REP,ISPT_ERAT",
+            ",m,,,%",
+            "B1,3,12,12,45; B1,4.5,9,9,45; B1,4.5,14,14,45; B1,6,,N=50 (25 for 5mm/50 for 15mm),60; B1,7,50,50/75mm,; "
+            "B1,8,,,",
+        ),
+        ("WSTG", "LOCA_ID,WSTG_DPTH", ",m", "B1,3; B1,6"),
+        ("WSTD", "LOCA_ID,WSTG_DPTH,WSTD_POST", ",m,m", "B1,3,2.5"),
+    )
+    read = read_ags4(written(tmp_path, text, "b.ags"))
+    one, two = read.logs
+    assert [(s.depth, s.N, s.energy_ratio) for s in one.samples] == [
+        (pytest.approx(3.3), 12, 45),
+        (pytest.approx(4.8), 9, 45),
+        (6.3, 50, 60),
+        (7.3, 50, None),
+    ]
+    assert (one.water_level, two.water_level) == (9.5, None)
+    notices = "\n".join(read.notices)
+    assert "B1, SPT at 4.5 m: N = 9 and 14; the smaller one is taken" in notices
+    assert "B1, SPT at 8 m: has neither ISPT_NVAL nor ISPT_REP, and is not used" in notices
+    assert '6.3 m "N=50 (25 for 5mm/50 for 15mm)", N = 50; B1 at 7.3 m "50/75mm", N = 50' in notices
+    assert "departs from rules of AGS4, as python-ags4 counts" in notices
+    made = Input.parse({**tomllib.loads(text_of(connected(read.logs), "made")), **COMPLETED}, "made")
+    assert [s.energy_ratio for s in made.triggering.borings[0].spt] == [45, 45, 60, None]
+
+
+COMPLETED = {
+    "strata": [
+        {
+            "name": name,
+            "bottom": {"elevation": z},
+            "density": "18 kN/m^3",
+            "youngs_modulus": "9 MPa",
+            "poissons_ratio": 0.3,
+            "cohesion": "5 kPa",
+            "friction_angle": "30 deg",
+        }
+        for name, z in (("FILL", [[0, 8], [40, 8]]), ("SAND", [[0, 1], [40, 1]]))
+    ]
+}
+
+
+def test_local_coordinates_and_the_column_that_names_layers(tmp_path: Path) -> None:
+    loca = (
+        "LOCA",
+        "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL,LOCA_LOCX,LOCA_LOCY,LOCA_LOCZ",
+        ",m,m,m,m,m,m",
+        "B1,,,,5,6,12; B2,,,,5,46,8",
+    )
+    path = written(tmp_path, ags(loca, GEOL), "local.ags")
+    read = read_ags4(path, {"layer": "GEOL_LEG"})
+    assert [(log.place, log.ground_level) for log in read.logs] == [((5.0, 6.0), 12.0), ((5.0, 46.0), 8.0)]
+    assert [[layer.name for layer in log.layers] for log in read.logs] == [["1", "2"], ["2"]]
+    assert any("LOCA_LOCX and LOCA_LOCY are taken" in text for text in read.notices)
+    with pytest.raises(InputError, match="--layers GEOL_X: group GEOL has no such column; expected one of GEOL_TOP"):
+        read_ags4(path, {"layer": "GEOL_X"})
+
+
+@pytest.mark.parametrize(
+    ("encoding", "name"),
+    [
+        ("utf-8", "REMBLAI À BLOCS β"),
+        ("utf-16", "REMBLAI À BLOCS β"),
+        ("cp1252", "REMBLAI À BLOCS"),
+        ("cp1252", "Ton, weich – ü"),
+        ("cp932", "砂質シルト"),
+        ("utf-16-le", "砂質シルト"),
+    ],
+)
+def test_names_in_any_encoding(encoding: str, name: str, tmp_path: Path) -> None:
+    text = ags(LOCA, (*GEOL[:3], GEOL[3].replace("FILL", "fill"))).replace("fill", name)
+    read = read_ags4(written(tmp_path, text.encode(encoding), "names.ags"))
+    assert read.logs[0].layers[0].name == name
+    assert any(f"read as {encoding}" in notice for notice in read.notices) == encoding.startswith("cp")
+    table = f'boring,x,ground_level,top,bottom,layer\nA,0,5,0,2,"{name}"\n'
+    assert read_csv(written(tmp_path, table.encode(encoding), "b.csv")).logs[0].layers[0].name == name
+
+
+def test_ags3_is_called_so(tmp_path: Path) -> None:
+    [text] = told(tmp_path, '"**PROJ"\n"*PROJ_ID"\n"1"\n"**HOLE"\n"*HOLE_ID"\n"B1"\n', "old.ags")
+    assert "is AGS3" in text
+    [text] = told(tmp_path, ags(LOCA, GEOL) + '"DATA","B1","1"\n', "short.ags")
+    assert "does not have the same number of entries as the HEADING row in GEOL" in text
+
+
+def test_complaints_of_one_kind_are_told_once(tmp_path: Path) -> None:
+    lines = "".join(f"A,0,5,{k},{k + 1},sand,n{k}\n" for k in range(33))
+    [text] = told(tmp_path, "boring,x,ground_level,top,bottom,layer,N\n" + lines, "b.csv")
+    assert text.startswith("line 2, N = 'n0': expected the blow count for 30 cm")
+    assert text.endswith("(and 32 more alike: line 3, N; line 4, N; ...)")
+    [text] = told(tmp_path, "boring,x,ground_level (kg),top,bottom,layer,N\nA,0,5,0,1,s,1\nA,0,5,1,2,s,1\n", "b.csv")
+    assert text.startswith("column ground_level (kg): has the wrong dimension")
+    rows = "; ".join(f"B1,{k / 50:.2f},x{k},1" for k in range(1, 3000))
+    cones = ("SCPT", "LOCA_ID,SCPT_DPTH,SCPT_RES,SCPT_FRES", ",m,MPa,kPa", rows)
+    [text] = told(tmp_path, ags(LOCA, GEOL, cones), "b.ags")
+    assert "and 2998 more alike" in text
+    assert folded(["line 1, a: x", "line 2, b: x"]) == ["line 1, a: x", "line 2, b: x"]
+
+
+TABLE = """\
+boring;x;ground_level;top;bottom;layer;N;unit_weight (kN/m3)
+B1;0;12,5;0;4,5;Sand;8;18,5
+B2;40;8,0;0;3,5;Sand;>50;18
+"""
+
+
+@pytest.mark.parametrize(("old", "new"), [("", ""), (";", "\t"), ("boring;", "sep=;\nboring;")])
+def test_semicolons_tabs_and_decimal_commas(old: str, new: str, tmp_path: Path) -> None:
+    text = TABLE.replace(old, new) if old else TABLE
+    one, two = read_csv(written(tmp_path, text, "b.csv")).logs
+    assert (one.ground_level, one.layers[0].bottom, one.layers[0].unit_weight) == (12.5, 4.5, "18.5 kN/m3")
+    assert (two.samples[0].N, is_refusal(two.samples[0].N)) == (50.0, True)
+
+
+def test_columns_of_other_names(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = "Bore No,Chainage [m],Ground Level (ft),From,To,USCS,Stratum,N (blows/ft),Remarks\n"
+    text += "A,0,40,0,8,SM,Sand,8,wet\nA,0,40,8,12,CL,Clay,4,\nB,30,35,0,9,SM,Sand,7,\nB,30,35,9,12,CL,Clay,R,\n"
+    path = written(tmp_path, text, "b.csv")
+    options = ["--columns", "boring=Bore No,x=Chainage,top=From", "--columns", "bottom=To", "--layers", "Stratum"]
+    assert command_line.run("section", path, "-o", tmp_path / "made.toml", *options) == 0
+    assert "not used: USCS, Remarks" in capsys.readouterr().out
+    data = tomllib.loads((tmp_path / "made.toml").read_text(encoding="utf-8"))
+    assert [stratum["name"] for stratum in data["strata"]] == ["Sand", "Clay"]
+    assert data["surface"][0] == [0, pytest.approx(40 * FOOT, abs=1e-3)]
+    assert "# at least: R" in (tmp_path / "made.toml").read_text(encoding="utf-8")
+    assert (
+        command_line.run("section", path, "-o", tmp_path / "2.toml", "--columns", "layers=USCS", "--columns", "top=F")
+        == 2
+    )
+    err = capsys.readouterr().err
+    assert "--columns layers=USCS: expected our name of a column" in err
+    assert "--columns top=F: there is no column 'F'; expected one of Bore No" in err
+
+
+def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) -> None:
+    head = "boring,x,ground_level,top,bottom,layer,N,d50{},unit_weight\n"
+    [text] = told(tmp_path, head.format("") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")
+    assert (
+        text == 'line 2, d50 = 0.25: 250 mm is beyond what there is (did you mean "0.25 mm"?); expected 1e-05 to 10 mm'
+    )
+    (log,) = read_csv(written(tmp_path, head.format(" (mm)") + "A,0,5,0,2,s,4,0.25,18 kN/m^3\n", "b.csv")).logs
+    assert log.samples[0].d50 == pytest.approx(0.25e-3)
+
+
+@pytest.mark.parametrize(
+    ("test", "text"),
+    [
+        ({"depth": 2, "N": 8, "d50": 0.25}, "spt 1, d50 = 0.25: 250 mm" + BEYOND + "0.25 mm"),
+        ({"depth": 2, "N": 210}, "spt 1, N = 210: 210 blows is beyond what there is; expected 0 to 200 blows"),
+        ({"depth": 2, "N": 20, "plasticity": 320}, "spt 1, plasticity = 320: 320 % is beyond"),
+        ({"depth": 2, "N": 20, "fines": 120}, "spt 1, fines = 120: input should be less than or equal to 100"),
+        ({"depth": 2, "N": ">5x"}, "spt 1, N = '>5x': expected the blow count for 30 cm"),
+        ({"depth": 2, "N": 5, "energy_ratio": 0.6}, "energy_ratio = 0.6"),
+        ({"depth": 2, "qc": 4.2, "fs": "25 kPa"}, "cpt, largest qc = 4.2: 4.2e-06 MPa" + BEYOND + "4.2 MPa"),
+        ({"depth": 2, "qc": "4 MPa", "fs": 25}, "largest fs = 25: 0.025 kPa" + BEYOND + "25 kPa"),
+    ],
+)
+def test_numbers_of_borings_that_cannot_be(test: dict[str, object], text: str) -> None:
+    kind = "cpt" if "qc" in test else "spt"
+    data = {**slope(), "triggering": {"borings": [{"name": "B", "x": 5.0, kind: [test]}]}}
+    with pytest.raises(InputError) as caught:
+        Input.parse(data)
+    assert any(text in problem and 'borings 1 "B"' in problem for problem in caught.value.problems), (
+        caught.value.problems
+    )
+    if "is beyond" in text:
+        assert Input.parse({**data, "unusual": True}).triggering.borings
+
+
+@pytest.mark.parametrize(
+    ("table", "text"),
+    [
+        ({"earthquake": {"magnitude": 7.0, "distance": 27}}, "earthquake, distance = 27: 0.027 km" + BEYOND + "27 km"),
+        (
+            {"earthquake": {"peak_acceleration": "250 gal", "depth": 14}},
+            "earthquake, depth = 14: 0.014 km" + BEYOND + "14 km",
+        ),
+        ({"triggering": {"rods_above": 150}}, "triggering, rods_above = 150: 150 m" + BEYOND + "150 cm"),
+        (
+            {"earthquake": {"magnitude": 75, "peak_acceleration": "250 gal"}},
+            "earthquake, magnitude = 75: input should be",
+        ),
+    ],
+)
+def test_numbers_of_the_earthquake_that_cannot_be(table: dict[str, dict[str, object]], text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Input.parse({**slope(), **table})
+    assert any(text in problem for problem in caught.value.problems), caught.value.problems
+
+
+def test_the_energy_of_a_hammer_counts_where_it_was_measured() -> None:
+    """(N1)60 goes with the energy: 45 % in a test is as 45 % of all."""
+    from workflow.triggering.blow_count import BlowCount, Shaking
+    from workflow.triggering.methods import RELATIONS
+    from workflow.triggering.settings import TriggeringSettings
+
+    find = RELATIONS["idriss_boulanger_2008"].find
+    shaking = Shaking(0.2, 7.5)
+    own = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0, energy_ratio=45.0), shaking, TriggeringSettings())
+    of_all = find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings(energy_ratio=45.0))
+    assert own == of_all
+    assert own.normalised < find(BlowCount(5.0, 12.0, 90.0, 60.0, 5.0), shaking, TriggeringSettings()).normalised
+    assert math.isfinite(own.factor)

@@ -1,0 +1,1 @@
+"""Sections made from borings and drawings."""

@@ -1,0 +1,32 @@
+"""The command `noshiro section`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+COLUMNS_OPTION = typer.Option(
+    help="A column of a .csv by our name and its own, such as layer=Stratum; repeatable, or with commas.",
+    show_default=False,
+)
+LAYERS_OPTION = typer.Option(
+    help="The column that names the layers, such as GEOL_LEG of an .ags or Stratum of a .csv. [default: GEOL_GEOL, or "
+    "layer]",
+    show_default=False,
+)
+
+
+def section(
+    files: Annotated[list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), or a section.")],
+    to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
+    off: Annotated[float, typer.Option(help="How far (m) a boring may stand beside the line.")] = 20.0,
+    layers: Annotated[str | None, LAYERS_OPTION] = None,
+    columns: Annotated[list[str] | None, COLUMNS_OPTION] = None,
+    unit: Annotated[
+        str | None, typer.Option(help="The unit of a drawing, such as mm. [default: what it says]", show_default=False)
+    ] = None,
+) -> None:
+    """Make a section from borings or from a drawing, or draw a section as DXF."""
+    from workflow.making.section_from_files import Reading, make_section
+
+    make_section(files, to, Reading.of(off, layers, columns or (), unit))

@@ -1,0 +1,120 @@
+"""Sections from files of borings and from drawings, and drawings of sections."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from meshes.borings.ags4_file import read_ags4
+from meshes.borings.connect import OFF_LINE, Connected, connected
+from meshes.borings.csv_file import read_csv
+from meshes.borings.log import BoringFile
+from meshes.borings.section_text import text_of
+from meshes.drawings.dxf_file import read_dxf, write_dxf
+from meshes.errors import InputError
+from meshes.section.quantity import LENGTH
+from workflow.settings import Input
+from workflow.terminal import say
+
+READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
+DRAWING = ".dxf"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How files are read.
+
+    Attributes
+    ----------
+    off_line : how far (m) a boring may stand beside the line of the section
+    columns : names of columns by ours, where they differ, such as {"layer": "GEOL_LEG"}
+    unit : length (m) of one unit of a drawing; None for what the drawing says
+    """
+
+    off_line: float = OFF_LINE
+    columns: Mapping[str, str] = field(default_factory=dict)
+    unit: float | None = None
+
+    @classmethod
+    def of(cls, off_line: float, layers: str | None, columns: Sequence[str], unit: str | None) -> "Reading":
+        """The same from options of the command line. Raises InputError with every one that cannot be understood."""
+        pairs = [text.partition("=") for one in columns for text in one.split(",")]
+        told = [f"{key}{equals}{name}: expected ours=theirs, such as layer=Stratum" for key, equals, name in pairs
+                if not key.strip() or not name.strip()]  # fmt: skip
+        named = {key.strip(): name.strip() for key, _, name in pairs} | ({"layer": layers} if layers else {})
+        size = None
+        try:
+            size = None if unit is None else float(LENGTH.read(f"1 {unit}"))
+        except ValueError as error:
+            told.append(f"--unit {unit}: {error}")
+        if told:
+            raise InputError("--columns" if size is not None or unit is None else "--unit", told)
+        return cls(off_line, named, size)
+
+
+def make_section(files: Sequence[Path], out: Path, reading: Reading | None = None) -> None:
+    """Write a section from files of borings or from a drawing, or a drawing of a section, and tell what was made.
+
+    Raises InputError with every problem found.
+    """
+    for line in _made(files, out, reading or Reading()):
+        say(line)
+
+
+def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
+    kinds = {file.suffix.lower() for file in files}
+    unknown = sorted(kinds - set(READERS) - {DRAWING, ".toml"})
+    if missing := [f"{file}: there is no such file" for file in files if not file.is_file()]:
+        raise InputError("section", missing)
+    if unknown or (kinds & {DRAWING, ".toml"} and len(files) > 1):
+        told = "expected .csv and .ags files of borings, or one .dxf drawing, or one section .toml to be drawn as .dxf"
+        raise InputError("section", [f"{', '.join(map(str, files))}: {told}"])
+    if kinds == {".toml"}:
+        if out.suffix.lower() != DRAWING:
+            raise InputError("--out", [f"{out}: expected a .dxf file, to draw the section"])
+        return [
+            *_minded(write_dxf(Input.load(files[0]), out)),
+            f"{out} has the strata as closed polylines on layers of their names.",
+        ]
+    if out.exists():
+        raise InputError(str(out), ["is there already; expected the name of a new file"])
+    if kinds == {DRAWING}:
+        drawn = read_dxf(files[0], out.stem, reading.unit)
+        out.write_text(drawn.text, encoding="utf-8")
+        return [*_minded(drawn.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out)]
+    read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
+    found = connected([log for one in read for log in one.logs], reading.off_line)
+    out.write_text(text_of(found, out.stem), encoding="utf-8")
+    picture = draw_borings(found, out)
+    minded = _minded([text for one in read for text in one.notices] + list(found.notices))
+    return [*minded, *_told(found), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
+
+
+def _minded(notices: Sequence[str]) -> list[str]:
+    return [f"Mind: {text}." for text in dict.fromkeys(notices)]
+
+
+def draw_borings(found: Connected, out: Path) -> Path:
+    """Draw the section with its borings beside the file; returns where."""
+    from workflow.figures.borings import draw
+
+    picture = out.with_suffix(".png")
+    draw(found, out.stem, picture)
+    return picture
+
+
+def to_be_given(path: Path) -> list[str]:
+    """What a person has to give before the section is sound."""
+    try:
+        Input.load(path)
+    except InputError as error:
+        return ["To be given before it can run:", *(f"  - {text}" for text in error.problems)]
+    return ["It is sound; stiffness and strength are guesses from N: correct them."]
+
+
+def _told(found: Connected) -> list[str]:
+    everything = (*found.borings, *found.soundings)
+    far = [f"{one.log.name} {abs(one.beside):.1f} m" for one in everything if abs(one.beside) > 0.05]
+    beside = [f"Beside the line: {', '.join(far)}."] if far else []
+    cones = sum(bool(one.log.cones) for one in everything)
+    more = f", cones in {cones} of {len(everything)}" if cones else ""
+    return [f"{len(found.borings)} borings with layers{more}, strata {', '.join(found.names)}.", *beside]
