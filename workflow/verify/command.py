@@ -19,7 +19,14 @@ JSON_OPTION = typer.Option(
     dir_okay=False,
     show_default=False,
 )
-FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published]", show_default=False)
+FOLDER_OPTION = typer.Option(help="The cases. [default: tests/verification/published, or slides]", show_default=False)
+
+PACKINGS_OPTION = typer.Option(
+    min=1,
+    max=50,
+    help="Random packings of every known slide; as many as its file says if not given.",
+    show_default=False,
+)
 
 
 def verify(
@@ -31,8 +38,10 @@ def verify(
     judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
     json: Annotated[Path | None, JSON_OPTION] = None,
     page: Annotated[bool, typer.Option("--page", help="Make the page of the collection again.")] = False,
+    slides: Annotated[bool, typer.Option("--slides", help="Known slides in the place of slopes: how far.")] = False,
+    packings: Annotated[int | None, PACKINGS_OPTION] = None,
 ) -> None:
-    """Find the answers of published slopes and judge them: right, wrong or explained."""
+    """Find the answers of published slopes, or of known slides, and judge them: right, wrong or explained."""
     from json import dumps
 
     from rich.console import Console
@@ -49,6 +58,13 @@ def verify(
     if json is not None and not alone and not json.parent.is_dir():
         raise InputError("--json", [f'"{json}": there is no folder "{json.parent}"'])
     out = Console(highlight=False, quiet=alone)
+    if slides:
+        from workflow.verify.slides.command import verify_slides
+
+        told = verify_slides(out, folder, names or [], judge=judge, page=page, packings=packings)
+        if json is not None:
+            _write(json, told)
+        return
     rows = run(folder or FOLDER, names or (), wanted, lambda row: _tell(out, row))
     out.print(_count(rows))
     if page:

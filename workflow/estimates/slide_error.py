@@ -1,0 +1,88 @@
+"""How far the discs' slides were off on slides that are known: the error of the model, for the report of a slide.
+
+The table beside this file is written by `noshiro verify --slides --page` from the answers of the collection.
+"""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+
+TABLE = "slide_errors.csv"
+FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
+MOST = 2.0 / 3.0  # of the cases that the factor is to hold
+FEW = 3  # cases, below which those of other kinds are counted as well
+
+
+@dataclass(frozen=True)
+class SlideError:
+    """Error of the model on known slides.
+
+    Attributes
+    ----------
+    kind : str
+        Which slides were counted, in words.
+    factor : float
+        Within which a prediction was of what was measured.
+    held, cases : int
+        In how many of how many cases.
+    """
+
+    kind: str
+    factor: float
+    held: int
+    cases: int
+
+    def sentence(self) -> str:
+        """What a reader has to know of a slide."""
+        return (
+            f"{self.kind[0].upper()}{self.kind[1:]} of the collection were predicted within a factor of "
+            f"{self.factor:g} in {self.held} of {self.cases} cases"
+        )
+
+    def interval(self, low: float, high: float) -> tuple[float, float]:
+        """Slides (m) that these predictions stand for, with that error."""
+        return low / self.factor, high * self.factor
+
+
+def slide_error(flows: bool | None = None) -> SlideError | None:
+    """The error on known slides of the field, of flow failures or spreads alone where there are enough.
+
+    Parameters
+    ----------
+    flows
+        Whether the slide flows by its weight alone; None where that is not known.
+
+    Returns
+    -------
+    SlideError or None
+        None where the collection has no field case that was run.
+    """
+    rows = _rows()
+    field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]
+    if flows is not None:
+        wanted = "flow" if flows else "spread"
+        chosen = [ratio for kind, ratio in field if kind == wanted]
+        if len(chosen) >= FEW:
+            return error_of("flow failures" if flows else "lateral spreads", chosen)
+    return error_of("slides of the field", [ratio for _, ratio in field])
+
+
+def error_of(kind: str, ratios: Sequence[float]) -> SlideError | None:
+    """The least factor of `FACTORS` that holds two thirds of the ratios, or the largest; None without any."""
+    if not ratios:
+        return None
+    off = [max(ratio, 1.0 / ratio) if ratio > 0.0 else float("inf") for ratio in ratios]
+    for factor in FACTORS:
+        held = sum(one <= factor for one in off)
+        if held >= MOST * len(off):
+            break
+    return SlideError(kind, factor, held, len(off))
+
+
+def _rows() -> list[tuple[str, str, float]]:
+    place = files("workflow.estimates") / TABLE
+    if not place.is_file():
+        return []
+    with place.open(encoding="utf-8") as source:
+        return [(row["group"], row["kind"], float(row["ratio"])) for row in csv.DictReader(source)]

@@ -1,0 +1,141 @@
+"""A known slide: what was measured, and the problem that is put to the discs, in a TOML file each."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter, ValidationError
+
+from dem.settings import Case
+from meshes.errors import InputError
+from meshes.section.quantity import Angle, Length
+from meshes.section.section import Model, read_toml
+from workflow.settings import Input
+
+# Where the cases are in a checkout, seen from its top.
+FOLDER = Path("tests/verification/slides")
+
+Group = Literal["theory", "experiment", "field"]
+
+
+class Measured(Model):
+    """What somebody measured or derived: a number, or two between which it lies."""
+
+    author: str
+    value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
+    how: str = Field(default="", description="how it was measured, and how well")
+    counts: bool = Field(default=True, description="false if it stands beside the others for comparison alone")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The lower and the upper number."""
+        return self.value if isinstance(self.value, tuple) else (self.value, self.value)
+
+
+class Column(Model):
+    """A column behind a gate that is taken away: run-out over its width (sand) or its height (clay)."""
+
+    kind: Literal["column"]
+    width: Length
+    height: Length
+    radius: Length
+    density: float = Field(default=1800.0, gt=0.0, description="kg/m3")
+    friction_angle: Angle = 0.0
+    weight_over_strength: float = Field(default=0.0, ge=0.0, description="gamma H / s_u of clay; 0 for sand")
+    rigidity: float = Field(default=300.0, gt=0.0, description="E / s_u of clay")
+    slowly: bool = Field(default=False, description="whether gravity grows slowly from where the column stands")
+    reach: float = Field(default=8.0, gt=1.0, description="length of the floor over the width")
+
+
+class UniformSlope(Model):
+    """A layer that liquefies under a crust on an endless slope: how far the crust slides under a constant Kh."""
+
+    kind: Literal["uniform slope"]
+    angle: Angle
+    thickness: tuple[Length, Length] = Field(description="of the layer that liquefies, and of the crust")
+    radius: Length
+    density: float = Field(default=1800.0, gt=0.0, description="kg/m3")
+    friction_angle: Angle
+    length: Length
+    kh: float = Field(ge=0.0)
+    seconds: float = Field(gt=0.0)
+    left: Case = Field(description="what the layer keeps")
+
+
+class Ground(Model):
+    """A section as users write it, whose other tables stand beside this one: the slide at a place of its surface."""
+
+    kind: Literal["section"]
+    case: str = Field(description="name or number of the case of the slide")
+    at: float | Literal["front", "largest", "crest"] = Field(
+        description='x of the surface (m), its largest slide, the run-out of its "front", or how much its crest sinks'
+    )
+    flow: bool = Field(default=False, description="whether the field flowed, and did not only spread")
+
+
+Problem = Annotated[Column | UniformSlope | Ground, Field(discriminator="kind")]
+
+
+class Known(Model):
+    """The table [known] of a case."""
+
+    group: Group
+    source: str
+    quantity: str = Field(description="what was measured, such as run-out over width")
+    unit: str = Field(default="", description='"m", or nothing for a ratio')
+    assumed: str = Field(default="", description="what had to be assumed")
+    seeds: int = Field(default=3, ge=1, le=50, description="packings that are computed")
+    zero: float = Field(default=0.0, ge=0.0, description="what counts as nothing, where nothing was measured")
+    values: tuple[Measured, ...] = Field(min_length=1)
+    problem: Problem
+
+
+@dataclass(frozen=True)
+class SlideCase:
+    """A known slide, and the section that it is of where it is of one."""
+
+    name: str
+    title: str
+    known: Known
+    given: Input | None = None
+
+    @property
+    def measured(self) -> tuple[float, float]:
+        """The lowest and the highest number that count."""
+        ends = [end for value in self.known.values if value.counts for end in value.ends]
+        return min(ends), max(ends)
+
+
+def read_case(path: Path) -> SlideCase:
+    """The case in a file; raises InputError with every problem found."""
+    data: dict[str, Any] = read_toml(path)
+    try:
+        known = TypeAdapter(Known).validate_python(data.pop("known", {}))
+    except ValidationError as error:
+        problems = [f"known, {', '.join(map(str, entry['loc']))}: {entry['msg']}" for entry in error.errors()]
+        raise InputError(str(path), problems) from error
+    name, title = str(data.get("name", "")), str(data.get("title", ""))
+    if name != path.stem:
+        raise InputError(str(path), [f'name = "{name}": expected that of the file, "{path.stem}"'])
+    if not isinstance(known.problem, Ground):
+        if unknown := sorted(set(data) - {"name", "title"}):
+            raise InputError(str(path), [f"{', '.join(unknown)}: not used by a problem of this kind"])
+        return SlideCase(name, title, known)
+    return SlideCase(name, title, known, Input.parse(data, str(path)))
+
+
+def read_cases(folder: Path, names: tuple[str, ...] = ()) -> list[SlideCase]:
+    """The cases of a folder in the order of their names; some only, whose names begin with one of ``names``.
+
+    Raises InputError if the folder has none, or one that is asked for is missing.
+    """
+    files = sorted(folder.glob("*.toml"))
+    if not files:
+        raise InputError(str(folder), ["there are no cases in it; run this in a checkout, or name one with --folder"])
+    stems = [path.stem for path in files]
+    missing = [name for name in names if not any(stem.startswith(name.lower()) for stem in stems)]
+    if missing:
+        raise InputError(str(folder), [f'there is no case "{name}"; README.md in it names all' for name in missing])
+    return [
+        read_case(path) for path in files if not names or path.stem.startswith(tuple(name.lower() for name in names))
+    ]

@@ -1,0 +1,73 @@
+"""A run over the known slides, case by case; what was found is kept after each."""
+
+import csv
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from workflow.estimates.slide_error import TABLE
+from workflow.run.store import Store
+from workflow.verify.record import version_of
+from workflow.verify.slides.case import Ground, SlideCase, read_cases
+from workflow.verify.slides.record import FILE, SlideAnswer, read_answers, write_answers
+from workflow.verify.slides.verdict import SlideVerdict, judge
+
+
+@dataclass(frozen=True)
+class SlideRow:
+    """A case, what was found for it, and whether that is right."""
+
+    case: SlideCase
+    found: SlideAnswer | None
+    verdict: SlideVerdict
+
+
+def run(
+    folder: Path,
+    names: Sequence[str] = (),
+    *,
+    compute: bool = True,
+    seeds: int | None = None,
+    tell: Callable[[SlideRow], None] | None = None,
+) -> list[SlideRow]:
+    """Predict the cases whose names begin with one of ``names``, all without any, and judge them.
+
+    What was found is written beside the cases after each of them.
+    """
+    record, version = folder / FILE, version_of(folder)
+    rows = []
+    for case in read_cases(folder, tuple(names)):
+        answers = read_answers(record)
+        if compute:
+            from workflow.verify.slides.predict import predict, with_commit  # judging alone does without the discs
+
+            answers[case.name] = with_commit(predict(case, seeds), version)
+            write_answers(record, answers)
+        found = answers.get(case.name)
+        rows.append(SlideRow(case, found, judge(case, found)))
+        if tell:
+            tell(rows[-1])
+    return rows
+
+
+def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
+    """The table of errors that the report of a slide leans on: every case that was run, as CSV."""
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["name", "group", "kind", "ratio"])
+    for case in cases:
+        verdict = judge(case, answers.get(case.name))
+        if verdict.ratio is None:
+            continue
+        problem = case.known.problem
+        kind: str = problem.kind
+        if isinstance(problem, Ground):
+            kind = "flow" if problem.flow else "spread"
+        table.writerow([case.name, case.known.group, kind, f"{verdict.ratio:.3g}"])
+    return text.getvalue()
+
+
+def write_errors(package: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
+    """Write that table into the package, where reports find it."""
+    return Store(package).write_text(TABLE, errors(cases, answers))

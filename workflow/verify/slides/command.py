@@ -1,0 +1,59 @@
+"""What `noshiro verify --slides` does."""
+
+from dataclasses import asdict
+from json import dumps
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from workflow.verify.slides.collection import SlideRow
+
+
+def verify_slides(
+    out: "Console", folder: Path | None, names: list[str], *, judge: bool, page: bool, packings: int | None
+) -> str:
+    """Predict known slides and judge them; tells each, and returns the rows as JSON."""
+    from workflow.verify.slides.case import FOLDER, read_cases
+    from workflow.verify.slides.collection import run, write_errors
+    from workflow.verify.slides.page import write_page
+    from workflow.verify.slides.record import FILE, read_answers
+
+    place = folder or FOLDER
+    rows = run(place, names, compute=not judge, seeds=packings, tell=lambda row: _tell(out, row))
+    if page:
+        cases, answers = read_cases(place), read_answers(place / FILE)
+        out.print(str(write_page(place, cases, answers)), soft_wrap=True)
+        if folder is None:
+            from workflow.estimates import slide_error
+
+            out.print(str(write_errors(Path(slide_error.__file__).parent, cases, answers)), soft_wrap=True)
+    return dumps([_as_dict(row) for row in rows], indent=1, ensure_ascii=False)
+
+
+def _as_dict(row: "SlideRow") -> dict[str, object]:
+    found = {} if row.found is None else asdict(row.found)
+    return found | {
+        "name": row.case.name,
+        "group": row.case.known.group,
+        "measured": row.case.measured,
+        "verdict": row.verdict.word,
+        "ratio": row.verdict.ratio,
+        "spread": row.verdict.spread,
+    }
+
+
+def _tell(out: "Console", row: "SlideRow") -> None:
+    """One line for a case."""
+    from rich.markup import escape
+
+    from workflow.verify.slides.page import number, told
+
+    found = row.found
+    predicted = ", ".join(number(value) for value in found.values) if found is not None else ""
+    measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))
+    line = f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {predicted}; {told(row.verdict)}"
+    out.print(escape(line.rstrip("; ")), soft_wrap=True)
+    if found is not None and found.failure:
+        out.print(escape(f"                {found.failure}"), soft_wrap=True)

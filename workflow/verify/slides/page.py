@@ -1,0 +1,121 @@
+"""The page of the known slides: a table of all cases, what was left out, and why."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from workflow.run.store import Store
+from workflow.verify.slides.case import SlideCase
+from workflow.verify.slides.record import SlideAnswer
+from workflow.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, right
+
+PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
+GROUPS = ("theory", "experiment", "field")
+
+HEAD = f"""# Known slides
+
+Slides whose run-out is known by theory, experiment or the field, with what the soil discs predict: nothing is tuned to
+them, strengths are those given, or what a triggering relation leaves. Every case is a file with a table `[known]`; one
+of the field is a section as users write it. Made by `noshiro verify --slides --page`; `noshiro verify --slides column`
+runs those whose names begin so.
+
+The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
+the least and of the largest prediction. **Within the band** is a mean between the least and the largest number that was
+measured or derived; else the word says whether the ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond.
+Where nothing moved in nature, **stands** is right and **moved** is wrong."""
+
+
+def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
+    """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
+    from workflow.verify.slides.picture import draw  # it brings a renderer, which the text does without
+
+    pictures = folder / PICTURES
+    pictures.mkdir(exist_ok=True)
+    for case in cases:
+        if case.name in answers and answers[case.name].values:
+            draw(case, answers[case.name], pictures / f"{case.name}.png")
+    return Store(folder).write_text(PAGE, text(folder, cases, answers))
+
+
+def text(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
+    """The page."""
+    verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
+    parts = [HEAD, _summary(cases, verdicts)]
+    for group in GROUPS:
+        chosen = [case for case in cases if case.known.group == group]
+        if chosen:
+            parts += [f"## {group.capitalize()}", _table(chosen, answers, verdicts)]
+    parts += ["## Remarks", _remarks(cases, answers)]
+    left_out = folder / LEFT_OUT
+    if left_out.exists():
+        parts += ["## Left out", left_out.read_text(encoding="utf-8").strip()]
+    return "\n\n".join(parts) + "\n"
+
+
+def told(verdict: SlideVerdict) -> str:
+    """Ratio and its spread, in the digits that these allow."""
+    if verdict.ratio is None or verdict.spread is None:
+        return ""
+    low, high = verdict.spread
+    return f"{verdict.ratio:.2f}" if low == high else f"{verdict.ratio:.2f} ({low:.2f} to {high:.2f})"
+
+
+def number(value: float) -> str:
+    """A measured or a predicted number."""
+    return f"{value:.3g}"
+
+
+def _summary(cases: Sequence[SlideCase], verdicts: Mapping[str, SlideVerdict]) -> str:
+    rows = [
+        "| | cases | run | within 1.5 | within 3 | median of predicted over measured |",
+        "|---|---|---|---|---|---|",
+    ]
+    for group in GROUPS:
+        chosen = [verdicts[case.name] for case in cases if case.known.group == group]
+        if not chosen:
+            continue
+        run = [one for one in chosen if one.word not in ("not run", "failed")]
+        middle = bias(run)
+        cells = [group, len(chosen), len(run), right(run, CLOSE), right(run, FAR)]
+        rows.append(f"| {' | '.join(map(str, cells))} | {'-' if middle is None else f'{middle:.2f}'} |")
+    return "\n".join(rows)
+
+
+def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdicts: Mapping[str, SlideVerdict]) -> str:
+    rows = [
+        "| | case | measured | predicted, by packing | predicted over measured | loose | |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for case in cases:
+        found, verdict = answers.get(case.name, SlideAnswer(case.name)), verdicts[case.name]
+        measured = "<br>".join(
+            " to ".join(dict.fromkeys(number(end) for end in value.ends))
+            + f" {value.author}" + ("" if value.counts else " (for comparison)")
+            for value in case.known.values
+        )  # fmt: skip
+        cells = [
+            f"![]({PICTURES}/{case.name}.png)" if found.values else "",
+            f"[{case.name}]({case.name}.toml)<br>{case.title}<br>{case.known.quantity}"
+            + (f" ({case.known.unit})" if case.known.unit else ""),
+            measured,
+            ", ".join(number(value) for value in found.values),
+            told(verdict),
+            f"{100.0 * max(found.loose):.1f} %" if found.loose else "",
+            verdict.word,
+        ]
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join(rows)
+
+
+def _remarks(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
+    lines = []
+    for case in cases:
+        found = answers.get(case.name)
+        remarks = [f"source: {case.known.source}"]
+        if case.known.assumed:
+            remarks.append(f"assumed: {case.known.assumed}")
+        if found is not None and found.failure:
+            remarks.append(f"no prediction: {found.failure}")
+        if found is not None and found.rested and not all(found.rested):
+            remarks.append("it had not come to rest in every packing")
+        lines.append(f"- **{case.name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in remarks))
+    return "\n".join(lines)

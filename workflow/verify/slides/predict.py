@@ -1,0 +1,177 @@
+"""What discs make of a known slide: one number and a profile for every packing."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dem.errors import DemError
+from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
+from dem.laboratory.soil_layers import soil_layers
+from dem.model import DiscModel
+from dem.problems import uniform_slope
+from dem.problems.column import G, SoilColumn
+from dem.search.deposit import deposit
+from dem.settings import Case
+from dem.slides.liquefaction import Slider
+from dem.slides.runout import deposit_profile, loose_share, run_out
+from dem.slides.until_rest import run_until_rest
+from meshes.errors import InputError
+from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
+from workflow.verify.slides.record import Line, SlideAnswer
+
+STANDS = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
+STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)
+UNITS = 4.0  # of that, after it
+POINTS = 60  # of a profile that is kept
+
+Found = tuple[float, float, bool, Line, Line]  # value, loose share, at rest, surface before and after
+
+
+def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
+    """The prediction for a case; why there is none stands in its failure.
+
+    Parameters
+    ----------
+    case
+        The known slide.
+    seeds
+        Packings; as many as the case asks for if None.
+    """
+    begun = time.process_time()
+    find = _FINDERS[type(case.known.problem)]
+    found: list[Found] = []
+    failure = ""
+    for seed in range(seeds or case.known.seeds):
+        try:
+            found.append(find(case, case.known.problem, seed))
+        except (DemError, InputError, ValueError) as error:
+            failure = f"packing {seed}: {error}"
+            break
+    seconds = round(time.process_time() - begun, 1)
+    if failure or not found:
+        return SlideAnswer(case.name, seconds=seconds, failure=failure)
+    values, loose, rested, before, after = zip(*found, strict=True)
+    return SlideAnswer(
+        case.name, tuple(round(float(v), 4) for v in values), tuple(round(float(v), 4) for v in loose), rested,
+        before[0], after[0], seconds,
+    )  # fmt: skip
+
+
+def _thinned(points: np.ndarray) -> Line:
+    """At most `POINTS` of them, in centimetres."""
+    step = max(1, len(points) // POINTS)
+    return tuple((round(float(x), 2), round(float(z), 2)) for x, z in points[::step])
+
+
+def _column(case: SlideCase, wanted: Column, seed: int) -> Found:
+    """Run-out over the width of sand, over the height of clay."""
+    weight = wanted.density * G * wanted.height
+    clay = wanted.weight_over_strength > 0.0
+    su = weight / wanted.weight_over_strength if clay else 0.0
+    contacts = soil_contacts(su, wanted.friction_angle, 0.5 * weight, wanted.rigidity * su if clay else None)
+    column = SoilColumn(
+        wanted.width, wanted.height, wanted.radius,
+        lambda voids: [contacts.discs(case.name, wanted.density, wanted.radius, voids)], seed=seed, reach=wanted.reach,
+    )  # fmt: skip
+    column.settle()
+    before = deposit_profile(column.model)
+    rested = _strength_is_lost_slowly(column, wanted) if wanted.slowly else column.release().rested
+    out = run_out(column.model)
+    ran = (out.front - wanted.width) / (wanted.height if clay else wanted.width)
+    return ran, out.loose, rested, _thinned(before), _thinned(deposit_profile(column.model))
+
+
+def _strength_is_lost_slowly(column: SoilColumn, wanted: Column) -> bool:
+    """Gravity grows from where the column stands to its own, which is as good as a loss of strength."""
+    model = column.model
+    first, *others = np.geomspace(min(1.0, STANDS / wanted.weight_over_strength), 1.0, STEPS)
+    model.gravity = (0.0, -G * float(first))
+    unit = column.unit / float(np.sqrt(first))
+    run_until_rest(model, still=1e-3 * column.width, longest=UNITS * unit, every=0.5 * unit)
+    column.release(longest=UNITS)
+    for share in others:
+        model.gravity = (0.0, -G * float(share))
+        unit = column.unit / float(np.sqrt(share))
+        run_until_rest(model, still=1e-9, longest=unit, every=unit)
+    return run_until_rest(model, still=1e-3 * column.width, longest=UNITS * column.unit, every=0.5 * column.unit).rested
+
+
+def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
+    """Slide of the crust (m)."""
+    stress = 0.5 * wanted.density * G * sum(wanted.thickness)
+    sand = soil_contacts(0.0, wanted.friction_angle, stress)
+
+    def layers(voids: float) -> list[Any]:
+        return [sand.discs(name, wanted.density, wanted.radius, voids) for name in ("liquefies", "crust")]
+
+    slope = uniform_slope.UniformSlope(
+        wanted.angle, wanted.thickness, wanted.radius, layers, length=wanted.length, seed=seed
+    )
+    before = deposit_profile(slope.model)
+    slope.liquefy([0], wanted.left)
+    push = slope.push(wanted.kh, wanted.seconds)
+    after = deposit_profile(slope.model)
+    return float(push.slide[-1]), loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
+
+
+def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
+    """Slide at a place of the surface (m), of discs with the strengths of the section: no factor is fitted."""
+    given = case.given
+    if given is None:
+        raise ValueError(f"{case.name}: a section is wanted")
+    number = _number(wanted.case, given.cases)
+    soil = soil_layers(given)
+    settings = given.dem.model_copy(update={"seed": seed})
+    lies = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+    strata = [k for k, stratum in enumerate(given.strata) if number in stratum.liquefies_in]
+    slider = Slider(lies.settled, lies.ground, strata, given.cases[number - 1], given.slide)
+    slide = slider.run()
+    if not slide.rows or slide.reason.startswith("stopped"):
+        raise ValueError(f"{case.name}: {slide.reason}")
+    value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, lies.settled, slider.model)
+    before, after = np.array(slide.surface_before), np.array(slide.surface_after)
+    return value, loose_share(slider.model), slide.settled, _thinned(before), _thinned(after)
+
+
+def _number(case: str, cases: tuple[Case, ...]) -> int:
+    """The number of a case by its name or number. Raises ValueError where there is none."""
+    for number, one in enumerate(cases, start=1):
+        if case in (one.name, str(number)):
+            return number
+    raise ValueError(f'there is no case "{case}": there are {len(cases)}')
+
+
+def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:
+    """The number that was measured in the field, of the discs (m)."""
+    if wanted.at == "largest":
+        return largest
+    if wanted.at == "crest":
+        return float(deposit_profile(start)[:, 1].max() - deposit_profile(end)[:, 1].max())
+    if wanted.at == "front":
+        free = ~start.fixed
+        moved = np.abs(end.x - start.x)[free & (np.abs(end.x - start.x) > start.radius)]
+        return float(np.quantile(moved, 0.98)) if len(moved) else 0.0
+    return float(np.interp(wanted.at, *along.T))
+
+
+_FINDERS: dict[type, Callable[[SlideCase, Any, int], Found]] = {
+    Column: _column,
+    UniformSlope: _uniform_slope,
+    Ground: _section,
+}
+
+
+def contacts_of(case: SlideCase) -> SoilContacts | None:
+    """The contacts of a column, for tests; None of other problems."""
+    problem = case.known.problem
+    if not isinstance(problem, Column) or problem.weight_over_strength > 0.0:
+        return None
+    return soil_contacts(0.0, problem.friction_angle, 0.5 * problem.density * G * problem.height)
+
+
+def with_commit(answer: SlideAnswer, commit: str) -> SlideAnswer:
+    """The answer, with the version of the program that found it."""
+    return replace(answer, commit=commit)

@@ -1,0 +1,75 @@
+"""Whether a prediction of a slide is right: how far it is off what was measured."""
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from workflow.verify.slides.case import SlideCase
+from workflow.verify.slides.record import SlideAnswer
+
+CLOSE, FAR = 1.5, 3.0  # times or a part of what was measured
+
+Word = Literal["not run", "failed", "within the band", "within 1.5", "within 3", "beyond 3", "stands", "moved"]
+
+
+@dataclass(frozen=True)
+class SlideVerdict:
+    """A word, and by what it is found.
+
+    Attributes
+    ----------
+    word : str
+        As in `Word`.
+    ratio : float or None
+        Mean of the predictions over the middle (geometric) of what was measured; None where nothing was measured to
+        move, or there is no prediction.
+    spread : (float, float) or None
+        The same of the least and the largest prediction of the packings.
+    """
+
+    word: Word
+    ratio: float | None = None
+    spread: tuple[float, float] | None = None
+
+    @property
+    def factor(self) -> float | None:
+        """How many times too far or too short."""
+        if self.ratio is None:
+            return None
+        return max(self.ratio, 1.0 / self.ratio) if self.ratio > 0.0 else float("inf")
+
+
+def judge(case: SlideCase, found: SlideAnswer | None) -> SlideVerdict:
+    """The verdict on a case."""
+    if found is None:
+        return SlideVerdict("not run")
+    if not found.values:
+        return SlideVerdict("failed")
+    low, high = case.measured
+    values = np.array(found.values)
+    mean = float(values.mean())
+    if high <= case.known.zero:
+        return SlideVerdict("stands" if float(values.max()) <= case.known.zero else "moved")
+    middle = float(np.sqrt(max(low, case.known.zero, 1e-9) * high))
+    ratio = mean / middle
+    spread = (float(values.min()) / middle, float(values.max()) / middle)
+    word: Word = "beyond 3"
+    if low <= mean <= high:
+        word = "within the band"
+    elif ratio > 0.0:
+        off = max(ratio, 1.0 / ratio)
+        word = "within 1.5" if off <= CLOSE else "within 3" if off <= FAR else "beyond 3"
+    return SlideVerdict(word, ratio, spread)
+
+
+def right(verdicts: Iterable[SlideVerdict], factor: float) -> int:
+    """How many are within a factor of what was measured, what stands as it should among them."""
+    return sum(v.word == "stands" or (v.factor is not None and v.factor <= factor) for v in verdicts)
+
+
+def bias(verdicts: Collection[SlideVerdict]) -> float | None:
+    """Median of predicted over measured; None where there is nothing to take it of."""
+    ratios = [v.ratio for v in verdicts if v.ratio is not None]
+    return float(np.median(ratios)) if ratios else None
