@@ -10,11 +10,12 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 import tomli_w
-from pydantic import Field, StrictBool, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationError, model_validator
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.cutting import cut
+from meshes.section.dense_lines import CELL, thinned_lines
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
@@ -75,6 +76,7 @@ class Section(Model):
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
 
     settings_tables: ClassVar[tuple[str, ...]] = SETTINGS_TABLES
+    _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -135,7 +137,8 @@ class Section(Model):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
-        told = [f"geometry: {text}" for text in self._layers.notices]
+        told = [self._thinning] if self._thinning else []
+        told += [f"geometry: {text}" for text in self._layers.notices]
         told += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
         told += against_the_water(self.layering, self.strata, drawn, self.water_pressure.before)
@@ -208,6 +211,38 @@ class Section(Model):
         """What presses on the ground beside still water."""
         return SurfaceLoads(self.surcharges, self.water_pressure)
 
+    def thinned(self) -> Self:
+        """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
+        lines = {place: points for place, line in self._lines_by_place().items()
+                 if len(points := line.points(*self.given_extent)) > 2}  # fmt: skip
+        height = float(self.layering.areas().sum()) / (self.extent[1] - self.extent[0])
+        found, tolerance = thinned_lines({**lines, ("surface",): np.array(self.surface, dtype=float)}, CELL * height)
+        if tolerance == 0.0:
+            return self
+        data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
+        for place, points in found.items():
+            inside: Any = data
+            for step in place[:-1]:
+                inside = inside[step]
+            inside[place[-1]] = points.tolist()
+        changed = type(self).model_validate(data)
+        changed._thinning = (
+            f"geometry: the ground has {len(changed.surface)} of its {len(self.surface)} points: cells cannot use all "
+            f"of them, and lines stay within {tolerance:.2g} m of their running median"
+        )
+        return changed
+
+    def _lines_by_place(self) -> dict[tuple[str | int, ...], Line]:
+        """The lines beside the ground, by their places in the data, down to "elevation" or "depth"."""
+        lines: dict[tuple[str | int, ...], Line | None] = {("base",): self.base, ("water_table",): self.water_table}
+        for k, stratum in enumerate(self.strata):
+            lines[("strata", k, "bottom")] = stratum.bottom
+            lines[("strata", k, "piezometric_level")] = stratum.piezometric_level
+        if self.water is not None:
+            lines |= {("water", "table"): self.water.table, ("water", "after_drawdown"): self.water.after_drawdown}
+        return {(*place, "depth" if line.elevation is None else "elevation"): line
+                for place, line in lines.items() if line is not None}  # fmt: skip
+
     def cut_at_water(self) -> Self:
         """The section with the strata cut where water crosses them, and the saturated density below it."""
         if self.water is None and all(s.piezometric_level is None for s in self.strata):
@@ -223,7 +258,9 @@ class Section(Model):
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
         data["strata"] = [s.model_dump(mode="python", exclude_none=True, by_alias=True) for s in strata]
-        return type(self).model_validate(data)
+        found = type(self).model_validate(data)
+        found._thinning = self._thinning
+        return found
 
     def with_strata(self, strata: Sequence[Stratum]) -> Self:
         """The section with other strata that the program derived from its own, without those that have no area.
@@ -252,7 +289,7 @@ class Section(Model):
         """The section from what a TOML file holds; raises InputError with every problem found."""
         known = {key: value for key, value in data.items() if key in cls.model_fields or key not in SETTINGS_TABLES}
         try:
-            return cls.model_validate(known).cut_at_water()
+            return cls.model_validate(known).thinned().cut_at_water()
         except ValidationError as error:
             problems = sentences(error, known, cls)
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.

@@ -1,0 +1,126 @@
+"""Lines surveyed more closely than a mesh can use, such as a scanned ground: points that make no difference to it.
+
+Cells cannot be larger than the distance of the points of a line that they follow. What is thinned is every line of a
+section together: noise is taken off by a running median over a quarter of a cell, then of the places where any line
+has a point those are left out between which all lines stay within a tolerance (Douglas & Peucker 1973). So lines that
+lie on each other still do, and none crosses another.
+"""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from meshes.section.polyline import limits
+from meshes.section.simplified import needed
+
+# The default size of cells, as a share of the mean height of a section.
+CELL = 1.0 / 12.0
+# Points nearer to each other than this share of a cell are dense; with so many of them a section is thinned.
+NEAR, MANY = 0.25, 30
+# How far a line may move, in cells: as little as leaves no points near each other, but no more than the second.
+LEAST, MOST, GROWTH = 1.0 / 40.0, 0.5, 1.5
+ROUNDING = 1e-9
+
+
+Place = tuple[str | int, ...]
+
+
+def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[Place, np.ndarray], float]:
+    """Lines without the points that cells cannot use.
+
+    Parameters
+    ----------
+    lines : ndarray (n, 2) each
+        Points (m) from the left to the right, as elevations or depths, by their places; ("surface",) is one.
+    cell : float
+        Size of cells (m).
+
+    Returns
+    -------
+    lines : dict of ndarray
+        The same lines; all of them as they were where few points are dense.
+    tolerance : float
+        How far (m) lines may have moved from their running median; 0 where none did.
+    """
+    x = np.unique(np.concatenate([points[:, 0] for points in lines.values()]))
+    gaps = np.diff(x)
+    near = NEAR * cell
+    if np.count_nonzero(gaps < near) <= MANY:
+        return dict(lines), 0.0
+    sides = {place: _sides(points, x) for place, points in lines.items()}
+    hard = np.zeros(len(x), dtype=bool)
+    hard[[0, -1]] = True
+    for left, right in sides.values():
+        both = np.isfinite(left) & np.isfinite(right)
+        hard |= (np.isfinite(left) != np.isfinite(right)) | (both & (np.abs(right - left) > ROUNDING))
+    reach = _reach(x, hard, 0.5 * near)
+    sides = {place: (_median(left, reach), _median(right, reach)) for place, (left, right) in sides.items()}
+    fixed = hard | np.concatenate([[True], (gaps[:-1] >= near) & (gaps[1:] >= near), [True]])
+    tolerance = LEAST * cell
+    while True:
+        keep = _kept(x, list(sides.values()), fixed, tolerance)
+        surface = np.column_stack([x, sides[("surface",)][0]])[keep][1:-1]
+        short = np.hypot(*np.diff(surface, axis=0).T) < near
+        if not short.any() or tolerance * GROWTH > MOST * cell:
+            break
+        tolerance *= GROWTH
+    return {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}, tolerance
+
+
+def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
+    """How many neighbours (n,) on either side lie within half a window (m), with none that is hard between or there."""
+    number = np.arange(len(x))
+    ends = np.flatnonzero(hard)
+    before = ends[np.searchsorted(ends, number, side="right") - 1]
+    after = ends[np.searchsorted(ends, number, side="left")]
+    left = number - np.maximum(np.searchsorted(x, x - half), before + 1)
+    right = np.minimum(np.searchsorted(x, x + half, side="right") - 1, after - 1) - number
+    return np.maximum(np.minimum(left, right), 0)
+
+
+def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Running median of values (n,) over as many of them on either side: a rising or falling line stays what it is."""
+    found = values.copy()
+    for i in np.flatnonzero(reach > 0):
+        found[i] = np.median(values[i - reach[i] : i + reach[i] + 1])
+    return found
+
+
+def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values of a line just left and just right of each x; not a number where it is not."""
+    left, right = limits(points, x)
+    start, end = points[0, 0], points[-1, 0]
+    return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)
+
+
+def _kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float) -> np.ndarray:
+    """Which x (n,) keep all lines within the tolerance, with those that are ``fixed``."""
+    keep = fixed.copy()
+    left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
+    ends = np.flatnonzero(fixed)
+    waiting = [(int(a), int(b)) for a, b in pairwise(ends)]
+    while waiting:
+        first, last = waiting.pop()
+        if last - first < 2:
+            continue
+        share = (x[first + 1 : last] - x[first]) / (x[last] - x[first])
+        straight = right[:, first, None] + share * (left[:, last] - right[:, first])[:, None]
+        off = np.abs(left[:, first + 1 : last] - straight)
+        off = np.where(np.isfinite(off), off, 0.0).max(axis=0)
+        worst = int(np.argmax(off))
+        if off[worst] > tolerance:
+            middle = first + 1 + worst
+            keep[middle] = True
+            waiting += [(first, middle), (middle, last)]
+    return keep
+
+
+def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """A line (n, 2) of its values left and right of each x, which are no numbers where it is not."""
+    there = np.flatnonzero(np.isfinite(left) | np.isfinite(right))
+    x, left, right = x[there], left[there], right[there]
+    left[0], right[-1] = right[0], left[-1]
+    chain = np.column_stack([np.repeat(x, 2), np.column_stack([left, right]).ravel()])
+    chain = chain[np.concatenate([[True], np.any(np.diff(chain, axis=0) != 0.0, axis=1)])]
+    return chain[needed(chain, ROUNDING * max(1.0, float(np.abs(chain[:, 1]).max())))]

@@ -1,0 +1,78 @@
+"""Ground that was scanned every two centimetres: what of it a mesh can use, and that lines keep their places."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshes.gmsh_model import generate
+from meshes.section.dense_lines import thinned_lines
+from meshes.section.section import Section
+from workflow.settings import Input
+
+SOIL = {"density": "18 kN/m^3", "density_saturated": "20 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3,
+        "cohesion": "10 kPa", "friction_angle": "30 deg"}  # fmt: skip
+
+
+def scanned(noise: float, count: int = 5001, **more: Any) -> dict[str, Any]:
+    """A bank of 8 m, 2.5:1, scanned with noise (m) every 2 cm."""
+    x = np.linspace(0.0, 100.0, count)
+    z = np.interp(x, [0, 40, 60, 100], [12, 12, 4, 4]) + np.random.default_rng(1).normal(0.0, noise, count)
+    strata = [{"name": "Sand", "bottom": {"elevation": 2.0}, **SOIL}, {"name": "Clay", **SOIL}]
+    return {"name": "scan", "surface": np.column_stack([x, z]).tolist(), "base": {"elevation": -6.0}, "strata": strata,
+            **more}  # fmt: skip
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.03, 0.1])
+def test_a_scanned_ground_has_the_cells_of_a_drawn_one(noise: float) -> None:
+    """23,867 cells with corners of 1.2 degrees before; 8 m by 20 m keep their area within the noise."""
+    made = Input.parse(scanned(noise, water={"table": [[0, 6], [100, 3]]}))
+    assert len(made.surface) < 20
+    assert made.layering.areas().sum() == pytest.approx(1400.0, abs=3.0)
+    assert f"the ground has {len(made.surface)} of its 5001 points" in made.notices[0]
+    quality = generate(made, made.mesh).quality()
+    assert quality.quadrilaterals < 2000
+    assert abs(quality.worst_angle - 90.0) < 75.0
+
+
+def test_the_ground_as_thinned_is_thinned_no_more() -> None:
+    once = Section.parse(scanned(0.02))
+    again = Section.parse({"name": "again", "surface": once.surface, "base": {"elevation": -6.0},
+                           "strata": scanned(0.0)["strata"]})  # fmt: skip
+    assert again.surface == once.surface
+    assert not any("of its" in notice for notice in again.notices)
+
+
+def test_a_wall_stands_where_it_was() -> None:
+    data = scanned(0.0)
+    data["surface"] = [[x, 12.0 if x <= 50.0 else 9.0] for x, _ in data["surface"]]
+    made = Section.parse(data)
+    assert len(made.surface) == 4
+    assert made.surface[1:3] == ((50.0, 12.0), (pytest.approx(50.02), 9.0))
+
+
+@given(
+    count=st.integers(400, 2000), noise=st.floats(0.0, 0.05), seed=st.integers(0, 1000), cell=st.floats(0.8, 2.0),
+    depth=st.floats(0.0, 3.0),
+)  # fmt: skip
+@settings(max_examples=25, deadline=None)
+def test_lines_move_no_more_than_is_told_and_do_not_cross(
+    count: int, noise: float, seed: int, cell: float, depth: float
+) -> None:
+    """Beside a line of the same points that lies on the ground in part and deeper elsewhere."""
+    rng = np.random.default_rng(seed)
+    x = np.linspace(0.0, 50.0, count)
+    ground = 3.0 * np.sin(x / rng.uniform(4.0, 9.0)) + rng.normal(0.0, noise, count)
+    below = ground - np.clip(depth * np.sin(x / 5.0), 0.0, None)
+    lines = {("surface",): np.column_stack([x, ground]), ("below",): np.column_stack([x, below])}
+    found, tolerance = thinned_lines(lines, cell)
+    at = np.linspace(0.0, 50.0, 3001)
+    top, bottom = (np.interp(at, *found[place].T) for place in lines)
+    assert np.all(top - bottom >= -1e-9)
+    if tolerance == 0.0:
+        return
+    assert len(found[("surface",)]) < count
+    smooth = max(4.5 * noise + 0.5 * (0.125 * cell / 4.0) ** 2 * 3.0, 0.02)  # what the running median takes off
+    assert np.abs(top - np.interp(at, x, ground)).max() <= tolerance + smooth + 0.05
