@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,7 +11,8 @@ from fem.at_once import AtOnce
 from fem.critical import CriticalResult, critical_coefficient
 from fem.errors import UnstableError
 from fem.gravity import element_for
-from fem.judges import SAME_MESH, Doubt, doubts_of
+from fem.judges import SAME_MESH, Doubt, doubts_of, of_uplift
+from fem.loads import lifted
 from fem.meanwhile import Meanwhile, stop_if_left
 from fem.mesh_sequence import AdaptiveResult
 from fem.path import EquilibriumPath
@@ -129,10 +130,12 @@ class _Search:
         try:
             adapted = self.limit_loads(settings)
             if adapted is None:
-                return self.by_path(settings, box_depth, safety)
-            return _standing(self.with_limit_loads(adapted, settings, box_depth, safety))
+                found = self.by_path(settings, box_depth, safety)
+            else:
+                found = _standing(self.with_limit_loads(adapted, settings, box_depth, safety))
         except UnstableError as error:
             raise self.fails(settings, error) from error
+        return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
 
     def with_limit_loads(
         self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float, safety: list[Safety] | None
@@ -264,7 +267,10 @@ class _Search:
         return AdaptiveResult(found, self.first)
 
     def fails(self, settings: FemSettings, error: UnstableError) -> UnstableError:
-        """The same error with the factor of safety, and with that of ψ = φ where the flow rule makes another ground."""
+        """The same error with the factor of safety, and with that of ψ = φ where the flow rule makes another ground; or
+        with the factor against uplift, where pore pressure exceeds the weight above it."""
+        if self.section.uplift is not None:
+            return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
         factor = self.safety(settings, 0.0).result.factor
         told = f"{error.reason}; its factor of safety is {factor:.2f}"
         if not self.is_substituted(settings):

@@ -13,6 +13,7 @@ import numpy as np
 from fem.fields import State, touched_sides
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import corner_angles
+from meshes.section.uplift import Uplift
 
 if TYPE_CHECKING:
     from fem.at_once import AtOnce
@@ -84,6 +85,15 @@ def doubts_of(
         *of_boundaries(mesh, result.mechanism, result.verdict),
         *of_cells(mesh),
     ]
+
+
+def of_uplift(uplift: Uplift | None) -> Iterator[Doubt]:
+    """Pore pressure above the total vertical stress: nothing but the strength of the ground holds it down."""
+    if uplift is not None:
+        yield Doubt(
+            f"{uplift.words[0].upper()}{uplift.words[1:]}.",
+            "check the levels of the water, or relieve its pressure; no answer for such a section counts before",
+        )
 
 
 def of_verdict(verdict: "Verdict", reason: str, remedy: str) -> Iterator[Doubt]:

@@ -2,9 +2,11 @@
 
 from typing import Literal
 
+from fem.errors import UnstableError
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Section, Stratum
+from meshes.section.uplift import Uplift
 
 Direction = Literal["downhill", "uphill"]
 
@@ -25,7 +27,7 @@ def downhill(section: Section) -> int:
 
 
 def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
-    """The strata; raises InputError for those without strength."""
+    """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
     weak = [
         f'strata {k} "{s.name}": cohesion and friction angle are both 0; expected some strength'
         for k, s in enumerate(section.strata, start=1)
@@ -33,4 +35,11 @@ def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
     ]
     if weak:
         raise InputError(section.name, weak)
+    if section.uplift is not None and section.uplift.bare:
+        raise lifted(section.uplift)
     return section.strata
+
+
+def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
+    """The error of ground that does not stand, whose pore pressure exceeds the weight above it somewhere."""
+    return UnstableError(f"{reason}: {uplift.words}", "check the levels of the water, or relieve its pressure")

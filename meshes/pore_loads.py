@@ -23,12 +23,16 @@ class EdgeJumps(NamedTuple):
     ends : ndarray (k, 2)
         Numbers of their end points.
     traction : ndarray (k, 2 ends, 2)
-        What presses on the skeleton (Pa), away from the first of ``TriMesh.edge_cells`` where that has more pressure.
+        What presses on the skeleton (Pa), away from the first of ``TriMesh.edge_cells`` where that has more pressure,
+        and does not depend on a load multiplier.
+    live : ndarray (k, 2 ends, 2)
+        The same of what a load multiplier acts on.
     """
 
     edges: np.ndarray
     ends: np.ndarray
     traction: np.ndarray
+    live: np.ndarray
 
 
 def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
@@ -62,4 +66,5 @@ def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
     jump = one - other
     there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
     normal = outward_normals(mesh, mesh.edge_cells[inner[there], 0], ends[there])
-    return EdgeJumps(inner[there], ends[there], jump[there][:, :, None] * normal[:, None, :])
+    traction = jump[there][:, :, None] * normal[:, None, :]
+    return EdgeJumps(inner[there], ends[there], traction, np.zeros_like(traction))

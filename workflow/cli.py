@@ -88,7 +88,8 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
         return say_data(of_section(request.given, picture))
     for notice in request.given.notices:
         say(f"Mind: {notice}.")
-    return say(f"The section is sound. Picture: {picture}")
+    verdict = "is sound" if request.given.uplift is None else "can be computed, but its water lifts the ground"
+    return say(f"The section {verdict}. Picture: {picture}")
 
 
 @app.command("run")

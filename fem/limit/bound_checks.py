@@ -114,7 +114,7 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     ends = mesh.edges[inner]
     jumps = [0.0]
     wanted = np.zeros((len(mesh.edges), 2, 2))
-    wanted[problem.jumps.edges] = problem.jumps.traction
+    wanted[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
     normal = _unit_normals(problem, one, ends)
     for end in (0, 1):
         here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (one, other))
@@ -218,19 +218,20 @@ def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
         inside = float(np.sum(mesh.areas * np.sum(mean * force, axis=1)))
         pressed = np.sum(given[:, 0] * (first + 2.0 * middle) + given[:, 1] * (last + 2.0 * middle), axis=1)
         done.append(inside + float(np.sum(length * pressed)) / 6.0)
-    return done[0] + _work_at_jumps(problem, velocity), done[1]
+    jumps = problem.jumps
+    return done[0] + _work_at_jumps(problem, velocity, jumps.traction), done[1] + _work_at_jumps(
+        problem, velocity, jumps.live
+    )
 
 
-def _work_at_jumps(problem: LimitProblem, velocity: np.ndarray) -> float:
-    """Work rate of the jumps of the pore pressure on velocities (m, 6 nodes, 2)."""
+def _work_at_jumps(problem: LimitProblem, velocity: np.ndarray, traction: np.ndarray) -> float:
+    """Work rate of what jumps of the pore pressure press, (k, 2 ends, 2), on velocities (m, 6 nodes, 2)."""
     mesh, jumps = problem.mesh, problem.jumps
     cells = mesh.edge_cells[jumps.edges, 0]
     first, last = (velocity[cells, np.argmax(mesh.cells[cells] == end[:, None], axis=1)] for end in jumps.ends.T)
     middle = velocity[cells, 3 + np.argmax(mesh.cell_edges[cells] == jumps.edges[:, None], axis=1)]
     length = np.hypot(*(mesh.points[jumps.ends[:, 1]] - mesh.points[jumps.ends[:, 0]]).T)
-    pressed = np.sum(
-        jumps.traction[:, 0] * (first + 2.0 * middle) + jumps.traction[:, 1] * (last + 2.0 * middle), axis=1
-    )
+    pressed = np.sum(traction[:, 0] * (first + 2.0 * middle) + traction[:, 1] * (last + 2.0 * middle), axis=1)
     return float(np.sum(length * pressed)) / 6.0
 
 

@@ -14,7 +14,7 @@ from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven_upper_bound
 from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.loads import push, soils
+from fem.loads import lifted, push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
 from fem.strength import davis_factor, is_dilating_fully, tensile_strengths
@@ -80,6 +80,8 @@ def kh_bounds(
     govern = [face for face in govern if face.kh < found.upper]
     if whole is not section and not govern:  # what coarse triangles bore too much decides: no face needs strength
         whole, found = section, bounds_of(section)
+    if found.upper < 0.0 and section.uplift is not None:
+        raise lifted(section.uplift, "the section fails under its own weight")
     if found.upper < 0.0:
         raise UnstableError(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"

@@ -266,14 +266,16 @@ def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
 def with_all_loads_live(problem: LimitProblem, multiplier: float) -> LimitProblem:
     """The problem whose multiplier acts on all loads, those of ``multiplier`` of the given one: above 1 it bears them.
 
-    Where the pore pressure jumps, what the jumps press stays. Where there is cohesion, some share is always borne.
+    What pore pressures press where they jump is among them: without any load there is a stress, so that by convexity
+    all shares up to the largest one are borne. (What a pressure lifts, more weight would hold down.)
     """
-    outline = problem.outline
+    outline, jumps = problem.outline, problem.jumps
     return replace(
         problem,
         dead_force=np.zeros_like(problem.dead_force),
         live_force=problem.dead_force + multiplier * problem.live_force,
         outline=replace(outline, dead=np.zeros_like(outline.dead), live=outline.dead + multiplier * outline.live),
+        jumps=jumps._replace(traction=np.zeros_like(jumps.traction), live=jumps.traction + multiplier * jumps.live),
     )
 
 

@@ -178,12 +178,12 @@ def _continuity(problem: LimitProblem) -> Equations:
     ends = mesh.edges[inner]
     one, other = mesh.edge_cells[inner].T
     normal = _normals(problem, one, ends)
-    zero = np.zeros(4 * len(inner))
-    jump = np.zeros((len(inner), 2, 2))
-    jump[np.searchsorted(inner, problem.jumps.edges)] = problem.jumps.traction
-    dead = (np.hypot(*normal.T)[:, None, None] * jump).ravel()
+    dead, live = np.zeros((2, len(inner), 2, 2))
+    at = np.searchsorted(inner, problem.jumps.edges)
+    half = np.hypot(*normal[at].T)[:, None, None]
+    dead[at], live[at] = half * problem.jumps.traction, half * problem.jumps.live
     matrix = _tractions(problem, one, ends, normal) - _tractions(problem, other, ends, normal)
-    return matrix, dead, zero, np.repeat(ends.ravel(), 2)
+    return matrix, dead.ravel(), live.ravel(), np.repeat(ends.ravel(), 2)
 
 
 def _boundary(problem: LimitProblem) -> Equations:

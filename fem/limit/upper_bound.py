@@ -174,7 +174,9 @@ def nodes_and_loads(problem: LimitProblem) -> tuple[np.ndarray, np.ndarray, np.n
         np.add.at(work, nodes[:, 3:], third * force[:, None, :])
         add_edge_loads(work, mesh, along, traction)
     jumps = problem.jumps
-    add_edge_loads(dead, mesh, np.column_stack([jumps.ends, len(mesh.points) + jumps.edges]), jumps.traction)
+    at_jumps = np.column_stack([jumps.ends, len(mesh.points) + jumps.edges])
+    add_edge_loads(dead, mesh, at_jumps, jumps.traction)
+    add_edge_loads(live, mesh, at_jumps, jumps.live)
     return nodes, moves.ravel(), dead.ravel(), live.ravel()
 
 

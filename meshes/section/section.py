@@ -26,6 +26,7 @@ from meshes.section.sentences import sentences
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import Surcharge
 from meshes.section.surface_loads import SurfaceLoads
+from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import surcharge_problems, water_problems
@@ -144,6 +145,7 @@ class Section(Model):
         told += against_the_water(self.layering, self.strata, drawn, self.water_pressure.before)
         if self.water_pressure.after is not None:
             told += not_level(self.ground, self.water_pressure.after)
+        told += [self.uplift.words] if self.uplift else []
         told += [f'strata {k} "{s.name}": its cohesion grows with depth; discs have that of its middle throughout'
                  for k, s in enumerate(self.strata, start=1) if s.cohesion_increase]  # fmt: skip
         if self.beyond is not None:
@@ -205,6 +207,11 @@ class Section(Model):
         return WaterPressure(
             self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard
         )
+
+    @cached_property
+    def uplift(self) -> Uplift | None:
+        """Where pore pressure exceeds the weight above it, if it does anywhere."""
+        return uplift(self.layering, self.strata, self.surface_loads)
 
     @property
     def surface_loads(self) -> SurfaceLoads:

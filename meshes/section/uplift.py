@@ -1,0 +1,118 @@
+"""Where the pore pressure in the ground exceeds the weight of all that lies above: there it lifts the ground.
+
+At a depth the total vertical stress σv, of soil, water that stands on it and loads, has to bear the pore pressure u;
+where u > σv the effective stress would be tension, and what lies above is lifted (a blow-out, or hydraulic heave, of an
+excavation above an aquifer), unless its strength holds it down. The factor against uplift is σv / u: EN 1997-1, 10.2,
+sets the weight, and the resistance beside it, against the pressure below.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from meshes.section.layering import Layering
+from meshes.section.stratum import Stratum
+from meshes.section.surface_loads import SurfaceLoads
+
+# A pore pressure above the weight by less (Pa) is none: what 1 cm of water weighs, as close as points are one.
+LEAST = 100.0
+UPWARDS = np.array([[0.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class Uplift:
+    """The place where a pore pressure exceeds the total vertical stress by most.
+
+    Attributes
+    ----------
+    stratum : str
+        Name of the stratum whose pore pressure it is.
+    x, elevation : float
+        Where that is (m).
+    pressure, weight : float
+        Pore pressure and total vertical stress there (Pa).
+    start, end : float
+        x between which some pore pressure of the section exceeds the total vertical stress (m).
+    bare : bool
+        Whether there is ground without cohesion whose pore pressure at its surface exceeds what stands on it: it cannot
+        be in equilibrium.
+    """
+
+    stratum: str
+    x: float
+    elevation: float
+    pressure: float
+    weight: float
+    start: float
+    end: float
+    bare: bool
+
+    @property
+    def factor(self) -> float:
+        """Total vertical stress over pore pressure (-), below 1."""
+        return self.weight / self.pressure
+
+    @property
+    def words(self) -> str:
+        """Where it is, and by how much."""
+        return (
+            f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {self.x:.4g} m, elevation '
+            f"{self.elevation:.4g} m: {self.pressure / 1e3:.1f} kPa under a total vertical stress of "
+            f"{self.weight / 1e3:.1f} kPa (factor against uplift {self.factor:.2f}); the ground blows out between "
+            f"x = {self.start:.4g} and {self.end:.4g} m unless its strength holds it down"
+        )
+
+
+def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -> Uplift | None:
+    """Where a pore pressure at rest exceeds the total vertical stress by most, None where it does nowhere.
+
+    Both are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these are
+    looked at. A surcharge counts by its weight on the ground above.
+    """
+    water = loads.water
+    if not water.still:
+        return None
+    x = np.union1d(layers.x, water.kinks)
+    found: Uplift | None = None
+    spans, bare = [], False
+    for k, below in product(range(len(strata)), (0, 1)):
+        points, pressure, weight = _along(layers, loads, x, k, k + below)
+        excess = np.where(pressure - weight > LEAST, pressure - weight, 0.0)
+        spans += [_positive(x[i : i + 2], (pressure - weight)[i]) for i in np.flatnonzero(excess.any(axis=1))]
+        i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
+        if excess[i, end] > (0.0 if found is None else found.pressure - found.weight):
+            at, elevation = points[i, end].tolist()
+            u, total = float(pressure[i, end]), float(weight[i, end])
+            found = Uplift(strata[k].name, at, elevation, u, total, at, at, bare=False)
+        on_ground = points[..., 1] >= _along(layers, loads, x, 0, 0)[0][..., 1]
+        cohesion = strata[k].cohesion + strata[k].cohesion_increase
+        bare = bare or bool(cohesion == 0.0 and (excess[on_ground] > 0.0).any())
+    if found is None:
+        return None
+    return replace(found, start=min(start for start, _ in spans), end=max(end for _, end in spans), bare=bare)
+
+
+def _along(
+    layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, interface: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 2 ends, 2) of an interface of stratum k at both ends of the stretches between x (n + 1,), and pore
+    pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
+    middle = np.repeat(0.5 * (x[1:] + x[:-1]), 2)
+    ends = np.column_stack([x[:-1], x[1:]]).ravel()
+    elevations = layers.interfaces(ends, near=middle)
+    points = np.column_stack([ends, elevations[:, interface]])
+    near = np.column_stack([middle, points[:, 1]])
+    water = loads.water
+    pressure = water.at_rest(points, near, np.full(len(ends), k))
+    weight = water.overburden(points, near) + water.ponded(water.after, points, near)
+    weight = weight - loads.dead(points, near, np.repeat(UPWARDS, len(points), axis=0))[:, 1]
+    there = elevations[:, k] > elevations[:, k + 1]
+    pressure, weight = (np.where(there, stress, 0.0).reshape(-1, 2) for stress in (pressure, weight))
+    return points.reshape(-1, 2, 2), pressure, weight
+
+
+def _positive(x: np.ndarray, excess: np.ndarray) -> tuple[float, float]:
+    """Between which x a function is positive that is linear between two x, and positive at one of them."""
+    zero = float(x[0] + (x[1] - x[0]) * excess[0] / (excess[0] - excess[1])) if excess.min() < 0.0 else 0.0
+    return float(x[0]) if excess[0] >= 0.0 else zero, float(x[1]) if excess[1] >= 0.0 else zero
