@@ -6,7 +6,6 @@ site; the reference of keys is generated from the models, the page of the notebo
 
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -44,13 +43,10 @@ def gather() -> None:
 
 
 def turned(text: str) -> str:
-    """A page with its pictures and sections where the site has them."""
+    """A page with its pictures and links where the site has them."""
     for file, page in FILES.items():
         text = text.replace(f"]({file})", f"]({page})").replace(f"`{file}`", f"[`{file}`]({page})")
-    text = text.replace("](.readme/", "](pictures/")
-    return re.sub(
-        r"^{{ (\S+) }}$", lambda found: (TOP / found[1]).read_text(encoding="utf-8").rstrip(), text, flags=re.M
-    )
+    return text.replace("](.readme/", "](pictures/")
 
 
 def of_notebook(path: Path) -> str:

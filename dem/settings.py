@@ -1,11 +1,13 @@
 """How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 
+from meshes.section.cutting import by_stratum
 from meshes.section.quantity import Length, Quantity, Strength
 from meshes.section.record_of_motion import RecordComponent, RecordUnit
 from meshes.section.recorded_kh import RecordedKh
@@ -206,12 +208,12 @@ class Case(Model):
 
     def residual_of(self, stratum: str) -> float:
         """The residual strength of a stratum by its name, over the vertical effective stress."""
-        return self.residual.get(stratum, 0.0) if isinstance(self.residual, dict) else self.residual
+        return by_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
 
     def strength_of(self, stratum: str) -> float:
         """The residual strength (Pa) of a stratum by its name, where it is given as such."""
         kept = self.residual_strength
-        return kept.get(stratum, 0.0) if isinstance(kept, dict) else kept
+        return by_stratum(kept, stratum) or 0.0 if isinstance(kept, dict) else kept
 
     @model_validator(mode="after")
     def _one_residual(self) -> Self:
@@ -274,6 +276,17 @@ class SlideSettings(Model):
         "such as 36 for a study; [] for none. If not given soil discs are packed twice more, so that a slide has an "
         "interval",
     )
+
+    def problems(self, strata: Sequence[str]) -> list[str]:
+        """What does not fit strata of these names, one sentence each."""
+        return [
+            f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
+            for number, case in enumerate(self.cases, start=1)
+            for key in ("residual", "residual_strength")
+            if isinstance(kept := getattr(case, key), dict)
+            for name in kept
+            if name not in strata
+        ]
 
     @property
     def shaking(self) -> str:

@@ -147,7 +147,8 @@ def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
         yield Doubt(
             f"{count} of {len(mesh.cells)} cells have a corner below {NARROW:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
-            'use mesh.method = "free" if the mesh is mapped, or end thin layers in a step in the section',
+            "end thin layers in a step in the section"
+            + (', or use mesh.method = "free"' if mesh.method == "mapped" else ""),
             contradiction=False,
         )
 

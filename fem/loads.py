@@ -5,6 +5,7 @@ from typing import Literal
 from fem.errors import UnstableError
 from fem.settings import FemSettings
 from meshes.errors import InputError
+from meshes.section.cutting import in_file
 from meshes.section.section import Section, Stratum
 from meshes.section.uplift import Uplift
 
@@ -29,8 +30,9 @@ def downhill(section: Section) -> int:
 def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
     """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
     weak = [
-        f'strata {k} "{s.name}": cohesion and friction angle are both 0; expected some strength'
-        for k, s in enumerate(section.strata, start=1)
+        f"{in_file([stratum.name for stratum in section.strata], k)}: cohesion and friction angle are both 0; expected "
+        "some strength"
+        for k, s in enumerate(section.strata)
         if s.cohesion == 0.0 and s.friction_angle == 0.0
     ]
     if weak:

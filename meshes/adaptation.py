@@ -57,8 +57,8 @@ def adapted(
     scale = 1.0 / settings.refine
     sizes = Sizes(
         largest,
-        {name: scale * size for name, size in settings.sizes.items()},
-        {name: scale * size for name, size in settings.towards.items()},
+        {name: scale * size for name, size in settings.sizes_in(section).items()},
+        {name: scale * size for name, size in settings.towards_in(section).items()},
         mesh.points[triangles],
         at_points[triangles],
     )

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from meshes.blocks import blocks_of, divisions, largest_corner
+from meshes.section.cutting import BELOW_WATER, by_stratum
 from meshes.section.layering import Layering
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
@@ -93,7 +94,7 @@ class MeshSettings(Model):
             columns, rows = divisions(blocks, self.columns, self.rows, self.size)
             return float(columns) * rows * self.refine**2
         size = self.cell_size(section)
-        wanted = [min(self.sizes.get(stratum.name, size), size) for stratum in section.strata]
+        wanted = [min(self.sizes_in(section).get(stratum.name, size), size) for stratum in section.strata]
         count = float((section.layering.areas() / np.square(wanted)).sum())
         left, right = section.extent
         for name, near in self.towards.items():
@@ -108,6 +109,17 @@ class MeshSettings(Model):
             return self.size
         left, right = section.extent
         return float(section.layering.areas().sum()) / (right - left) / 12.0
+
+    def sizes_in(self, section: Section) -> dict[str, float]:
+        """`sizes` by the names of all strata for which there is one, parts that water cut off among them."""
+        found = {stratum.name: by_stratum(self.sizes, stratum.name) for stratum in section.strata}
+        return {name: size for name, size in found.items() if size is not None}
+
+    def towards_in(self, section: Section) -> dict[str, float]:
+        """`towards` by the names of all lines; the bottom of a stratum that water cuts is that of its part below."""
+        names = [stratum.name for stratum in section.strata]
+        lower = {name: name + BELOW_WATER for name in names if name + BELOW_WATER in names}
+        return {lower.get(name, name): size for name, size in self.towards.items()}
 
     def meshed_layers(self, section: Section) -> tuple[Layering, list[str]]:
         """The layers as they are meshed, and what is different from the section's, one sentence each."""

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from meshes.section.cutting import spoken
 from meshes.section.layering import Layering
 
 # Wedges blunter than this (deg) are left as they are.
@@ -32,7 +33,7 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
                 continue
             x_tip, (thick, at, area) = tip[0], cut
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
-            what = "the section" if k is None else f'stratum "{names[k]}"'
+            what = "the section" if k is None else "stratum " + spoken(names[k])
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"

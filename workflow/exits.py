@@ -7,12 +7,14 @@ from collections.abc import Callable
 
 from meshes.errors import InputError, NoAnswerError
 from workflow.run.interrupts import remembered
+from workflow.run.spelling import spell_out
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
 
 def ended(call: Callable[[], object]) -> None:
     """Call what may fail; leave the program with an exit code where it does."""
+    spell_out()
     try:
         with remembered():
             call()

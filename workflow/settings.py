@@ -12,6 +12,7 @@ from pydantic import Field, PrivateAttr, StrictBool, model_validator
 from dem.settings import AVERAGE, Case, DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
+from meshes.section.cutting import in_file
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
 from meshes.section.quantity import Coordinate, Length
@@ -158,13 +159,15 @@ class Input(Section):
         response = self.site_response
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
+        names = [stratum.name for stratum in self.strata]
+        problems += self.slide.problems(names)
         count = len(self.slide.cases) + len(self.triggering.cases)
         if not count:
             problems.append("slide, cases = []: expected one at least, here or in [triggering]")
         problems += [
-            f'strata {k} "{s.name}", liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, '
+            f"{in_file(names, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, "
             "which there are in [slide] and [triggering]"
-            for k, s in enumerate(self.strata, start=1)
+            for k, s in enumerate(self.strata)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
         ]
         if problems:
@@ -290,14 +293,15 @@ class Input(Section):
 
     def _triggered(self, found: Assessment) -> Self:
         pairs = list(zip(self.strata, found.strata, strict=True))
+        names = [stratum.name for stratum in self.strata]
         untested = [
-            own.name
+            in_file(names, k)
             for k, (own, its) in enumerate(pairs)
             if own.liquefies_in.triggered and its.share is None and reaches_water(self, k)
         ]
         if untested:
             told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
-            raise InputError(self.name, [f'strata "{name}", {told}' for name in untested])
+            raise InputError(self.name, [f"{where}, {told}" for where in untested])
         numbers = range(1, len(self.slide.cases) + len(self.triggering.cases) + 1)
         strata = [
             own.model_copy(update={"liquefies_in": Cases(numbers if its.liquefies else (), triggered=True)})

@@ -17,6 +17,7 @@ from meshes.section.section import Section
 from workflow.report import data, tables
 from workflow.run.plan import Choice, Decision, plan
 from workflow.run.record import Record
+from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
 
 if TYPE_CHECKING:
@@ -49,16 +50,17 @@ def say(line: str) -> None:
 
 def say_data(what: Any) -> None:
     """Data as JSON, and nothing else."""
-    out.print(data.told(what), soft_wrap=True, markup=False)
+    text = data.told(what)
+    out.print(text if is_legible(text) else data.told(what, only_ascii=True), soft_wrap=True, markup=False)
 
 
 def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     """A table of texts."""
     table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
     for head in heads:
-        table.add_column(escape(head))
+        table.add_column(escape(legible(head)))
     for row in rows:
-        table.add_row(*(escape(cell) for cell in row))
+        table.add_row(*(escape(legible(cell)) for cell in row))
     out.print(table)
 
 
@@ -66,12 +68,12 @@ def show_strata(section: Section) -> None:
     """The strata in a table, and that they are a reconstruction if they are one."""
     if section.reconstruction:
         out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
-    title = escape(section.title or section.name)
+    title = escape(legible(section.title or section.name))
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
-        table.add_column(head, justify="left" if head == "stratum" else "right")
+        table.add_column(legible(head), justify="left" if head == "stratum" else "right")
     for row in tables.strata_rows(section):
-        table.add_row(*(escape(cell) for cell in row))
+        table.add_row(*(escape(legible(cell)) for cell in row))
     out.print(table)
     if any(not text.isascii() for text in tables.texts(section)):
         from workflow.figures import fonts

@@ -1,7 +1,8 @@
 """Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +13,24 @@ from meshes.section.stratum import Stratum
 
 # What is added to the name of a stratum for the part of it that lies below water.
 BELOW_WATER = ", below water"
+Value = TypeVar("Value")
+
+
+def spoken(name: str, quoted: bool = True) -> str:
+    """A stratum in a sentence: by the name that it has in its file, and whether it is the part below water."""
+    whole = name.removesuffix(BELOW_WATER)
+    return (f'"{whole}"' if quoted else whole) + (" below water" if whole != name else "")
+
+
+def in_file(names: Sequence[str], k: int) -> str:
+    """Stratum k as a person finds it in the file: its number there, before water cut strata in two, and its name."""
+    parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
+    return f"strata {k + 1 - sum(parts)} {spoken(names[k])}"
+
+
+def by_stratum(values: Mapping[str, Value], name: str) -> Value | None:
+    """What is set for a stratum by name; a part that water cut off has what is set for the whole of it."""
+    return values.get(name, values.get(name.removesuffix(BELOW_WATER)))
 
 
 @dataclass(frozen=True, eq=False)

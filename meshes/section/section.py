@@ -14,7 +14,7 @@ from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationErro
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
-from meshes.section.cutting import cut
+from meshes.section.cutting import cut, in_file
 from meshes.section.dense_lines import CELL, thinned_lines
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
@@ -146,8 +146,9 @@ class Section(Model):
         if self.water_pressure.after is not None:
             told += not_level(self.ground, self.water_pressure.after)
         told += [self.uplift.words] if self.uplift else []
-        told += [f'strata {k} "{s.name}": its cohesion grows with depth; discs have that of its middle throughout'
-                 for k, s in enumerate(self.strata, start=1) if s.cohesion_increase]  # fmt: skip
+        names = [stratum.name for stratum in self.strata]
+        told += [f"{in_file(names, k)}: its cohesion grows with depth; discs have that of its middle throughout"
+                 for k, s in enumerate(self.strata) if s.cohesion_increase]  # fmt: skip
         if self.beyond is not None:
             left, right = self.given_extent
             told.append(

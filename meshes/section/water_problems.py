@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from meshes.section.cutting import in_file
 from meshes.section.polyline import Line
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import Surcharge
@@ -17,19 +18,20 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
         yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
     lines: dict[str, Line | None] = {"water, table": table}
     lines["water, after_drawdown"] = None if water is None else water.after_drawdown
-    lines |= {f'strata {k} "{s.name}", piezometric_level': s.piezometric_level for k, s in enumerate(strata, start=1)}
+    names = [stratum.name for stratum in strata]
+    lines |= {f"{in_file(names, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}
     for key, line in lines.items():
         if line is not None and (at := _step(line)) is not None:
             yield (
                 f"{key}: a step at x = {at:g} m, where water would flow without end; expected a line without steps, "
                 "and a piezometric_level where a stratum has a level of its own"
             )
-    for k, s in enumerate(strata, start=1):
+    for k, s in enumerate(strata):
         ratio = s.pore_pressure_ratio
         pressed = table is not None if ratio is None else ratio > 0.0
         if s.buoyant and (pressed or s.piezometric_level is not None):
             yield (
-                f'strata {k} "{s.name}": density_ordinary below density_seismic has the uplift taken off already, and '
+                f"{in_file(names, k)}: density_ordinary below density_seismic has the uplift taken off already, and "
                 "its pore pressure would take it off again; expected density and density_saturated"
             )
 

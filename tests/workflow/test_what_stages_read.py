@@ -63,6 +63,7 @@ def shaken(folder: Path) -> Input:
         "triggering": {"borings": [{"name": "B-1", "x": 50.0, "spt": tests}]},
         "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1},
         "slide": {**small_run.SHORT_SLIDE, "accelerogram": str(folder / "quake.csv")},
+        "sliding_block": {},
     }
     return Input.parse(data)
 

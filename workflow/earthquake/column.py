@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.errors import InputError
+from meshes.section.cutting import by_stratum
 from meshes.section.overburden import outside, overburden
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -73,12 +74,12 @@ def _layers(given: Section, settings: SiteResponseSettings, x: float) -> tuple[l
             continue
         count = max(1, int(np.ceil(thick / THICKEST)))
         density = stratum.density_seismic
-        measured = settings.velocities.get(stratum.name)
+        measured = by_stratum(settings.velocities, stratum.name)
         velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
         for part in range(count):
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
             stress = overburden(given, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
-            plastic = settings.plasticity.get(stratum.name, 0.0)
+            plastic = by_stratum(settings.plasticity, stratum.name) or 0.0
             layers.append(Layer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)
     return layers, tuple(strata)

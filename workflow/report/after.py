@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from meshes.section.cutting import spoken
 from workflow.report.doubtful import of_cases
 from workflow.report.numbers import coefficient, listed, number, span
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
@@ -82,7 +83,7 @@ class Enough:
     @property
     def words(self) -> str:
         """It in a sentence without its end."""
-        told = [f'{s.cohesion_kPa:.2g} kPa in "{s.name}" ({s.over_effective:.2g} of its mean effective stress)'
+        told = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
         more = "; a case with more strength would tell how much more" if self.how == "more than" else ""
         return f"To stand without shaking it needs {self.how} {listed(told)}{more}"
@@ -168,7 +169,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Every case with its numbers, for the terminal."""
     for one in answer.cases:
         which = f"Case {', '.join(map(str, one.cases))}" + (f" ({', '.join(one.names)})" if one.names else "")
-        kept = ", ".join(f'"{s.name}" {s.cohesion_kPa:.3g} kPa' for s in one.strata)
+        kept = ", ".join(f"{spoken(s.name)} {s.cohesion_kPa:.3g} kPa" for s in one.strata)
         word = "still stands" if one.stands == "stands" else "flows without any shaking"
         yield f"{which}, strength left {kept}: after liquefaction it {word}; {one.reason}."
         if one.factor is not None or one.factor_lower is not None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from fem.strength import Flow
+from meshes.section.cutting import spoken
 from workflow.report import after
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.numbers import metres
@@ -187,12 +188,12 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         if stratum.share is not None:
             lowest = f", smallest F_L {stratum.lowest_factor:.2f}" if stratum.lowest_factor is not None else ""
             word = "liquefies" if stratum.liquefies else "does not liquefy"
-            yield f'"{stratum.name}" {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}.'
+            yield f"{spoken(stratum.name)} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}."
     for one in answer.left:
         told = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in one.strength_Pa.items()]  # fmt: skip
         drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
-        yield f'"{one.stratum}" keeps a strength of {", ".join(told) or "outside all relations"}; {drains}.'
+        yield f"{spoken(one.stratum)} keeps a strength of {', '.join(told) or 'outside all relations'}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 

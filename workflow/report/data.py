@@ -13,9 +13,9 @@ from workflow.run.stage import Job
 from workflow.settings import Input
 
 
-def told(data: Any) -> str:
-    """Data as the text of a JSON document."""
-    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+def told(data: Any, only_ascii: bool = False) -> str:
+    """Data as the text of a JSON document; all else than ASCII by its numbers if so wished."""
+    return json.dumps(data, indent=1, ensure_ascii=only_ascii, allow_nan=False)
 
 
 def of_section(given: Input, picture: Path) -> dict[str, Any]:

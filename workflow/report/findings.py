@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from dem.settings import Case
+from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.after import in_short
@@ -61,7 +62,7 @@ def findings(results: Results) -> list[str]:
 
 
 def _asked(results: Results) -> Iterator[str]:
-    names = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
+    names = [spoken(stratum.name, quoted=False) for stratum in results.given.strata if stratum.liquefies_in]
     question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
     if names:
         have = "has" if len(names) == 1 else "have"
@@ -267,7 +268,7 @@ def _cases_are(given: Input) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
     numbers = sorted({number for stratum in given.strata for number in stratum.liquefies_in})
     cases = [dict(given.cases[number - 1]) for number in numbers]
-    layers = [stratum.name for stratum in given.strata if stratum.liquefies_in]
+    layers = [spoken(stratum.name, quoted=False) for stratum in given.strata if stratum.liquefies_in]
     told, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:

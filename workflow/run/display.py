@@ -1,5 +1,6 @@
 """How a run is shown: stages, progress, the quantity that matters and the time left; plain lines without a terminal."""
 
+import sys
 import time
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -13,6 +14,7 @@ from rich.text import Text
 from workflow.run.plan import Decision
 from workflow.run.progress import Progress, TimeLeft, duration
 from workflow.run.record import Entry
+from workflow.run.spelling import legible
 from workflow.run.stage import Stage
 
 QUIET, NORMAL, VERBOSE = 0, 1, 2
@@ -44,7 +46,12 @@ class StageLine:
         if self.state == "run" and self.share is not None:
             full = round(BAR * min(max(self.share, 0.0), 1.0))
             bar = "█" * full + "░" * (BAR - full)
-        line = Text(self.text, style="dim" if self.state in ("wait", "off") else "", overflow="ellipsis", no_wrap=True)
+        line = Text(
+            legible(self.text, sys.stderr),
+            style="dim" if self.state in ("wait", "off") else "",
+            overflow="ellipsis",
+            no_wrap=True,
+        )
         return [Text(MARKS[self.state], style), Text(self.stage.name, style), line, Text(bar, "cyan"), Text(clock)]
 
 

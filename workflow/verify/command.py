@@ -1,11 +1,13 @@
 """The command `noshiro verify`."""
 
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from meshes.errors import InputError
+from workflow.run.spelling import is_legible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -42,7 +44,6 @@ def verify(
     packings: Annotated[int | None, PACKINGS_OPTION] = None,
 ) -> None:
     """Find the answers of published slopes, or of known slides, and judge them: right, wrong or explained."""
-    from json import dumps
 
     from rich.console import Console
 
@@ -70,12 +71,13 @@ def verify(
     if page:
         out.print(str(_page(folder or FOLDER)), soft_wrap=True)
     if json is not None:
-        _write(json, dumps([row.as_dict() for row in rows], indent=1, ensure_ascii=False))
+        _write(json, [row.as_dict() for row in rows])
 
 
-def _write(file: Path, text: str) -> None:
+def _write(file: Path, rows: list[dict[str, Any]]) -> None:
+    text = dumps(rows, indent=1, ensure_ascii=False)
     if str(file) == "-":
-        typer.echo(text)
+        typer.echo(text if is_legible(text) else dumps(rows, indent=1))
     else:
         file.write_text(text + "\n", encoding="utf-8")
 

@@ -112,6 +112,9 @@ def test_narrow_cells_are_told_with_their_place():
     (doubt,) = of_cells(flat)
     assert "1 of 1 cells" in doubt.what
     assert "11.3°" in doubt.what
+    for method, recommended in (("mapped", True), ("free", False)):
+        (doubt,) = of_cells(replace(flat, method=method))
+        assert ('mesh.method = "free"' in doubt.remedy) == recommended
     assert list(of_cells(MESH)) == []
 
 

@@ -9,7 +9,7 @@ import tomli_w
 from PIL import Image
 
 from meshes.errors import InputError
-from tests.support import SECTIONS, dem_fixture
+from tests.support import SECTIONS, TOP, dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.report.page import page
@@ -107,3 +107,14 @@ def test_a_logo_that_is_not_there_is_told_when_the_input_is_read(tmp_path: Path)
     path.write_text(tomli_w.dumps({**slope(), "report": {"logo": "none.png"}}))
     with pytest.raises(InputError, match=r"report, logo = .*none\.png: there is no such file"):
         Input.load(path)
+
+
+def test_no_markup_of_a_template_stands_raw_in_a_page() -> None:
+    """A text in quotation marks is escaped as any other, so that one with tags in it has to say that it is safe."""
+    raw = [
+        (file.name, text)
+        for file in (TOP / "workflow/report").glob("*.jinja")
+        for expression in re.findall(r"{{(.*?)}}|{%(.*?)%}", file.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for text in re.findall(r'"[^"]*<[a-z]+>[^"]*"(?!\s*\|\s*safe)', "".join(expression))
+    ]
+    assert raw == []

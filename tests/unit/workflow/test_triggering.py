@@ -104,7 +104,7 @@ def test_a_stratum_without_a_blow_count_cannot_be_triggered() -> None:
     def shallow(data: dict[str, Any]) -> None:
         data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 5)]}]
 
-    assert 'strata "dense", liquefies_in = "triggered": no boring has a blow count in it' in told(shallow)
+    assert 'strata 2 "dense", liquefies_in = "triggered": no boring has a blow count in it' in told(shallow)
 
 
 def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:

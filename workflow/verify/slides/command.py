@@ -1,9 +1,8 @@
 """What `noshiro verify --slides` does."""
 
 from dataclasses import asdict
-from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -13,8 +12,8 @@ if TYPE_CHECKING:
 
 def verify_slides(
     out: "Console", folder: Path | None, names: list[str], *, judge: bool, page: bool, packings: int | None
-) -> str:
-    """Predict known slides and judge them; tells each, and returns the rows as JSON."""
+) -> list[dict[str, Any]]:
+    """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
     from workflow.verify.slides.case import FOLDER, read_cases
     from workflow.verify.slides.collection import run, write_errors
     from workflow.verify.slides.page import write_page
@@ -29,7 +28,7 @@ def verify_slides(
             from workflow.estimates import slide_error
 
             out.print(str(write_errors(Path(slide_error.__file__).parent, cases, answers)), soft_wrap=True)
-    return dumps([_as_dict(row) for row in rows], indent=1, ensure_ascii=False)
+    return [_as_dict(row) for row in rows]
 
 
 def _as_dict(row: "SlideRow") -> dict[str, object]:

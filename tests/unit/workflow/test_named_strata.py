@@ -1,0 +1,82 @@
+"""Strata that water cuts in two: settings for them by name hold for both parts, and messages name them as the file."""
+
+from typing import Any
+
+import pytest
+
+from dem.settings import Case
+from meshes.errors import InputError
+from meshes.section.cutting import by_stratum, in_file, spoken
+from tests.support.sections import layer
+from workflow.earthquake.column import _layers
+from workflow.settings import Input
+
+
+def cut(**settings: Any) -> Input:
+    """Sand to -6 m, with water at -2 m, on clay: cut into "sand" and "sand, below water"."""
+    soil = {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+    strata = [
+        layer("sand", bottom={"elevation": -6.0}, liquefies_in=[1], **soil),
+        layer("clay", **soil),
+    ]
+    for stratum in strata:
+        del stratum["density_ordinary"], stratum["density_seismic"]
+    return Input.parse({
+        "name": "cut", "surface": [[0.0, 0.0], [40.0, 0.0]], "base": {"elevation": -12.0},
+        "water": {"table": {"elevation": -2.0}}, "strata": strata, **settings,
+    })  # fmt: skip
+
+
+def test_how_strata_are_called() -> None:
+    names = [stratum.name for stratum in cut().strata]
+    assert names == ["sand", "sand, below water", "clay"]
+    assert [in_file(names, k) for k in range(3)] == [
+        'strata 1 "sand"',
+        'strata 1 "sand" below water',
+        'strata 2 "clay"',
+    ]
+    assert spoken("sand, below water", quoted=False) == "sand below water"
+    assert by_stratum({"sand": 1, "sand, below water": 2}, "sand, below water") == 2
+
+
+@pytest.mark.parametrize("key", ["residual", "residual_strength"])
+def test_what_a_case_leaves_of_a_stratum_holds_below_water(key: str) -> None:
+    kept = {"residual": 0.1, "residual_strength": "4 kPa"}[key]
+    (case,) = cut(slide={"cases": [{key: {"sand": kept}}]}).slide.cases
+    found = Case.residual_of if key == "residual" else Case.strength_of
+    assert found(case, "sand, below water") == {"residual": 0.1, "residual_strength": 4000.0}[key]
+    with pytest.raises(InputError, match=f'slide, cases 1, {key}: there is no "sadn"; expected one of sand, clay'):
+        cut(slide={"cases": [{key: {"sadn": kept}}]})
+
+
+def test_sizes_of_cells_hold_on_both_sides_of_the_water() -> None:
+    given = cut(mesh={"size": 3.0, "sizes": {"sand": 1.0}, "towards": {"sand": 0.5}})
+    assert given.mesh.sizes_in(given) == {"sand": 1.0, "sand, below water": 1.0}
+    assert given.mesh.towards_in(given) == {"sand, below water": 0.5}  # the water table is no interface of the soil
+
+
+def test_measured_velocities_hold_below_water() -> None:
+    given = cut(site_response={"velocities": {"sand": 150.0, "clay": 200.0}, "plasticity": {"sand": 10.0}})
+    layers, strata = _layers(given, given.site_response, 20.0)
+    found = {(name, layer.velocity, layer.plasticity) for name, layer in zip(strata, layers, strict=True)}
+    assert found == {("sand", 150.0, 10.0), ("sand, below water", 150.0, 10.0), ("clay", 200.0, 0.0)}
+
+
+def test_notices_name_strata_as_the_file_does() -> None:
+    soil = {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3", "cohesion_increase": "1 kPa/m"}
+    strata = [
+        layer("sand", bottom={"elevation": [[0.0, 0.0], [40.0, -6.0]]}, **soil, cohesion_from=0.0),
+        layer("clay", **soil, cohesion_from=0.0),
+    ]
+    for stratum in strata:
+        del stratum["density_ordinary"], stratum["density_seismic"]
+    given = Input.parse({
+        "name": "cut", "surface": [[0.0, 0.0], [40.0, 0.0]], "base": {"elevation": -12.0}, "mesh": {"method": "free"},
+        "water": {"table": {"elevation": -2.0}}, "strata": strata,
+    })  # fmt: skip
+    assert len(given.strata) == 4
+    told = " ".join(given.notices)
+    assert 'strata 2 "clay" below water: its cohesion grows with depth' in told
+    assert 'stratum "sand" below water thins out' in told
+    assert ", below water" not in told
+    assert "strata 3" not in told

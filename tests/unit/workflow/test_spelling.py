@@ -1,0 +1,81 @@
+"""Terminals and pipes that are not UTF-8: what their encoding does not have is spelled out."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import tomli_w
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support import TOP
+from tests.support.borings import bored
+from workflow.run.spelling import SPELLED_OUT, legible, spelled
+
+PLAIN = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}
+PLACES = [{"PYTHONIOENCODING": name} for name in ("ascii", "latin-1", "cp1252", "cp932", "shift_jis")] + [PLAIN]
+
+
+@pytest.mark.parametrize(
+    ("text", "ascii_words"),
+    [
+        ("ψ = φ, Φ and σ'v", "psi = phi, Phi and sigma'v"),
+        ("1.2 m², 19 kN/m³, 31°, 5–10 kPa", "1.2 m^2, 19 kN/m^3, 31 deg, 5-10 kPa"),
+        ("Krabbenhøft, Perić, Gutiérrez", "Krabbenh\\xf8ft, Peric, Gutierrez"),
+        ("砂", "\\u7802"),
+        ("of a name that is no text: \udce9", "of a name that is no text: \\udce9"),
+    ],
+)
+def test_how_it_is_spelled(text: str, ascii_words: str) -> None:
+    assert text.encode("ascii", SPELLED_OUT).decode("ascii") == ascii_words
+
+
+@given(text=st.text(), encoding=st.sampled_from(["ascii", "latin-1", "cp932", "utf-8"]))
+def test_any_text_can_be_written_in_any_encoding(text: str, encoding: str) -> None:
+    stream = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+    shown = legible(text, stream)
+    assert shown.encode(encoding).decode(encoding) == shown
+    assert legible(shown, stream) == shown
+    assert legible("Kh = 0.2", stream) == "Kh = 0.2"
+
+
+@given(character=st.characters())
+def test_what_is_spelled_is_ascii_and_something(character: str) -> None:
+    assert spelled(character).isascii()
+    assert spelled(character)
+
+
+def said(arguments: list[str], environment: dict[str, str]) -> tuple[int, bytes]:
+    plain = {key: value for key, value in os.environ.items() if key not in ("PYTHONIOENCODING", "LC_ALL", "LANG")}
+    done = subprocess.run(
+        [sys.executable, "-m", "workflow.cli", *arguments], cwd=TOP, capture_output=True, timeout=120, check=False,
+        env={**plain, "PYTHONPATH": str(TOP), **environment},
+    )  # fmt: skip
+    return done.returncode, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def section(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    data = bored()
+    data["title"] = "Böschung é, 堤防"
+    data["strata"][1]["name"] = "密な砂"
+    path = tmp_path_factory.mktemp("spelled") / "bored.toml"
+    path.write_text(tomli_w.dumps(data), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("place", PLACES, ids=lambda place: place.get("PYTHONIOENCODING", "plain C"))
+def test_commands_answer_wherever_they_are_asked(place: dict[str, str], section: Path, tmp_path: Path) -> None:
+    encoding = place.get("PYTHONIOENCODING", "ascii")
+    for arguments in (["check", str(section)], ["check", str(section), "--json"], ["liquefaction", str(section)]):
+        code, told = said([*arguments, "--out", str(tmp_path)], place)
+        assert code == 0, told.decode(encoding, "replace")
+        assert b"Traceback" not in told
+        if "--json" in arguments:
+            assert json.loads(told.decode(encoding))["section"]["title"] == "Böschung é, 堤防"
+    code, told = said(["check", str(section.parent / "ψ.toml")], place)
+    assert (code, b"there is no such file" in told) == (2, True)

@@ -1,0 +1,52 @@
+"""Text for terminals and pipes that are not UTF-8: what their encoding does not have is spelled out, ψ as psi."""
+
+import codecs
+import sys
+import unicodedata
+from typing import TextIO
+
+SPELLED_OUT = "spelled out"  # the name of the handler of errors
+SIGNS = {
+    "²": "^2", "³": "^3", "⁴": "^4", "¹": "^1", "⁻": "^-", "ᵀ": "^T", "°": " deg", "·": " ", "×": "x", "±": "+/-",
+    "√": "sqrt", "∛": "cbrt", "≤": "<=", "≥": ">=", "≈": "~", "→": "->", "∞": "inf", "–": "-", "—": "-", "−": "-",
+    "…": "...", "‘": "'", "’": "'", "“": '"', "”": '"', "µ": "u", "▸": ">", "✓": "+", "✗": "x", "█": "#", "░": ".",
+}  # fmt: skip
+
+
+def spelled(character: str) -> str:
+    """A character in ASCII: by its sign, its name if it is Greek, without its accent, or by its number."""
+    if character in SIGNS:
+        return SIGNS[character]
+    kind, _, name = unicodedata.name(character, "").partition(" LETTER ")
+    if kind in ("GREEK SMALL", "GREEK CAPITAL"):
+        name = name.partition(" WITH ")[0].removeprefix("FINAL ").lower()
+        return name.capitalize() if kind.endswith("CAPITAL") else name
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return plain or character.encode("ascii", "backslashreplace").decode()
+
+
+def _handler(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(spelled, error.object[error.start : error.end])), error.end
+
+
+codecs.register_error(SPELLED_OUT, _handler)
+
+
+def spell_out() -> None:
+    """Let the streams of this process spell out what their encoding does not have."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors=SPELLED_OUT)
+
+
+def legible(text: str, stream: TextIO | None = None) -> str:
+    """A text as a stream, by default standard output, will show it: to be laid out by its width."""
+    encoding = getattr(stream or sys.stdout, "encoding", None) or "utf-8"
+    return text.encode(encoding, SPELLED_OUT).decode(encoding)
+
+
+def is_legible(text: str) -> bool:
+    """Whether standard output has every character of a text."""
+    return legible(text) == text
