@@ -142,7 +142,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     bottoms = np.empty((len(names), len(x)))
     for k in range(len(names)):
         above = ground if k == 0 else bottoms[k - 1]
-        here = [_filled(known, k, i, at) for i in range(len(borings))]
+        here = [_filled(known, k, i, at, borings[i].log) for i in range(len(borings))]
         for place in range(len(x)):
             left, odd = divmod(place, 2)
             values = (here[left], here[left + 1]) if odd else (here[left],)
@@ -163,12 +163,17 @@ def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
     return UNKNOWN if names.index(name) >= names.index(met[-1]) else None
 
 
-def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray) -> float | None:
-    """The bottom of stratum k in boring i; what is not known there is that of the nearest boring that knows it."""
+def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log) -> float | None:
+    """The bottom of stratum k in boring i; what is not known there is that of the nearest boring that knows it.
+
+    It does not lie above the end of the boring, which went as deep in its last layer.
+    """
     value = known[i][k]
     if value is None or not math.isnan(value):
         return value
     others = [j for j in range(len(at)) if known[j][k] is None or not math.isnan(float(known[j][k] or 0.0))]
-    if not others:
-        return None
-    return known[min(others, key=lambda j: abs(at[j] - at[i]))][k]
+    nearest = known[min(others, key=lambda j: abs(at[j] - at[i]))][k] if others else None
+    ends_here = k == 0 or known[i][k - 1] is None or not math.isnan(float(known[i][k - 1] or 0.0))
+    if nearest is None:
+        return log.bottom if ends_here else None
+    return min(nearest, log.bottom)

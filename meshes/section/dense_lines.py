@@ -60,12 +60,14 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     tolerance = LEAST * cell
     while True:
         keep = _kept(x, list(sides.values()), fixed, tolerance)
-        surface = np.column_stack([x, sides[("surface",)][0]])[keep][1:-1]
-        short = np.hypot(*np.diff(surface, axis=0).T) < near
+        found = {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}
+        short = np.hypot(*np.diff(found[("surface",)][1:-1], axis=0).T) < near
         if not short.any() or tolerance * GROWTH > MOST * cell:
             break
         tolerance *= GROWTH
-    return {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}, tolerance
+    moved = {place: len(points) != len(lines[place]) or not np.allclose(points, lines[place], atol=1e-6)
+             for place, points in found.items()}  # fmt: skip
+    return {place: points if moved[place] else lines[place] for place, points in found.items()}, tolerance
 
 
 def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:

@@ -235,8 +235,8 @@ class Section(Model):
             inside[place[-1]] = points.tolist()
         changed = type(self).model_validate(data)
         changed._thinning = (
-            f"geometry: the ground has {len(changed.surface)} of its {len(self.surface)} points: cells cannot use all "
-            f"of them, and lines stay within {tolerance:.2g} m of their running median"
+            f"geometry: lines have more points than cells can use; those left, {len(changed.surface)} of "
+            f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median"
         )
         return changed
 
