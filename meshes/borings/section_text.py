@@ -32,7 +32,8 @@ def _head(found: Connected, name: str) -> Iterator[str]:
     yield ""
     yield f"name = {json.dumps(name)}"
     yield f"surface = {_points(found.x[::2], found.ground[::2])}"
-    base = min(min(log.bottom for log in logs), float(found.bottoms[-1].min()) - 1.0)
+    above = found.bottoms[-2] if len(found.names) > 1 else found.ground
+    base = min(min(log.bottom for log in logs), float(above.min()) - 1.0)  # the lowest stratum is somewhere 1 m thick
     yield f"base = {{ elevation = {math.floor(base * 10.0) / 10.0:g} }}     # the deepest boring; firm ground is better"
     wide = 10.0 * math.ceil(WIDER * (max(log.ground_level for log in logs) - base) / 10.0)
     yield f'beyond = "{wide:g} m"                 # ground, layers and water go on so far past the borings, level'
