@@ -13,6 +13,7 @@ from fem.loads import soils
 from fem.nodal_loads import excess_load, still_load
 from fem.path import EquilibriumPath, PathSettings
 from fem.plane_strain import PlaneStrain
+from fem.repetition import pressed_sides, refuse_other_water
 from fem.settings import Element, FemSettings
 from fem.side_force import side_force
 from fem.skin import Skin, strengthened
@@ -63,9 +64,9 @@ def gravity_equilibrium(
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
-    ones. Displacement and strain are counted from here. ``faces`` as in ``under_weight``; ``strength_factor`` divides
-    cohesion and tan φ. The pore pressure that shaking adds is there if the ground is ``shaken``. Raises InputError,
-    UnstableError.
+    ones (``fem/repetition.py``). Displacement and strain are counted from here. ``faces`` as in ``under_weight``;
+    ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if the ground is
+    ``shaken``. Raises InputError, UnstableError.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
@@ -159,11 +160,14 @@ def under_weight(
     _lay(strips, strong, problem)
     _lay_levels(len(strata) + len(strips), mesh, problem)
     if settings.sides == "tied":
+        refuse_other_water(section)
         problem.tie("left", "right", section)
     else:
         problem.hold(UNDER_GRAVITY)
     weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
     weight = weight + still_load(problem, mesh, section)
+    if settings.sides == "tied":
+        weight = weight + pressed_sides(problem, mesh, section)
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
     return problem, weight

@@ -1,0 +1,75 @@
+"""Sections whose sides are tied: one period of a row of equal ones, each of them higher or lower than the one before.
+
+Weight, strength and effective stress repeat from period to period; so does the slope of the pore pressure, which is all
+of it that acts on the skeleton. The pore pressure itself need not: under still water each period that lies lower has
+more by γw times the difference in height. Along the sides that is a load on the section, -u n on either of them, for
+the effective stresses on tied sides balance each other and total ones do not.
+"""
+
+import numpy as np
+
+from fem.nodal_loads import ground_force
+from fem.plane_strain import PlaneStrain
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+# Pressures (Pa) that differ by less than 1 cm of water are the same.
+SAME = 100.0
+
+
+def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of the pore pressure on both sides, as it is at rest; 0.0 without any."""
+    water = section.water_pressure
+    if not water.present:
+        return 0.0
+
+    def traction(points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return -water.at_rest(points, near, section.stratum_at(*near.T))[:, None] * normal
+
+    return ground_force(problem, mesh, traction, "left") + ground_force(problem, mesh, traction, "right")
+
+
+def refuse_other_water(section: Section) -> None:
+    """Raise InputError unless the water repeats: from one side to the other, all pressures in the ground and on it
+    change by the same, and those that shaking adds not at all.
+
+    Layers that differ are not looked at: those have no sides to tie.
+    """
+    water, layers = section.water_pressure, section.layering
+    ends = layers.left[0], layers.right[-1]
+    heights = [end[0] - end[-1] for end in ends]
+    if not water.present or abs(heights[0] - heights[1]) > layers.tolerance:
+        return
+    depths = np.unique(np.concatenate([end[0] - end for end in ends]))
+    depths = depths[np.append(np.diff(depths) > layers.tolerance, True)]
+    still, shaken = zip(*(_along_side(section, side, depths) for side in (0, 1)), strict=True)
+    change = still[1] - still[0]
+    problems = []
+    if np.ptp(change) > SAME:
+        problems.append(
+            f"the pore pressure changes from the left to the right side by {change.min() / 1e3:.1f} kPa at one depth "
+            f"and by {change.max() / 1e3:.1f} kPa at another; expected water that repeats with the ground, at the same "
+            "depth at both sides, or still water above all of it"
+        )
+    elif water.moves and abs(change[-1]) > SAME:
+        problems.append("westergaard = true needs water that is as deep at both sides")
+    if np.abs(shaken[1] - shaken[0]).max() > SAME:
+        problems.append("the pore pressure that shaking adds differs between the sides; expected the same at one depth")
+    if problems:
+        raise InputError(section.name, [f'fem, sides = "tied": {text}' for text in problems])
+
+
+def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pressure (n,) in Pa on the left (0) or right (1) side at both ends of the stretches between ``depths`` (m), then
+    that of the water on the ground; and what shaking adds to the former."""
+    water, layers = section.water_pressure, section.layering
+    elevation = layers.left[0] if side == 0 else layers.right[-1]
+    x, beside = layers.x[-side], layers.x[[0, 1] if side == 0 else [-2, -1]].mean()
+    z = elevation[0] - np.concatenate([depths[:-1], depths[1:], [0.0]])
+    middle = np.tile(elevation[0] - 0.5 * (depths[:-1] + depths[1:]), 2)
+    points, near = (np.column_stack([np.full(len(z), at), z]) for at in (x, beside))
+    stratum = section.stratum_at(np.full(len(middle), x), middle)
+    still = water.at_rest(points[:-1], near[:-1], stratum)
+    on_ground = water.on_ground(points[-1:], near[-1:])
+    return np.concatenate([still, on_ground]), water.shaken(points[:-1], near[:-1], stratum)

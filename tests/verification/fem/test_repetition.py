@@ -1,0 +1,97 @@
+"""One period of an endless slope, its sides tied, in water: against closed forms."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fem.at_once import critical_at_once
+from fem.critical import critical_coefficient
+from fem.repetition import refuse_other_water
+from fem.settings import FemSettings
+from fem.strength_reduction import safety_at_once, safety_factor
+from meshes.errors import InputError
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from tests.support.water import WATER, section, soil
+
+TIED = FemSettings(sides="tied", flow="associated", direction="downhill", kh=())
+MESH = MeshSettings(columns=4, rows=48)
+FALL = 0.25
+DEPTH = 6.0
+
+
+def endless(level: Any, **changes: Any) -> Section:
+    """Soil of 6 m on a base parallel to ground that falls 5 m in 20 m."""
+    ground = {"surface": [[0.0, 5.0], [20.0, 0.0]], "base": {"depth": DEPTH}}
+    return section(soil(**changes), **ground, water={"table": level})
+
+
+def closed_form(cohesion: float, phi: float) -> tuple[float, float]:
+    """Critical Kh and factor of safety of an endless slope under still water that slides on its base: the weight of its
+    soil, 20 kN/m³, is buoyant, its mass that of all of it."""
+    beta, tan = math.atan(FALL), math.tan(math.radians(phi))
+    sin, cos = math.sin(beta), math.cos(beta)
+    buoyant = (20e3 - WATER) * DEPTH
+    factor = (cohesion + buoyant * cos**2 * tan) / (buoyant * sin * cos)
+    return (cohesion + buoyant * (cos**2 * tan - sin * cos)) / (20e3 * DEPTH * (cos**2 + sin * cos * tan)), factor
+
+
+@pytest.mark.parametrize("level", [9.0, 40.0])
+@pytest.mark.parametrize(("cohesion", "phi"), [(20.0, 0.0), (5.0, 20.0)])
+def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float, cohesion: float, phi: float) -> None:
+    """However deep the water, though its pressure is 49 kPa larger at the lower end. The stress of the lowest elements
+    is that of a place above the base."""
+    ground = endless(level, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg")
+    mesh = generate(ground, MESH)
+    kc, factor = closed_form(1e3 * cohesion, phi)
+    assert critical_at_once(ground, mesh, TIED, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.02)
+    assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.01)
+
+
+def test_the_path_of_equilibria_comes_there_too() -> None:
+    ground = endless(12.0, cohesion="5 kPa", friction_angle="20 deg", dilation_angle="20 deg")
+    mesh, path = generate(ground, MESH), TIED.model_copy(update={"element": "quadratic", "flow": "section"})
+    kc, factor = closed_form(5e3, 20.0)
+    assert critical_coefficient(ground, mesh, path, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.03)
+    assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
+
+
+def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
+    """su = 2 + 1.5 z, in the middle of each metre: the last one slides on the base, at Kh = 0.0724 and a factor of
+    safety of 3.684, 23.75 kPa over γ' z sin β cos β. Elements of half a metre see the stress of their middle."""
+    height = 60.0 * math.tan(math.radians(4.0))
+    clay: dict[str, Any] = {"friction_angle": "0 deg", "density": "16 kN/m^3", "density_saturated": "16 kN/m^3"}
+    layers = [
+        soil(f"Clay {k + 1}", cohesion=f"{2.75 + 1.5 * k} kPa", bottom={"depth": k + 1.0} if k < 14 else None, **clay)
+        for k in range(15)
+    ]
+    ground = section(*layers, surface=[[0.0, height], [60.0, 0.0]], base={"depth": 15.0}, water={"table": 24.0})
+    mesh = generate(ground, MeshSettings(size=0.5))
+    assert critical_at_once(ground, mesh, TIED, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
+    assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(3.684, rel=0.006)
+
+
+@pytest.mark.parametrize("changes", [{}, {"excess_pore_pressure_ratio": 0.3}, {"pore_pressure_ratio": 0.3}])
+def test_water_that_repeats_with_the_ground_is_taken(changes: dict[str, Any]) -> None:
+    for level in ({"depth": 2.0}, [[0.0, 8.0], [20.0, 3.0]]):
+        refuse_other_water(endless(level, **changes))
+
+
+@pytest.mark.parametrize("level", [2.0, [[0.0, 4.0], [20.0, 0.0]], [[0.0, 8.0], [20.0, -2.0]]])
+def test_water_that_does_not_repeat_is_refused(level: Any) -> None:
+    ground = endless(level)
+    with pytest.raises(
+        InputError, match=r'sides = "tied": the pore pressure changes from the left to the right side by'
+    ):
+        critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), TIED, MPI.COMM_SELF)
+
+
+def test_an_embankment_under_a_lake_may_stand_between_ends_of_one_height() -> None:
+    bank = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 0.0], [40.0, 0.0]]
+    ground = section(soil(), surface=bank, base={"elevation": -3.0}, water={"table": 7.0})
+    found = critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), TIED, MPI.COMM_SELF)
+    assert np.isfinite(found.kc)
