@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from fem.at_once import AtOnce, asked_again, critical_at_once
+from fem.errors import UnstableError
 from fem.loads import Direction
 from fem.meanwhile import IN_TURN, Meanwhile
 from fem.mesh_sequence import FEWEST_CELLS, SMALLEST_KH, AdaptiveResult, MeshRound, Wish, nothing, solve_adaptively
 from fem.settings import FemSettings
 from fem.skin import Skin, faces_at, strengthened, without_strips
-from fem.strength import is_dilating_fully
+from fem.strength import is_associated
 from fem.strength_reduction import SafetyFactor, safety_at_once
 from meshes.adaptation import adapted
 from meshes.errors import InputError, NoAnswerError
@@ -30,6 +31,8 @@ from meshes.strips import with_finer_strips
 
 # A first mesh of more than so many times ``FEWEST_CELLS`` is worth one of that few, which tells where its answer lies.
 MANY_TIMES = 4
+# Why there is no critical Kh above 0.
+FAILS_BY_ITSELF = "the ground fails under its own weight"
 
 
 def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
@@ -39,8 +42,7 @@ def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, setting
     where columns and rows, or the mesh itself, were given.
     """
     chosen = meshing.columns or meshing.rows or first.method == "given"
-    associated = settings.flow != "section" or is_dilating_fully(section.strata)
-    return settings.accuracy > 0.0 and not chosen and associated
+    return settings.accuracy > 0.0 and not chosen and is_associated(section.strata, settings.flow)
 
 
 def next_mesh(
@@ -207,6 +209,58 @@ def beside_full_dilation(
         replace(found, result=again, mesh=beside.mesh, rounds=[*found.rounds[:-1], last]),
         replace(beside, result=same),
     )
+
+
+def davis_beside(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[AtOnce],
+    settings: FemSettings,
+    comm: Any,
+    listener: Callable[[str], None],
+) -> AdaptiveResult[AtOnce]:
+    """Davis's estimate of the critical Kh beside ``found``, which is with ψ = φ; 0 where the ground fails without any.
+
+    On the mesh of ``found`` it is no more than that. Raises what ``answer_beside`` does but for UnstableError.
+    """
+    low = settings.model_copy(update={"flow": "davis"})
+    try:
+        beside = answer_beside(section, meshing, found, low, comm, listener)
+    except UnstableError:
+        beside = replace(found, result=replace(found.result, kc=-1.0, flow="davis"), other=None)
+    return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
+
+
+def failing_by_itself(found: AdaptiveResult[AtOnce]) -> AdaptiveResult[AtOnce]:
+    """The answer of ground that fails under its own weight: a critical Kh of 0."""
+    result = replace(found.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
+    return replace(found, result=result)
+
+
+def safety_beside(
+    section: Section,
+    meshing: MeshSettings,
+    found: AdaptiveResult[SafetyFactor],
+    other: FemSettings,
+    kh: float,
+    comm: Any,
+) -> float:
+    """The factor of safety by the flow rule of ``other`` settings on the mesh of ``found``, or on one of as many cells
+    that is made for its mechanism, if that is less; no less than ``found`` where that is Davis's estimate.
+
+    Raises what ``safety_at_once`` does.
+    """
+    same = safety_at_once(section, found.mesh, other, kh, comm, found.result.factor)
+    factor = same.factor
+    if same.mechanism is not None and len(found.rounds) > 1:
+        try:
+            strong = strong_below(section, faces_at(section, other, kh), other)
+            strain = same.mechanism.plastic_shear_strain
+            mesh = next_mesh(section, meshing, found.mesh, strain, len(found.mesh.cells), strong)
+            factor = min(factor, safety_at_once(section, mesh, other, kh, comm, factor).factor)
+        except NoAnswerError:
+            pass
+    return max(factor, found.result.factor) if other.flow == "associated" else factor
 
 
 def adapted_safety(

@@ -22,7 +22,7 @@ from fem.plane_strain import PlaneStrain
 from fem.plateau import Verdict
 from fem.settings import FemSettings
 from fem.skin import Skin, skins
-from fem.strength import Flow, is_associated, strength_of
+from fem.strength import Flow, flow_of, is_associated, strength_of
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -142,7 +142,8 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
     rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
     direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
-    return AtOnce(kc, verdict, settings.flow, direction, reason, ground.limit.mechanism, rolling, ground)
+    flow = flow_of(section.strata, settings.flow)
+    return AtOnce(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
 
 
 def pushed(

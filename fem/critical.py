@@ -20,7 +20,7 @@ from fem.plane_strain import PlaneStrain
 from fem.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
 from fem.settings import Element, FemSettings
 from fem.skin import Skin
-from fem.strength import Flow
+from fem.strength import Flow, flow_of
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -196,7 +196,7 @@ def _followed(
         upper=max(kc, limit.upper),
         verdict=limit.verdict,
         element=problem.grid.element,
-        flow=settings.flow,
+        flow=flow_of(problem.strata, settings.flow),
         direction="uphill" if settings.direction == "uphill" else "downhill",
         sign=sign,
         reason=limit.reason,

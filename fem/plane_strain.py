@@ -13,7 +13,7 @@ from fem.discretisation import Discretisation, discretise, tied
 from fem.kernels import assembly, mohr_coulomb, viscoplastic
 from fem.linear_solver import Exchange, LinearSolver
 from fem.settings import Element
-from fem.strength import DavisForm, Flow, is_associated, strength_of
+from fem.strength import DavisForm, FlowSetting, is_associated, strength_of
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
@@ -67,7 +67,7 @@ class PlaneStrain:
     ----------
     strata : tuple of Stratum
         The ground; ``material`` (points,) are numbers of these.
-    flow, form : Flow, DavisForm
+    flow, form : FlowSetting, DavisForm
         The flow rule of the analysis, see ``fem/strength.py``.
     strength : Strength
         Cohesion, friction and dilation angle of the strata in this analysis.
@@ -96,7 +96,7 @@ class PlaneStrain:
         element: Element,
         comm: Any,
         threads: int = 1,
-        flow: Flow = "section",
+        flow: FlowSetting = "section",
         form: DavisForm = "B",
     ) -> None:
         self.strata = tuple(strata)

@@ -47,10 +47,11 @@ class FemSettings(Model):
     )
     max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
-    flow: Literal["davis", "associated", "section"] = Field(
-        default="davis",
-        description='what is done where ψ < φ: "davis" takes Davis\'s substitute (reduced strength, associated flow), '
-        '"associated" sets ψ = φ, "section" follows the non-associated path with ψ as the strata say',
+    flow: Literal["auto", "davis", "associated", "section"] = Field(
+        default="auto",
+        description='"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
+        'flow), "section" follows the non-associated path with ψ as the strata say; "auto": "associated", or "davis" '
+        "where the strata give a dilation angle below φ. The other one of the first two is told in the same line",
     )
     davis: Literal["A", "B", "C"] = Field(
         default="B", description="form of Davis's substitute in the factor of safety: A, B or C"
@@ -102,8 +103,10 @@ class BoundsSettings(Model):
         default=False,
         description="true if the factor of safety shall be bounded, too, at every safety_factor_at of [fem]",
     )
-    davis: StrictBool = Field(
-        default=True, description="true if Davis's substitute shall be bounded, too, where ψ < φ (c and tan φ reduced)"
+    davis: StrictBool | Literal["auto"] = Field(
+        default="auto",
+        description="true if Davis's estimate shall be bounded, too, where ψ < φ (c and tan φ reduced), false if not; "
+        '"auto": where it, and not ψ = φ, is the flow of [fem]',
     )
 
     @property

@@ -18,7 +18,7 @@ Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
 At λ = 1 all three are the same. Angles are in radians, cohesion in Pa.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -27,6 +27,7 @@ import numpy as np
 from meshes.section.section import Stratum
 
 Flow = Literal["davis", "associated", "section"]
+FlowSetting = Literal["auto", "davis", "associated", "section"]
 DavisForm = Literal["A", "B", "C"]
 
 
@@ -57,16 +58,40 @@ def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
     return np.cos(dilation) * np.cos(friction) / (1.0 - np.sin(dilation) * np.sin(friction))
 
 
-def strength_of(strata: Sequence[Stratum], flow: Flow, factor: float = 1.0, form: DavisForm = "B") -> Strength:
+def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
+    """The flow rule that a setting asks for.
+
+    Parameters
+    ----------
+    strata : sequence of Stratum
+        The strata as they were given.
+    flow : {"auto", "davis", "associated", "section"}
+        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata: it
+        is "davis" then, with ψ = 0 in those that have none.
+
+    Returns
+    -------
+    {"davis", "associated", "section"}
+        The flow rule.
+    """
+    if flow != "auto":
+        return flow
+    below = any(s.dilation_angle is not None and s.dilation_angle < s.friction_angle for s in strata)
+    return "davis" if below else "associated"
+
+
+def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.0, form: DavisForm = "B") -> Strength:
     """The strength of the strata, tension cut-offs among it, divided by ``factor``, and the flow rule of the analysis.
 
     "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in
-    one of Davis's three forms and then sets ψ = φ. Flow at a tension cut-off is associated with all of them.
+    one of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). Flow at a tension cut-off is
+    associated with all of them.
     """
+    flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor
     tension = tensile_strengths(strata) / factor
     given = np.array([s.friction_angle for s in strata])
-    dilation = np.array([s.dilation_angle for s in strata])
+    dilation = np.array([s.dilation for s in strata])
     friction = np.arctan(np.tan(given) / factor)
     if flow == "section":
         return Strength(cohesion, friction, np.minimum(dilation, friction), tension)
@@ -80,16 +105,21 @@ def strength_of(strata: Sequence[Stratum], flow: Flow, factor: float = 1.0, form
     return Strength(cohesion, friction, friction, tension)
 
 
+def davis_words(dilation: Iterable[float]) -> str:
+    """What Davis's estimate is called, by the dilation angles that it is for."""
+    return "Davis's estimate for ψ as given" if any(dilation) else "Davis's estimate for ψ = 0"
+
+
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
     """The tension cut-offs (strata,) in Pa, inf where there is none."""
     return np.array([np.inf if s.tension is None else s.tension for s in strata])
 
 
-def is_associated(strata: Sequence[Stratum], flow: Flow) -> bool:
+def is_associated(strata: Sequence[Stratum], flow: FlowSetting) -> bool:
     """Whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
-    return flow != "section" or all(s.dilation_angle == s.friction_angle for s in strata)
+    return flow != "section" or is_dilating_fully(strata)
 
 
 def is_dilating_fully(strata: Sequence[Stratum]) -> bool:
     """Whether ψ = φ in every stratum as given, so that there is nothing to substitute."""
-    return all(s.dilation_angle == s.friction_angle for s in strata)
+    return all(s.dilation == s.friction_angle for s in strata)

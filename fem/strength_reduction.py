@@ -66,6 +66,9 @@ class SafetyFactor:
         The factor at which grains roll down a cohesionless face, if there is one (-).
     mechanism : State or None
         The mechanism, where the factor was found at once.
+    beside : float or None
+        The factor by the other flow rule (-): Davis's estimate where ψ = φ is the flow, that of ψ = φ where Davis's
+        estimate is; None where they are the same ground, or where it was not looked for.
     """
 
     kh: float
@@ -77,6 +80,7 @@ class SafetyFactor:
     steps: list[PathStep]
     skin: float | None = None
     mechanism: State | None = None
+    beside: float | None = None
 
     @property
     def value(self) -> float:

@@ -17,7 +17,7 @@ from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import lifted, push, soils
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
-from fem.strength import davis_factor, is_dilating_fully, tensile_strengths
+from fem.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY
@@ -87,7 +87,8 @@ def kh_bounds(
             f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
         )
     substitute = None
-    if settings.davis and fem.flow != "associated" and not is_dilating_fully(strata):
+    davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
+    if davis and not is_dilating_fully(strata):
         substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
     return KhBounds(**vars(found), skins=tuple(govern), section=whole, substitute=substitute)
 
@@ -205,4 +206,4 @@ def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarra
 def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
     """Davis's β (strata,) of the strata as they are given."""
     friction = np.array([s.friction_angle for s in strata])
-    return davis_factor(friction, np.array([s.dilation_angle for s in strata]))
+    return davis_factor(friction, np.array([s.dilation for s in strata]))

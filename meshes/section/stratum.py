@@ -66,7 +66,9 @@ class Stratum(Model):
         default=None,
         description='the largest tension that it bears, such as "0 kPa" (a tension cut-off); c / tan φ where not given',
     )
-    dilation_angle: Angle = Field(default=0.0, description='a dilation angle such as "5 deg"')
+    dilation_angle: Angle | None = Field(
+        default=None, description='a dilation angle ψ such as "5 deg"; fem.flow says what is done where it is not given'
+    )
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
     piezometric_level: ElevationOrLine | None = Field(
         default=None, description="the level to which water rises in a pipe that ends in it, where not the water table"
@@ -81,6 +83,11 @@ class Stratum(Model):
     drains: StrictBool = Field(
         default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"
     )
+
+    @property
+    def dilation(self) -> float:
+        """The dilation angle ψ (rad), 0 where none is given."""
+        return self.dilation_angle or 0.0
 
     @property
     def liquefiable(self) -> bool:
@@ -99,7 +106,7 @@ class Stratum(Model):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         problems = self._weigh()
-        if self.dilation_angle > self.friction_angle:
+        if self.dilation > self.friction_angle:
             problems.append("dilation_angle above friction_angle: expected at most the friction angle")
         if len(set(self.liquefies_in)) < len(self.liquefies_in):
             problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")

@@ -22,7 +22,7 @@ from meshes.settings import MeshSettings
 from tests.support.random_sections import NUMBERS, random_section
 
 SETTINGS = FemSettings(direction="downhill")
-BOUNDS = BoundsSettings(gap=0.02)
+BOUNDS = BoundsSettings(gap=0.02, davis=True)
 # Work (s of a reference machine of two cores) within which the gap of a bracket is to be closed.
 SECONDS = 60.0
 # How far the elements may lie above the strict upper bound; how far below the lower one, since between their points

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from fem.strength import flow_of
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
@@ -23,7 +24,8 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
     return FemAnswer(
         section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
         remedy="", judgement="sound", doubts=(), direction="downhill", towards="right", opposite=None,
-        associated=None, skins=(), flow="davis", element="quadratic", settings=run.fem, dilation_deg={},
+        associated=None, skins=(), flow=flow_of(run.strata, run.fem.flow), element="quadratic", settings=run.fem,
+        dilation_deg={},
         meshes=(), meshes_ended="", kc_limit=None,
         mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
         gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),

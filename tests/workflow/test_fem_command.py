@@ -63,7 +63,8 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
     for factor in (still, shaken):
         assert factor["verdict"] == "plateau"
         assert len(factor["slip_surface"]) > 5
-        assert f"{factor['factor']:.3f}: plateau" in said
+        assert f"{factor['factor']:.3f} with ψ = φ; Davis's estimate for ψ = 0" in " ".join(said.split())
+        assert 1.0 < factor["davis"] < factor["factor"]
     assert said.count("It slips from x =") == 2
     assert imread(out / "figures/fem_safety.png").shape[1] == 1600
     strict = json.loads((out / "fem/bounds.json").read_text())["safety"]
@@ -114,7 +115,7 @@ def test_ground_that_stands_only_as_it_dilates_is_told_by_both_factors(
         run("fem", tmp_path / "sand.toml", "--out", tmp_path / "out", "--size", "3 m", "--set", "fem.accuracy=0") == 3
     )
     told = " ".join(capsys.readouterr().err.split())
-    factors = re.search(r"safety is (.*) by Davis's substitute where ψ < φ, and (.*) with ψ = φ; with fem.flow =", told)
+    factors = re.search(r"safety is (.*) by Davis's estimate for ψ = 0, and (.*) with ψ = φ; with fem.flow =", told)
     assert factors is not None
     assert float(factors[1]) == pytest.approx(0.894 * float(factors[2]), abs=0.01)
     assert float(factors[1]) < 1.0 < float(factors[2])

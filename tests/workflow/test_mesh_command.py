@@ -81,7 +81,7 @@ def test_the_input_as_used(section: Path, out: Path) -> None:
     assert run("mesh", section, "--out", out, "--size", "2 m") == 0
     text = (out / "section.toml").read_text(encoding="utf-8")
     for default in (
-        "dilation_angle = 0.0",
+        'flow = "auto"',
         "liquefies_in = []",
         "reconstruction = false",
         'method = "auto"',

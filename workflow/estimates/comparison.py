@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from workflow.estimates.empirical import empirical
-from workflow.estimates.estimate import Estimate, Kind, mean_inclination
+from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 from workflow.settings import Input
@@ -50,7 +50,7 @@ def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE
 def _constant(given: Input, kc: float) -> Estimate:
     kh, seconds = constant_kh(given), given.sliding_block.seconds
     slide = rectangular_pulse(kc, kh, seconds)
-    words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f}: "
+    words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f} {flow_words(given)}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
@@ -59,7 +59,8 @@ def _newmark(given: Input, kc: float) -> Iterator[Estimate]:
     record = given.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
-    peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f}"
+    peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f} "
+    peak += flow_words(given)
     for way, slide in named:
         yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
 

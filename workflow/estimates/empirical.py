@@ -11,7 +11,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.earthquake.attenuation import Motion
 from workflow.earthquake.column import MAKDISI, column_of
 from workflow.estimates import truss
-from workflow.estimates.estimate import Estimate, mean_inclination
+from workflow.estimates.estimate import Estimate, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
     LOOSE,
     YOUD,
@@ -58,7 +58,7 @@ def empirical(given: Input, kc: float | None, slip_surface: np.ndarray) -> Itera
     except InputError:
         motion = None
     if motion is not None and given.earthquake.magnitude is not None and kc is not None and kc > 0.0:
-        yield from _blocks(kc, motion, given.earthquake.magnitude)
+        yield from _blocks(kc, flow_words(given), motion, given.earthquake.magnitude)
     if given.site_response.record and kc is not None and kc > 0.0:
         yield from _block_under_average(given, kc, slip_surface)
     if given.triggering.borings:
@@ -81,8 +81,11 @@ def empirical(given: Input, kc: float | None, slip_surface: np.ndarray) -> Itera
             yield Estimate("truss", "Towhata's truss", bar.end, words, truss.SOURCE, truss.VALIDITY)
 
 
-def _blocks(kc: float, motion: Motion, magnitude: float) -> Iterator[Estimate]:
-    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a mass without a period of its own."""
+def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iterator[Estimate]:
+    """Bray & Travasarou (2007) and Bray & Macedo (2019), for a mass without a period of its own.
+
+    ``resisting`` says of which flow rule ``kc`` is.
+    """
     peak = motion.median / GRAVITY
     for title, find, spread, magnitudes, source in (
         ("Bray & Travasarou (2007)", bray_travasarou, SPREAD_2007, MAGNITUDES_2007, BRAY_TRAVASAROU),
@@ -91,7 +94,7 @@ def _blocks(kc: float, motion: Motion, magnitude: float) -> Iterator[Estimate]:
         validity = f"{BLOCK}; ky {COEFFICIENTS[0]:g}-{COEFFICIENTS[1]:g}, M {magnitudes[0]:g}-{magnitudes[1]:g}"
         outside = _outside(("ky", kc, COEFFICIENTS), ("M", magnitude, magnitudes))
         slide = None if outside else find(kc, peak, magnitude)
-        words = f"kc = {kc:.3f}, peak {peak:.2f} g, M {magnitude:g}: "
+        words = f"kc = {kc:.3f} {resisting}, peak {peak:.2f} g, M {magnitude:g}: "
         if slide is None:
             words += f"outside its range: {outside}"
         else:
@@ -116,7 +119,8 @@ def _block_under_average(given: Input, kc: float, slip_surface: np.ndarray) -> I
     both = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
     words = (
         f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
-        f"above {depth:g} m, resisted by kc = {kc:.3f}; {both[0]:.2g} and {both[1]:.2g} m either way"
+        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow_words(given)}; {both[0]:.2g} and {both[1]:.2g} m either "
+        "way"
     )
     validity = f"{BLOCK}; layers that answer as level ground, equivalent linear"
     yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from fem.strength import davis_words, flow_of
 from workflow.settings import Input
 
 Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]
@@ -35,3 +36,11 @@ def mean_inclination(given: Input) -> float:
     """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
     (x0, z0), (x1, z1) = given.ground[0], given.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
+
+
+def flow_words(given: Input) -> str:
+    """Of which flow rule the critical Kh is that blocks resist with: ψ = φ where nothing else is asked for."""
+    flow = flow_of(given.strata, given.fem.flow)
+    if flow == "davis":
+        return f"by {davis_words(stratum.dilation for stratum in given.strata)}"
+    return "with ψ = φ" if flow == "associated" else "with ψ as given"

@@ -7,6 +7,7 @@ import pyvista as pv
 from matplotlib.lines import Line2D
 
 from fem.fields import State
+from fem.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, draw_section, foot
@@ -76,16 +77,16 @@ def conditions(given: Input, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
     flow = {
         "associated": "ψ = φ",
-        "davis": f"Davis's substitute for ψ = {_dilations(given)}",
+        "davis": f"Davis's estimate for ψ = {_dilations(given)}",
         "section": f"ψ as given ({_dilations(given)})",
-    }[given.fem.flow]
+    }[flow_of(given.strata, given.fem.flow)]
     kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
     way = "both ways, of which the smaller Kh counts" if given.fem.direction == "both" else given.fem.direction
     return f"sides {given.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
 
 
 def _dilations(given: Input) -> str:
-    angles = sorted({round(float(np.degrees(s.dilation_angle)), 1) for s in given.strata})
+    angles = sorted({round(float(np.degrees(s.dilation)), 1) for s in given.strata})
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 

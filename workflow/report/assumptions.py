@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from fem.strength import flow_of
+from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 from workflow.settings import Input
 
 SIDES = {
@@ -10,8 +12,10 @@ SIDES = {
     "tied": "Both sides move alike, as if the section were one of many in a row.",
 }
 FLOWS = {
-    "associated": "Ground that yields dilates with ψ = φ, which no soil does for long.",
-    "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968).",
+    "associated": "Ground that yields dilates with ψ = φ, as strict bounds and limit equilibrium have it; Davis's "
+    "estimate for less dilation stands beside.",
+    "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968): an "
+    "estimate, and no bound.",
     "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
 }
 
@@ -35,24 +39,25 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
     yield (
         "Strength",
         "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
-        + FLOWS[given.fem.flow],
+        + FLOWS[flow_of(given.strata, given.fem.flow)],
     )
     yield "Water", _water(given)
     if given.surcharges:
         yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
     yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
+    yield "Sliding blocks", BLOCKS[flow_of(given.strata, given.fem.flow)]
     if any(stratum.liquefies_in for stratum in given.strata):
         yield (
             "Liquefaction",
             f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(given)} under "
-            f"{_driven(given)}.",
+            f"{_driven(given)}. {LIQUEFIED}",
         )
         yield (
             "Discs",
             "Some thousand discs in a plane stand for the ground. "
             + (
                 "Stiffness and strength of their contacts are those of the soil by element tests, with one factor on "
-                "strength that brings them to the Kh of the finite elements; how they dilate is their own."
+                f"strength that brings them to the Kh of the finite elements. {DISCS}"
                 if given.dem.model == "soil"
                 else "Their springs are calibrated to the Kh of the finite elements, and to nothing else: how stiff "
                 "they are after failure, and how they dilate, is their own."

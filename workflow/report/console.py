@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from fem.strength import Flow
 from meshes.section.cutting import spoken
 from workflow.report import after
 from workflow.report.findings import lies_still, moved_lately
+from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
@@ -35,32 +35,30 @@ def mesh_sentences(given: Input, store: Store) -> Iterator[str]:
         yield f"Mind: {notice}."
 
 
-FLOWS = {
-    "davis": "by Davis's substitute where ψ < φ",
-    "associated": "with ψ = φ",
-    "section": "with ψ as given on a non-associated path",
-}
-
-
 def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
+    most = f", at most {answer.kc_upper:.4f} on this mesh" if answer.kc_upper > answer.kc else ""
     yield (
-        f"Critical Kh = {answer.kc:.4f}, on this mesh at most {answer.kc_upper:.4f}, pushed {answer.direction} (to the "
-        f"{answer.towards}), {FLOWS[answer.flow]}: {answer.ended}, {answer.reason}."
+        f"Critical Kh = {critical_with_flow(answer, '{:.4f}'.format)}. Pushed {answer.direction} (to the "
+        f"{answer.towards}): {answer.ended}{most}, {answer.reason}."
     )
+    if answer.davis is not None or answer.associated is not None:
+        yield WHEN
     yield from meshes_sentences(answer)
     yield from beside_sentences(answer)
-    yield from (safety_sentence(factor, answer.flow) for factor in answer.safety_factors)
+    yield from (safety_sentence(factor, answer) for factor in answer.safety_factors)
     for doubt in answer.doubts:
         yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
 
 
-def safety_sentence(factor: FactorOfSafety, flow: Flow) -> str:
+def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
     """A factor of safety, what it may be off by, and where the ground slips."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
-    told = f"Factor of safety at Kh = {factor.kh:g}, {FLOWS[flow]}: {factor.factor:.3f}{most}: {factor.verdict}"
-    told += f", {factor.reason}{rest}."
+    beside = factor.davis if factor.davis is not None else factor.associated
+    number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
+    told = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
+    told += f"{factor.reason}{rest}."
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
         told += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
@@ -78,13 +76,9 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:
-    """What has to be known beside the critical Kh: ψ = φ, the opposite direction, the skin of cohesionless faces."""
-    if answer.associated is not None and answer.associated.verdict in ("plateau", "peak"):
-        more = 100.0 * (answer.associated.kc / answer.kc - 1.0) if answer.kc > 0.0 else 0.0
-        yield (
-            f"With ψ = φ it would be {answer.associated.kc:.4f} ({more:+.0f} %){_out_at(answer.associated.at_sides)}, "
-            "which no smaller dilation can exceed: what the ground bears lies between the two."
-        )
+    """What has to be known beside the critical Kh: the opposite direction, the skin of cohesionless faces."""
+    if answer.associated is not None and answer.associated.at_sides:
+        yield f"With ψ = φ the critical Kh is {answer.associated.kc:.4f}{_out_at(answer.associated.at_sides)}."
     other = answer.opposite
     if other is not None:
         kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
@@ -120,7 +114,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     for factor in answer.safety:
         yield f"{proven(factor.skin is not None)} of the factor of safety, ψ = φ: {factor.words}."
     if answer.substitute:
-        yield f"{proven(bool(answer.skins))} of Davis's substitute for ψ < φ: {answer.substitute.words}."
+        yield f"{proven(bool(answer.skins))} of Davis's estimate for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason
 

@@ -1,7 +1,7 @@
 """What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -9,17 +9,18 @@ from dem.settings import Case
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
+from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.after import in_short
 from workflow.report.doubtful import of_cases
-from workflow.report.numbers import about, between, coefficient, listed, span
+from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
+from workflow.report.numbers import about, coefficient, listed, span
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
 from workflow.settings import Input
 
-# Variants that tell how good the computation is, and those that tell what an assumption is worth.
-NUMERICAL, ASSUMED = ("mesh", "element", "step"), ("dilation", "sides")
+ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s is told to lie still, though its discs may not: in m, and of all its way.
 STILL, STILL_SHARE = 0.01, 0.001
@@ -91,55 +92,55 @@ def _failure(results: Results) -> Iterator[str]:
 def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
     """At which Kh the continuum fails, how far that may be off, and what it hangs on."""
     still = next((factor for factor in fem.safety_factors if factor.kh == 0.0), None)
-    safe = f", with a factor of safety of {still.factor:.2f}" if still is not None else ""
+    safe = ""
+    if still is not None:
+        beside = still.davis if still.davis is not None else still.associated
+        told = with_flow(still.factor, fem.flow, beside, fem.estimate, "{:.2f}".format)
+        safe = f", with a factor of safety of {told}"
     yield f"Without shaking the section stands{safe}."
     yield (
-        f"By finite elements it fails {fem.direction}, to the {fem.towards}, at Kh of about {coefficient(fem.kc)}, "
-        f"under a horizontal acceleration of {fem.kc * GRAVITY:.2g} m/s²."
+        f"By finite elements it fails {fem.direction}, to the {fem.towards}, at Kh of about "
+        f"{critical_with_flow(fem, coefficient)}. A Kh of {coefficient(fem.kc)} is a horizontal acceleration of "
+        f"{fem.kc * GRAVITY:.2g} m/s²."
     )
-    found = results.variants.variants if results.variants is not None else ()
-    variants = {variant.name: kc for variant in found if (kc := variant.of(fem.kc)) is not None}
-    numerical = [name for name in NUMERICAL if name in variants]
-    told, left_open = coefficient(fem.kc), between([fem.kc, fem.kc_upper, *(variants[name] for name in numerical)])
-    causes = listed(["bracket", *numerical])
-    if left_open == told:
-        yield f"The computation itself ({causes}) leaves nothing open in these digits."
-    else:
-        yield f"The computation itself ({causes}) leaves open {left_open}."
-    yield from _assumed(results, fem, variants)
+    if fem.davis is not None or fem.associated is not None:
+        yield WHEN
+    found = accuracy(results, fem)
+    yield numerical_error(found, fem.kc)
+    yield from _assumed(results, fem, found)
     yield from _beside(results, fem)
 
 
-def _assumed(results: Results, fem: FemAnswer, variants: Mapping[str, float]) -> Iterator[str]:
-    """What the critical Kh would be with other assumptions: those that change it, or that none does."""
-    most, told = _most(results, fem), coefficient(fem.kc)
-    changes = {variant.name: variant.change for variant in results.variants.variants} if results.variants else {}
-    found = [
-        (coefficient(variants[name]), f"with {changes[name]}{_too_much(name, variants[name], most)}")
-        for name in changes if name in ASSUMED and name in variants
-    ]  # fmt: skip
-    if fem.associated is not None and "dilation" not in variants:
-        found.insert(0, (coefficient(fem.associated.kc), "if the ground dilated fully (ψ = φ)"))
-    differ = [f"{kc} {change}" for kc, change in found if kc != told]
-    if differ:
-        yield f"More hangs on what was assumed: it would be {listed(differ)}."
-    elif found:
-        yield f"What was assumed changes little: it would be {listed([' '.join(one) for one in found])}."
+def _assumed(results: Results, fem: FemAnswer, found: Accuracy | None) -> Iterator[str]:
+    """What the critical Kh would be with other assumptions, and whether they matter more than the computation."""
+    most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
+    others = {one: kc for one in variants if one.name in ASSUMED and (kc := one.of(fem.kc)) is not None}
+    if not others:
+        return
+    each = [f"kc = {coefficient(kc)} with {one.change}{_too_much(one.name, kc, most)}" for one, kc in others.items()]
+    largest = max(abs(kc - fem.kc) for kc in others.values())
+    if found is None:
+        yield f"With other assumptions: {listed(each)}."
+    else:
+        how = "more" if largest > found.error(fem.kc) else "no more than that"
+        yield f"The assumptions matter {how}: {listed(each)}."
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """The critical Kh that no flow can exceed, if strict bounds between the same sides say one."""
-    bounds = results.bounds
+    """The critical Kh that no flow can exceed: of strict bounds between the same sides, or of ψ = φ."""
+    bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
+    if fem.associated is not None:
+        full = fem.associated.kc
     if bounds is None or bounds.upper is None or bounds.sides != fem.settings.sides:
-        return math.inf
-    return bounds.upper
+        return full
+    return min(full, bounds.upper)
 
 
 def _too_much(name: str, kc: float, most: float) -> str:
-    """What is to be made of another flow rule with which the elements bear more than strict bounds allow any."""
+    """What is to be made of another flow rule with which the elements bear more than ψ = φ allows any."""
     if name != "dilation" or kc <= most:
         return ""
-    return " (more than strict bounds allow: the mesh is too coarse for it)"
+    return " (more than ground with ψ = φ bears: the mesh is too coarse for it)"
 
 
 def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from fem.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
 from workflow.estimates.comparison import estimates
 from workflow.figures import fonts
@@ -18,6 +19,7 @@ from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.findings import fail_alike, lies_still, moved_lately, springs_of
+from workflow.report.flow_rule import critical_with_flow
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
@@ -70,6 +72,9 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "case_heads": tables.case_heads(given),
         "springs": springs_of(results),
         "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
+        "in_one_line": critical_with_flow(results.fem, "{:.3f}".format) if results.fem is not None else "",
+        "flow": flow_of(given.strata, given.fem.flow),
+        "by_davis": not is_dilating_fully(given.strata),
         "doubts": list(doubts(results)),
         "assumptions": list(assumptions(given)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,

@@ -19,6 +19,7 @@ from workflow.results.summary import (
     NoAnswer,
     PaperModel,
     PaperSummary,
+    SafetySummary,
     Summary,
     VariantSummary,
 )
@@ -106,7 +107,11 @@ def _fem(results: Results) -> FemSummary | None:
         kc_upper=answer.kc_upper if found else None,
         verdict=answer.verdict,
         reason=answer.reason,
-        dilation="psi = phi" if answer.settings.flow == "associated" else answer.dilation_deg,
+        dilation="psi = phi" if answer.flow == "associated" else answer.dilation_deg,
+        flow=answer.flow,
+        kc_davis=answer.davis.kc if found and answer.davis is not None else None,
+        kc_associated=answer.associated.kc if found and answer.associated is not None else None,
+        safety_factors=tuple(SafetySummary.of(factor) for factor in answer.safety_factors),
         sides=answer.settings.sides,
         element=answer.element,
     )

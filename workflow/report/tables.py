@@ -52,7 +52,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{stratum.cohesion / 1e3:.4g}"
             + (f" + {stratum.cohesion_increase / 1e3:.3g} z" if stratum.cohesion_increase else "")
             + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
-            f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation_angle):.3g}",
+            f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation):.3g}",
         ]
 
 

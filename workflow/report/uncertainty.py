@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from workflow.report.console import meshes_sentences
 from workflow.report.findings import fail_alike
+from workflow.report.flow_rule import WHEN, critical_with_flow
 from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer
@@ -99,17 +100,15 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
 
 
 def _dilation(fem: FemAnswer) -> str:
-    """What was assumed of the flow rule, and what lies between that and ψ = φ."""
-    if fem.flow == "associated":
-        return "ψ = φ, which no real soil has: an upper limit."
-    how = (
-        "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor and the flow is associated (Davis 1968)."
-        if fem.flow == "davis"
-        else "Dilation angles as given for each stratum; the limit load of such ground is not unique."
-    )
-    if fem.associated is None:
+    """What was assumed of the flow rule, and the critical Kh by the other one."""
+    how = {
+        "associated": "The ground yields with ψ = φ: ground that dilates less bears no more (Radenkovic 1961).",
+        "davis": "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor, with associated flow (Davis 1968).",
+        "section": "Dilation angles as given for each stratum; the limit load of such ground is not unique.",
+    }[fem.flow]
+    if fem.associated is None and fem.davis is None:
         return how
-    return f"{how} With ψ = φ the critical Kh is {fem.associated.kc:.4f}: what the ground bears lies between the two."
+    return f"{how} Critical Kh = {critical_with_flow(fem, '{:.4f}'.format)}. {WHEN}"
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from pydantic import Field
 
 from fem.settings import YIELDED, Element, FemSettings
-from fem.strength import Flow
+from fem.strength import Flow, davis_words
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
 if TYPE_CHECKING:
@@ -71,6 +71,10 @@ class FactorOfSafety(Part):
     reason: str
     curve: tuple[PathStep, ...]
     skin: float | None = Field(description="the factor at which grains roll down a cohesionless face, if there is one")
+    davis: float | None = Field(
+        default=None, description="Davis's estimate where ψ = φ is the flow, a low one and no bound"
+    )
+    associated: float | None = Field(default=None, description="with ψ = φ, where Davis's estimate is the flow")
     rest: float | None = Field(default=None, description="share of the factor that its mesh may still be off by")
     slip_surface: Line = Field(default=(), description="points [x, elevation] in the middle of the shear (m)")
 
@@ -109,6 +113,7 @@ class RigidBox(Part):
 
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_upper: float = Field(description="what the critical Kh may be at most")
+    flow: Flow = Field(description="Davis's estimate where the critical Kh is with ψ = φ: discs hardly dilate")
     verdict: Verdict
     reason: str
     slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
@@ -152,7 +157,7 @@ class FemAnswer(Answer):
     """The largest Kh at which an equilibrium was found, with its bracket, verdict and record."""
 
     FILE: ClassVar[str] = "fem/critical.json"
-    VERSION: ClassVar[int] = 3
+    VERSION: ClassVar[int] = 4
 
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
@@ -167,11 +172,14 @@ class FemAnswer(Answer):
     towards: Literal["left", "right"]
     opposite: OtherWay | None = Field(description="the same pushed the other way, where both were asked for")
     associated: OtherWay | None = Field(description="the same with ψ = φ, where that is something else")
+    davis: OtherWay | None = Field(
+        default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"
+    )
     skins: tuple[SkinFailure, ...]
     flow: Flow
     element: Element
     settings: FemSettings
-    dilation_deg: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")
+    dilation_deg: dict[str, float] = Field(description="ψ by stratum as given, 0 where it is not (degrees)")
     mesh: MeshCount
     meshes: tuple[MeshStep, ...] = Field(description="adapted to the mechanism one after the other; empty if none was")
     meshes_ended: str = Field(description="why there was no finer mesh")
@@ -184,6 +192,11 @@ class FemAnswer(Answer):
     rigid_box: RigidBox | None = Field(
         default=None, description="with fixed sides, where those of the answer are others and discs are to be compared"
     )
+
+    @property
+    def estimate(self) -> str:
+        """What Davis's estimate is called."""
+        return davis_words(self.dilation_deg.values())
 
     @property
     def ended(self) -> str:

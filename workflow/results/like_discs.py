@@ -9,7 +9,7 @@ from fem.strength import Flow
 from workflow.results.answer import Answer, Line
 from workflow.results.continuum import FemAnswer, PathStep, RigidBox, Verdict, displacement_at
 
-FLOWS = {"davis": "Davis's substitute", "associated": "ψ = φ", "section": "ψ as given"}
+FLOWS = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 
 
 class LikeDiscs(Answer):
@@ -44,7 +44,7 @@ class LikeDiscs(Answer):
             verdict=found.verdict,
             reason=found.reason,
             sides="fixed" if box else fem.settings.sides,
-            flow=fem.settings.flow,
+            flow=box.flow if box else fem.flow,
             deeper_than_m=box.deeper_than_m if box else None,
             instead=instead,
             yielding_m=displacement_at(found.curve, found.kc, YIELDED),

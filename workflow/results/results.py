@@ -135,6 +135,8 @@ class Results:
         found = list(of_bounds(self.kc, bounds.lower, bounds.upper, own=fem.flow == "associated"))
         if fem.flow == "davis" and bounds.substitute is not None:
             found += of_bounds(self.kc, bounds.substitute.lower, bounds.substitute.upper, own=True)
+        if fem.davis is not None and bounds.substitute is not None:
+            found += of_bounds(fem.davis.kc, bounds.substitute.lower, bounds.substitute.upper, own=True)
         if fem.associated is not None:
             found += of_bounds(fem.associated.kc, bounds.lower, bounds.upper, own=True)
         return [Doubt.model_validate(doubt) for doubt in found]

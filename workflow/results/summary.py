@@ -1,16 +1,31 @@
 """summary.json: the numbers of a run, units in their names."""
 
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from pydantic import Field
 
 from fem.settings import Element, Sides
+from fem.strength import Flow
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
-from workflow.results.continuum import MeshCount, Verdict
+from workflow.results.continuum import FactorOfSafety, MeshCount, Verdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.triggering import StratumPart
+
+
+class SafetySummary(Part):
+    """The factor of safety at one Kh, and by the other flow rule."""
+
+    kh: float
+    factor: float
+    davis: float | None = Field(description="Davis's estimate where the factor is with ψ = φ, a low one and no bound")
+    associated: float | None = Field(description="with ψ = φ, where the factor is by Davis's estimate")
+
+    @classmethod
+    def of(cls, found: FactorOfSafety) -> Self:
+        """What is kept of a factor of safety."""
+        return cls(kh=found.kh, factor=found.factor, davis=found.davis, associated=found.associated)
 
 
 class FemSummary(Part):
@@ -21,7 +36,13 @@ class FemSummary(Part):
     kc_upper: float | None
     verdict: Verdict
     reason: str
-    dilation: dict[str, float] | str = Field(description="dilation angle by stratum, or how it was set (degrees)")
+    dilation: dict[str, float] | str = Field(description='"psi = phi", or the dilation angle by stratum (degrees)')
+    flow: Flow = Field(description='the flow rule of kc: "associated" is ψ = φ, "davis" Davis\'s estimate, no bound')
+    kc_davis: float | None = Field(
+        description="Davis's estimate where kc is with ψ = φ: a low one, no bound; 0 where such ground fails by itself"
+    )
+    kc_associated: float | None = Field(description="with ψ = φ, where kc is not")
+    safety_factors: tuple[SafetySummary, ...]
     sides: Sides
     element: Element
 

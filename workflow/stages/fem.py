@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.strength import Flow
 from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
     Doubt,
@@ -70,7 +71,7 @@ def draw(job: Job) -> None:
 
 
 def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
-    """Find the critical Kh to both sides, that with ψ = φ, and factors of safety; leaves fem/.
+    """Find the critical Kh to both sides, with ψ = φ and by Davis's estimate, and factors of safety; leaves fem/.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
@@ -114,7 +115,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = line(slip_surface(mesh, result.mechanism))
-    angles = {s.name: round(float(np.degrees(s.dilation_angle)), 6) for s in given.strata}
+    angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in given.strata}
     return FemAnswer(
         section=SectionLabel.of(given),
         kc=result.kc,
@@ -129,6 +130,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
         towards="right" if result.sign > 0 else "left",
         opposite=_other_way(found.opposite),
         associated=_other_way(found.associated),
+        davis=_other_way(found.davis),
         skins=tuple(
             SkinFailure(
                 stratum=skin.stratum,
@@ -142,7 +144,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
         flow=result.flow,
         element=result.element,
         settings=given.fem,
-        dilation_deg="equal to the friction angle" if given.fem.flow == "associated" else angles,
+        dilation_deg=angles,
         mesh=MeshCount.of(mesh),
         meshes=tuple(MeshStep(cells=one.cells, kc=one.value) for one in rounds),
         meshes_ended=adapted.reason if adapted and rounds else "",
@@ -151,7 +153,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
         linear_solves=result.solves,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
-        safety_factors=tuple(_factor_of_safety(factor) for factor in found.safety),
+        safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
         rigid_box=_rigid_box(found.rigid_box, depth),
     )
 
@@ -181,6 +183,7 @@ def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> 
     return RigidBox(
         kc=found.result.kc,
         kc_upper=found.result.upper,
+        flow=found.result.flow,
         verdict=found.result.verdict,
         reason=found.result.reason,
         slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
@@ -205,7 +208,7 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
     )
 
 
-def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]") -> FactorOfSafety:
+def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
     from fem.slip_surface import slip_surface
 
     result, rest = found.result, found.rounds[-1].rest if found.rounds else np.inf
@@ -217,6 +220,8 @@ def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]") -> FactorOfSafety:
         reason=result.reason,
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         skin=result.skin,
+        davis=result.beside if flow == "associated" else None,
+        associated=result.beside if flow == "davis" else None,
         rest=float(rest) if np.isfinite(rest) else None,
         slip_surface=line(slip_surface(found.mesh, result.mechanism)) if result.mechanism is not None else (),
     )

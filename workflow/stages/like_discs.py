@@ -36,8 +36,9 @@ def like_discs(given: Input, store: Store, tell: Tell) -> None:
 def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
     hardly any dilation. A path that goes on to rise leaves open where it fails: above the last equilibrium that was
-    found on it, but below what ground with ψ = φ bears. Davis's substitute, a lower estimate, stands in where the path
-    takes too long or comes to less; it fails above that then, and below the same.
+    found on it, but below what ground with ψ = φ bears. Davis's estimate, a low one, stands in where the path takes too
+    long or comes to less; it fails above that then, and below the same. Where the critical Kh of the section is with
+    ψ = φ this is as well: discs dilate by what they do, whatever the continuum is given.
     """
     from mpi4py import MPI
 
@@ -45,12 +46,13 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
 
     fem = FemAnswer.read(store)
     known = LikeDiscs.of(fem)
-    if known.sides != "fixed" or fem.settings.flow != "davis" or is_dilating_fully(given.strata):
+    if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(given.strata):
         return known
     mesh = stored_mesh(given, store)
     depth = known.deeper_than_m or given.fem.least_depth
     settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
-    found = _with_psi_as_given(given, mesh, settings, known.kc, tell)
+    davis = known.kc if known.flow == "davis" else 0.0
+    found = _with_psi_as_given(given, mesh, settings, davis, tell)
     sharp = not isinstance(found, str) and found.upper <= found.kc + given.dem.tolerance
     most = known.kc_upper if isinstance(found, str) else found.upper
     if not sharp:
@@ -74,7 +76,7 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
 def _with_psi_as_given(
     given: Input, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "AsDiscs | str":
-    """The path, or why Davis's substitute, which fails at Kh = ``davis``, has to stand in for it."""
+    """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
     from mpi4py import MPI
 
     from fem.as_discs import as_discs
@@ -86,7 +88,7 @@ def _with_psi_as_given(
     if found.verdict == "no failure":
         return f"with ψ as given there is {found.reason}"
     if found.kc < davis:
-        return f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's substitute"
+        return f"the path with ψ as given ended at Kh = {found.kc:.3f}, below Davis's estimate"
     return found
 
 

@@ -87,11 +87,12 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
     from fem.liquefied_ground import weight_borne
-    from fem.strength import is_associated
+    from fem.strength import flow_of, is_associated
     from fem.strength_reduction import safety_factor
 
     direction = "uphill" if given.fem.direction == "uphill" else "downhill"
-    fem = given.fem.model_copy(update={"direction": direction, "kh": (), "rigid_box": False})
+    flow = flow_of(given.strata, given.fem.flow)
+    fem = given.fem.model_copy(update={"direction": direction, "kh": (), "rigid_box": False, "flow": flow})
     asked = given.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []
     critical: AtOnce | CriticalResult | None = None

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dem.team import Tell
+from fem.strength import Flow, flow_of, is_dilating_fully
 from meshes.errors import NoAnswerError
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
@@ -24,7 +25,7 @@ LARGEST_STEP = 0.1
 # takes minutes on 5,000 cells of bare sand, and the change is told beside that mesh without it.
 PATH_CELLS = 2500
 FLOWS = {
-    "davis": "Davis's substitute",
+    "davis": "Davis's estimate",
     "associated": "ψ = φ",
     "section": "the non-associated path with ψ as given",
 }
@@ -109,10 +110,10 @@ def changed(given: Input, name: str, element: str) -> tuple[str, str, Input] | N
     if name == "sides" and fem.sides != "tied":
         sides = "fixed" if fem.sides == "roller" else "roller"
         return name, f"sides {sides} instead of {fem.sides}", _with(given, "fem", sides=sides)
-    dilates = all(stratum.dilation_angle == stratum.friction_angle for stratum in given.strata)
-    if name == "dilation" and not dilates:
-        flow = "section" if fem.flow == "davis" else "davis"
-        return name, f"{FLOWS[flow]} instead of {FLOWS[fem.flow]}", _with(given, "fem", flow=flow)
+    if name == "dilation" and not is_dilating_fully(given.strata):
+        own = flow_of(given.strata, fem.flow)
+        flow: Flow = "davis" if own == "section" else "section"
+        return name, f"{FLOWS[flow]} instead of {FLOWS[own]}", _with(given, "fem", flow=flow)
     return None
 
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 def continuum(given: Sample) -> Numbers:
     """The critical Kh by finite elements; 0 for ground that does not stand without shaking.
 
-    Where the flow is associated, as Davis's substitute is, the limit load of meshes made for the mechanism; else the
-    end of the path.
+    It is with ψ = φ or by Davis's estimate, as ``fem.flow`` says. Where the flow is associated, as both are, it is the
+    limit load of meshes made for the mechanism; else the end of the path.
     """
     from meshes.gmsh_model import generate
 
@@ -29,7 +29,7 @@ def continuum(given: Sample) -> Numbers:
         return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
     if found.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {found.reason}")
-    words: dict[str, str] = {"verdict": found.verdict, "direction": found.direction}
+    words: dict[str, str] = {"verdict": found.verdict, "direction": found.direction, "flow": found.flow}
     return Numbers(numbers={"kc": found.kc, "cells": len(used.cells)}, words=words)
 
 

@@ -30,7 +30,9 @@ def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     assert one.critical.kc == other.critical.kc
     assert one.critical.steps == other.critical.steps
     assert [each.result.factor for each in one.safety] == [each.result.factor for each in other.safety]
-    assert one.associated.result.kc == other.associated.result.kc
+    assert one.davis.result.kc == other.davis.result.kc < one.critical.kc
+    assert [each.result.beside for each in one.safety] == [each.result.beside for each in other.safety]
+    assert one.associated is None
     assert one.rigid_box.result.kc == other.rigid_box.result.kc
     assert len(one.safety) == 2
     np.testing.assert_array_equal(one.mesh.points, other.mesh.points)
@@ -48,3 +50,43 @@ def test_ground_whose_factor_of_safety_is_below_one_has_no_critical_kh():
     settings = FemSettings(direction="downhill", rigid_box=False)
     with pytest.raises(UnstableError, match=r"its factor of safety is 0\.9\d by Davis.*, and 1\.\d\d with ψ = φ"):
         assess(cut, MeshSettings(), generate(cut), settings, MPI.COMM_SELF, lambda *_: None)
+
+
+def slope_with(**soil: object) -> Section:
+    surface = [[0.0, 10.0], [12.0, 10.0], [24.0, 4.0], [36.0, 4.0]]
+    return Section.parse({"name": "a", "surface": surface, "base": {"elevation": 0.0}, "strata": [layer("a") | soil]})
+
+
+def assessed(section: Section, **settings: object) -> assessment.Assessment:
+    wish = FemSettings(accuracy=0.0, direction="downhill", rigid_box=False, **settings)
+    mesh = generate(section, MeshSettings(size=1.5))
+    return assess(section, MeshSettings(size=1.5), mesh, wish, MPI.COMM_SELF, lambda *_: None)
+
+
+def test_a_file_that_says_nothing_of_dilation_is_told_with_psi_equal_to_phi_and_davis_s_estimate_beside():
+    """One that gives psi = 0 is told the other way round, in the same numbers; one with psi = phi has one number."""
+    soil = {"cohesion": "5 kPa", "friction_angle": "32 deg"}
+    silent, given = assessed(slope_with(**soil)), assessed(slope_with(**soil, dilation_angle="0 deg"))
+    assert (silent.critical.flow, given.critical.flow) == ("associated", "davis")
+    assert silent.davis.result.kc < silent.critical.kc
+    assert given.critical.kc == pytest.approx(silent.davis.result.kc, rel=1e-3)
+    assert given.associated.result.kc == pytest.approx(silent.critical.kc, rel=1e-3)
+    (still,), (other) = silent.safety, given.safety
+    assert still.result.beside == pytest.approx(other[0].result.factor, rel=2e-3)
+    assert other[0].result.beside == pytest.approx(still.result.factor, rel=2e-3)
+    # the closed form of form B for one soil without dilation, sqrt(F^2 - tan^2 phi) (fem/README.md)
+    assert still.result.beside == pytest.approx(
+        np.sqrt(still.result.factor**2 - np.tan(np.radians(32.0)) ** 2), rel=0.01
+    )
+    full = assessed(slope_with(**soil, dilation_angle="32 deg"))
+    assert full.critical.kc == silent.critical.kc
+    assert (full.associated, full.davis, full.safety[0].result.beside) == (None, None, None)
+
+
+def test_ground_that_stands_only_as_it_dilates_has_a_critical_kh_and_an_estimate_of_zero():
+    """Davis's factor of safety below 1 beside one above it: ground that fails by itself has no Kh of its own."""
+    found = assessed(slope_with(cohesion="0.6 kPa", friction_angle="24 deg"))
+    assert found.safety[0].result.beside < 1.0 < found.safety[0].result.factor
+    assert found.critical.kc > 0.0
+    assert found.davis.result.kc == 0.0
+    assert "own weight" in found.davis.result.reason

@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.strength import davis_factor, is_associated, strength_of
+from fem.strength import davis_factor, davis_words, flow_of, is_associated, strength_of
+from meshes.section.section import Section
 from tests.support.fem_problems import soil
+from tests.support.sections import layer, slope
 
 ANGLES = st.floats(0.0, math.radians(50.0))
 
@@ -56,6 +58,21 @@ def test_form_c_is_associated_once_the_reduced_friction_is_below_the_dilation():
 def test_flow_as_given_keeps_dilation_below_the_reduced_friction():
     strength = strength_of([soil(phi=30.0, psi=20.0)], "section", 2.0)
     assert strength.dilation[0] == strength.friction[0] == pytest.approx(math.atan(math.tan(math.radians(30.0)) / 2.0))
+
+
+def test_the_flow_is_with_psi_equal_to_phi_unless_a_dilation_angle_below_phi_is_given():
+    def stratum(**given):
+        return Section.parse(slope() | {"strata": [layer("a", friction_angle="30 deg", **given)]}).strata[0]
+
+    silent, none, full = stratum(), stratum(dilation_angle="0 deg"), stratum(dilation_angle="30 deg")
+    assert flow_of([silent, full], "auto") == "associated"
+    assert flow_of([silent, none], "auto") == "davis"
+    for flow in ("davis", "associated", "section"):
+        assert flow_of([silent, none], flow) == flow
+    assert davis_words([0.0, 0.0]) == "Davis's estimate for ψ = 0"
+    assert davis_words([0.0, 0.1]) == "Davis's estimate for ψ as given"
+    clay = Section.parse(slope() | {"strata": [layer("a", friction_angle="0 deg", dilation_angle="0 deg")]}).strata
+    assert flow_of(clay, "auto") == "associated"  # 0 is what psi = phi is
 
 
 def test_only_flow_as_given_can_be_non_associated():

@@ -56,32 +56,33 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
             variant("dilation", "ψ = φ instead of ψ as given", None),
         )
     )
-    found = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2793, 0.2849))
+    found = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2293, 0.2349))
     told = text(found)
-    assert "it fails downhill, to the right, at Kh of about 0.23, under a horizontal acceleration of 2.3 m/s²." in told
-    assert "The computation itself (bracket and element) leaves open 0.23 to 0.27." in told
-    assert "it would be 0.34 with sides fixed instead of roller." in told
+    assert "it fails downhill, to the right, at Kh of about 0.23 with ψ = φ. A Kh of 0.23 is a horizontal acce" in told
+    assert "a horizontal acceleration of 2.3 m/s²." in told
+    assert "Numerical error is below 0.006, by strict bounds." in told
+    assert "The assumptions matter more: kc = 0.34 with sides fixed instead of roller." in told
     assert "instead of ψ as given" not in told  # that one came to nothing
-    assert "Limit analysis proves that it is 0.279 to 0.285 for ground that dilates fully" in told
+    assert "Limit analysis proves that it is 0.229 to 0.235 for ground that dilates fully" in told
     [sides] = doubtful(found)
     assert sides.startswith("With sides fixed instead of roller the section fails at Kh of about 0.34, and not 0.23: ")
     assert sides.endswith('decides, and beyond = "50 m" takes them further away.')
 
 
 def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: Input) -> None:
-    more = variant("dilation", "the non-associated path with ψ as given instead of Davis's substitute", 0.30)
+    more = variant("dilation", "the non-associated path with ψ as given instead of ψ = φ", 0.30)
     told = text(results(run, fem=fem(run), variants=VariantsAnswer(variants=(more,)), bounds=bounds(run, 0.27, 0.28)))
-    assert "substitute (more than strict bounds allow: the mesh is too coarse for it)." in told
+    assert "ψ = φ (more than ground with ψ = φ bears: the mesh is too coarse for it)." in told
 
 
-def test_what_changes_no_digit_is_told_so(run: Input) -> None:
+def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Input) -> None:
     same = variant("sides", "sides fixed instead of roller", 0.2331)
     answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
     found = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
     told = text(found)
     assert not doubtful(found)
-    assert "The computation itself (bracket) leaves nothing open in these digits." in told
-    assert "What was assumed changes little: it would be 0.23 with sides fixed instead of roller." in told
+    assert "How large its numerical error is, is not known: there is one mesh" in told
+    assert "With other assumptions: kc = 0.23 with sides fixed instead of roller." in told
 
 
 def test_what_stands_beside_the_critical_kh(run: Input) -> None:
@@ -90,11 +91,11 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     skin = SkinFailure(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
     doubt = Doubt(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
     known = Doubt(what="The base is near.", remedy="go deeper", contradiction=False)
-    more = {"opposite": other, "associated": other.model_copy(update={"kc": 0.3057}), "skins": (skin,)}
+    more = {"flow": "davis", "opposite": other, "associated": other.model_copy(update={"kc": 0.3057}), "skins": (skin,)}
     answer = fem(run).model_copy(update={**more, "doubts": (doubt, known)})
     told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
     assert "(ψ = φ, sides roller; it slides out at the left side, where the section was cut off)" in told
-    assert "it would be 0.31 if the ground dilated fully (ψ = φ)." in told
+    assert "at Kh of about 0.24 by Davis's estimate for ψ = 0, which is no bound; with ψ = φ: 0.31." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
     assert doubtful(results(run, fem=answer)) == ["A finer mesh gives 0.20."]

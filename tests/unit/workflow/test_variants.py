@@ -23,8 +23,13 @@ from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
         ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of roller"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides roller instead of fixed"),
-        ({}, "dilation", "the non-associated path with ψ as given instead of Davis's substitute"),
-        ({"fem": {"flow": "associated"}}, "dilation", "Davis's substitute instead of ψ = φ"),
+        ({}, "dilation", "the non-associated path with ψ as given instead of ψ = φ"),
+        ({"fem": {"flow": "davis"}}, "dilation", "the non-associated path with ψ as given instead of Davis's estimate"),
+        (
+            {"fem": {"flow": "section"}},
+            "dilation",
+            "Davis's estimate instead of the non-associated path with ψ as given",
+        ),
     ],
 )
 def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str) -> None:
@@ -44,7 +49,7 @@ def test_what_would_change_nothing_is_left_out() -> None:
     )
     assert changed(tied, "sides", "quadratic") is None
     assert changed(tied, "step", "quadratic") is None
-    limit_load = Input.parse(slope())  # Davis's substitute and its element: there is no path, and so no step
+    limit_load = Input.parse(slope())  # ψ = φ and its element: there is no path, and so no step
     assert changed(limit_load, "step", "reduced") is None
     data = slope()
     for stratum in data["strata"]:

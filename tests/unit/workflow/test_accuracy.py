@@ -1,0 +1,79 @@
+"""How large the numerical error of the critical Kh is: by the sequence of meshes, and by strict bounds."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support.answers import bounds, fem, results, variant
+from tests.support.sections import slope
+from workflow.report.accuracy import Accuracy, accuracy, numerical_error, of_meshes, rounded_up
+from workflow.report.findings import findings
+from workflow.results.continuum import FemAnswer, MeshStep
+from workflow.results.variants import VariantsAnswer
+from workflow.settings import Input
+
+RUN = Input.parse(slope())
+
+
+def sequence(*values: float, limit: float) -> FemAnswer:
+    """An answer on meshes of 500, 1,000, ... cells."""
+    meshes = tuple(MeshStep(cells=500 * 2**k, kc=kc) for k, kc in enumerate(values))
+    last = {"kc": values[-1], "kc_lower": values[-1], "kc_upper": values[-1]}
+    return fem(RUN).model_copy(update={**last, "meshes": meshes, "kc_limit": limit})
+
+
+def test_a_sequence_that_still_falls_is_not_told_to_leave_nothing_open() -> None:
+    """The levee: 0.0549, 0.0388, 0.0367, tending to 0.0324. It was told that nothing is open in these digits."""
+    answer = sequence(0.0549, 0.0388, 0.0367, limit=0.0324)
+    told = " ".join(findings(results(RUN, fem=answer)))
+    assert "leaves nothing open" not in told
+    assert "Numerical error is below 0.005, by the sequence of meshes, which tends to 0.032." in told
+
+
+def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
+    sequences = (
+        sequence(0.0549, 0.0388, limit=0.0227),
+        sequence(0.100, 0.095, 0.085, limit=0.075),
+        sequence(0.100, 0.090, 0.094, limit=0.098),
+    )
+    coarse, falls_faster, rises = (found for each in sequences if (found := of_meshes(each)) is not None)
+    assert (coarse.sure, falls_faster.sure, rises.sure) == (False, False, False)
+    assert (coarse.low, coarse.high) == pytest.approx((0.0388 - 2 * 0.0161, 0.0388))
+    assert (falls_faster.low, falls_faster.high) == pytest.approx((0.085 - 2 * 0.01, 0.085))
+    assert (rises.low, rises.high) == pytest.approx((0.094 - 2 * 0.004, 0.098 + 2 * 0.004))
+    assert numerical_error(coarse, 0.0388).startswith(
+        "The sequence of meshes has not converged: the numerical error may"
+    )
+
+
+def test_strict_bounds_of_the_same_flow_close_the_interval() -> None:
+    """Of S-13 with psi = phi: 0.2844 beside 0.2799 to 0.2815; the bounds of another flow or other sides are silent."""
+    answer = sequence(0.2844, 0.2826, limit=0.2820)
+    found = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.2799, 0.2815)), answer)
+    assert found == Accuracy(0.2799, 0.2815, "by strict bounds", True)
+    assert numerical_error(found, answer.kc) == "Numerical error is below 0.003, by strict bounds."
+    inside = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.27, 0.30)), answer)
+    assert inside is not None
+    assert (inside.low, inside.high) == pytest.approx((0.2820, 0.2826))
+    for other in ({"flow": "davis"}, {"direction": "uphill"}):
+        apart = answer.model_copy(update=other)
+        assert accuracy(results(RUN, fem=apart, bounds=bounds(RUN, 0.2799, 0.2815)), apart) == of_meshes(answer)
+
+
+def test_a_single_mesh_is_judged_by_halved_cells_where_these_were_looked_at() -> None:
+    """S-13 by Davis's estimate on 611 and 2,444 cells: a third of the difference is left."""
+    answer = fem(RUN, 0.2370).model_copy(update={"kc_upper": 0.2370})
+    finer = VariantsAnswer(variants=(variant("mesh", "cells of half the size", 0.2357),))
+    found = accuracy(results(RUN, fem=answer, variants=finer), answer)
+    assert found is not None
+    assert found.low == pytest.approx(0.2357 - 0.0013 / 3.0)
+    assert accuracy(results(RUN, fem=answer), answer) is None
+    assert "is not known" in numerical_error(None, 0.2370)
+
+
+@given(st.floats(1e-6, 10.0))
+def test_an_error_is_rounded_up_to_one_digit(value: float) -> None:
+    told = rounded_up(value)
+    assert value <= told * (1 + 1e-5)
+    assert told <= max(0.001, 2.0 * value)
+    assert len(f"{told:g}".strip("0.").rstrip("0") or "1") == 1

@@ -1,0 +1,122 @@
+"""How far the critical Kh may be off: by the sequence of meshes that it was found on, and by strict bounds."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from workflow.report.numbers import between, coefficient
+from workflow.results.continuum import FemAnswer
+from workflow.results.results import Results
+
+# Two meshes whose answers differ by a larger share cannot show that the sequence converges.
+COARSE = 0.1
+# What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
+WIDER = 2.0
+LEAST = 0.001  # numerical errors are told as no less
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """The interval of the critical Kh of the same assumptions on ever finer meshes.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends (-).
+    by : str
+        What it follows from.
+    sure : bool
+        Whether the sequence of meshes has converged, or strict bounds close it.
+    """
+
+    low: float
+    high: float
+    by: str
+    sure: bool
+
+    def error(self, kc: float) -> float:
+        """By how much ``kc`` may be off (-)."""
+        return max(abs(kc - self.low), abs(kc - self.high))
+
+
+def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
+    """The interval by meshes and bounds; None where there is one mesh and there are no bounds of its flow rule."""
+    meshes, strict = of_meshes(fem, _halved(results)), _strict(results, fem)
+    if strict is None:
+        return meshes
+    low, high = strict
+    bounds = "by strict bounds" if results.bounds is None or not results.bounds.skins else "by bounds"
+    if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
+        return Accuracy(low, high, bounds, True)
+    return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.by[3:]}", True)
+
+
+def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
+    """The interval that the sequence of meshes leaves, wider where it has not converged; None for one mesh.
+
+    ``halved`` is the critical Kh on cells of half the size, where that was looked at after a single mesh: what a mesh
+    leaves open goes with one over its number of cells, so that a third of the difference is left (Richardson 1911).
+    """
+    values = [one.kc for one in fem.meshes]
+    if len(values) >= 2 and fem.kc_limit is not None:
+        limit = fem.kc_limit
+    elif halved is not None:
+        values, limit = [fem.kc, halved], halved - (fem.kc - halved) / 3.0
+    else:
+        return None
+    ends = [fem.kc, fem.kc_upper, values[-1], limit]
+    if _converges(values):
+        return Accuracy(min(ends), max(ends), f"by the sequence of meshes, which tends to {coefficient(limit)}", True)
+    left = WIDER * max(abs(values[-1] - limit), abs(values[-1] - values[-2]))
+    low, high = max(0.0, min(*ends, values[-1] - left)), max(ends)
+    return Accuracy(low, high + (left if values[-1] > values[-2] else 0.0), "by the sequence of meshes", False)
+
+
+def _converges(values: Sequence[float]) -> bool:
+    """Whether answers on ever finer meshes fall by less and less; two of them must be close."""
+    last = values[-2] - values[-1]
+    if last < 0.0:
+        return False
+    if len(values) == 2:
+        return last <= COARSE * abs(values[-1])
+    return last <= abs(values[-3] - values[-2])
+
+
+def _halved(results: Results) -> float | None:
+    """The critical Kh on cells of half the size, if that was asked for."""
+    found = results.variants.variants if results.variants is not None else ()
+    return next((one.kc for one in found if one.name == "mesh" and one.kc_without is None), None)
+
+
+def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
+    """Strict bounds of the same sides, direction and flow rule, closed from both sides."""
+    bounds = results.bounds
+    if bounds is None or (bounds.sides, bounds.direction) != (fem.settings.sides, fem.direction):
+        return None
+    own = {"associated": bounds, "davis": bounds.substitute, "section": None}[fem.flow]
+    if own is None or own.lower is None or own.upper is None:
+        return None
+    return own.lower, own.upper
+
+
+def rounded_up(value: float) -> float:
+    """A positive number to one digit, no less than it was: 0.0043 is 0.005."""
+    value = max(value, LEAST)
+    power = 10.0 ** math.floor(math.log10(value) + 1e-9)
+    return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")
+
+
+def numerical_error(found: Accuracy | None, kc: float) -> str:
+    """The numerical error of ``kc``, in a sentence."""
+    if found is None:
+        return (
+            "How large its numerical error is, is not known: there is one mesh, without strict bounds of the same flow "
+            "rule. To find it: --set 'variants.which=[\"mesh\"]'."
+        )
+    error = f"{rounded_up(found.error(kc)):g}"
+    if not found.sure:
+        return (
+            f"The sequence of meshes has not converged: the numerical error may be {error}, Kh anywhere in "
+            f"{between([found.low, found.high])}."
+        )
+    return f"Numerical error is below {error}, {found.by}."

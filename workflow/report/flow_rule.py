@@ -1,0 +1,66 @@
+"""A critical Kh, or a factor of safety, with its flow rule: ψ = φ, and Davis's estimate in the same line."""
+
+from collections.abc import Callable
+
+from fem.strength import Flow
+from workflow.results.continuum import FemAnswer
+
+# When Davis's estimate counts, and when ψ = φ does.
+WHEN = (
+    "ψ = φ is what strict bounds bracket, and what limit equilibrium and, as a rule, strength reduction come to. "
+    "Davis's estimate counts for dense ground that is held tightly, for thin bands, for planes that cannot stretch, "
+    "and where a dilation angle was given."
+)
+# Which critical Kh sliding blocks resist with, and why.
+BLOCKS = {
+    "associated": "The critical Kh with ψ = φ, as the yield coefficients of limit equilibrium are that such blocks and "
+    "relations were checked with.",
+    "davis": "The critical Kh by Davis's estimate, since the section asks for it: with ψ = φ they would slide less.",
+    "section": "The critical Kh with ψ as given, since the section asks for it: with ψ = φ they would slide less.",
+}
+# The same of discs, and of the verdict on liquefied ground.
+DISCS = "They are brought to the continuum with ψ as given, 0 where it is not, since discs hardly dilate."
+LIQUEFIED = "Whether the ground then stands is judged by strict bounds first, which are with ψ = φ, then by elements."
+
+
+def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, shown: Callable[[float], str]) -> str:
+    """A critical Kh or factor of safety in words.
+
+    Parameters
+    ----------
+    value : float
+        The number by the flow rule ``flow`` (-).
+    flow : {"davis", "associated", "section"}
+        The flow rule of the analysis.
+    beside : float or None
+        The number by the other flow rule, if it is another ground (-).
+    estimate : str
+        What Davis's estimate is called.
+    shown : callable
+        How numbers are written.
+
+    Returns
+    -------
+    str
+        Such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
+    """
+    if flow == "associated":
+        told = f"{shown(value)} with ψ = φ"
+        return told if beside is None else f"{told}; {estimate}, which is no bound: {_low(beside, shown)}"
+    told = {
+        "davis": f"{shown(value)} by {estimate}, which is no bound",
+        "section": f"{shown(value)} with ψ as given on a non-associated path",
+    }[flow]
+    return told if beside is None else f"{told}; with ψ = φ: {shown(beside)}"
+
+
+def _low(value: float, shown: Callable[[float], str]) -> str:
+    """Davis's estimate; of ground that fails by itself by it there is none above 0."""
+    return shown(value) if value > 0.0 else "0, it fails under its own weight"
+
+
+def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
+    """The critical Kh in words, with that by the other flow rule in the same line."""
+    other = fem.davis if fem.flow == "associated" else fem.associated
+    known = other is not None and other.verdict in ("plateau", "peak")
+    return with_flow(fem.kc, fem.flow, other.kc if known and other else None, fem.estimate, shown)
