@@ -59,9 +59,9 @@ def column_of(given: Section, settings: SiteResponseSettings) -> Column:
         found = response(layers, HalfSpace(settings.base_density, settings.base_velocity), step, outcrop)
     except ValueError as error:
         told = (
-            f"{error}: the record is too strong for equivalent linear layers; a smaller scale, or measured velocities"
+            f"site_response: {error}: too strong a record for equivalent linear layers; expected a nonlinear analysis"
         )
-        raise InputError(given.name, [f"site_response: {told}"]) from None
+        raise InputError(given.name, [told]) from None
     return Column(x, record.name, step, outcrop, strata, found)
 
 

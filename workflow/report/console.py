@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 
 from meshes.section.cutting import spoken
+from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
+from workflow.earthquake.site_response import TOO_LARGE
 from workflow.report import after
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
@@ -200,6 +202,13 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
         f'x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in "{largest.stratum}" at '
         f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m."
     )
+    if answer.change > CAME_TO_REST:
+        yield (
+            f"Mind: after {answer.rounds} rounds one more would change a stiffness or a damping by "
+            f"{100.0 * answer.change:.1f} %."
+        )
+    if answer.doubt:
+        yield f"{'Doubtful' if largest.strain > TOO_LARGE else 'Mind'}: {answer.doubt}."
     told = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
     yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
 

@@ -34,6 +34,8 @@ def _doubts(results: Results) -> Iterator[str]:
     for doubt in results.doubts:
         if doubt.contradiction:
             yield doubt.what
+    if results.response is not None and results.response.doubt:
+        yield f"response of the layers to {results.response.record}: {results.response.doubt}"
     yield from _sides(results)
     if given.reconstruction:
         yield "the ground is a reconstruction"

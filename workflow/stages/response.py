@@ -54,6 +54,8 @@ def answer_of(given: Input, column: Column) -> SiteResponseAnswer:
         peak_rock_gal=float(np.abs(column.outcrop).max()) / GAL,
         peak_surface_gal=layers[0].acceleration_gal,
         rounds=found.rounds,
+        change=found.change,
+        doubt=found.doubt,
         layers=layers,
         source=SOURCE,
         average_source=MAKDISI,
