@@ -10,10 +10,10 @@ from fem import dolfinx_api as api
 from fem.continuation import NewtonSettings, ProportionalLoad
 from fem.errors import UnstableError
 from fem.loads import soils
-from fem.nodal_loads import excess_load, still_load
+from fem.nodal_loads import excess_load, pressed_sides, still_load
 from fem.path import EquilibriumPath, PathSettings
 from fem.plane_strain import PlaneStrain
-from fem.repetition import pressed_sides, refuse_other_water
+from fem.repetition import refuse_other_water
 from fem.settings import Element, FemSettings
 from fem.side_force import side_force
 from fem.skin import Skin, strengthened

@@ -81,6 +81,18 @@ def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarr
     return ground_force(problem, mesh, traction)
 
 
+def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of the pore pressure on both sides, as it is at rest; 0.0 without any."""
+    water = section.water_pressure
+    if not water.present:
+        return 0.0
+
+    def traction(points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return -water.at_rest(points, near, section.stratum_at(*near.T))[:, None] * normal
+
+    return ground_force(problem, mesh, traction, "left") + ground_force(problem, mesh, traction, "right")
+
+
 def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
     """Nodal forces (dofs,) in N/m of a traction on the ground, or on another boundary."""
     grid, degree = problem.grid, DEGREES[problem.grid.element]

@@ -8,26 +8,21 @@ the effective stresses on tied sides balance each other and total ones do not.
 
 import numpy as np
 
-from fem.nodal_loads import ground_force
-from fem.plane_strain import PlaneStrain
 from meshes.errors import InputError
-from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
 # Pressures (Pa) that differ by less than 1 cm of water are the same.
 SAME = 100.0
 
 
-def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Nodal forces (dofs,) in N/m of the pore pressure on both sides, as it is at rest; 0.0 without any."""
-    water = section.water_pressure
-    if not water.present:
-        return 0.0
-
-    def traction(points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        return -water.at_rest(points, near, section.stratum_at(*near.T))[:, None] * normal
-
-    return ground_force(problem, mesh, traction, "left") + ground_force(problem, mesh, traction, "right")
+def refuse_other_sides(section: Section) -> None:
+    """Raise InputError unless the layers, and the water, are the same at both sides."""
+    refuse_other_water(section)
+    layers = section.layering
+    thickness = [-np.diff(end) for end in (layers.left[0], layers.right[-1])]
+    if np.abs(thickness[0] - thickness[1]).max() > layers.tolerance:
+        wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
+        raise InputError(section.name, [f'fem, sides = "tied": the left and right sides differ; {wish}'])
 
 
 def refuse_other_water(section: Section) -> None:

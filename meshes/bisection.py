@@ -16,10 +16,20 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
     cut[longest[marked]] = True
     while True:  # a cell with a cut edge is first cut at its longest one
         more = longest[cut[mesh.cell_edges].any(axis=1) & ~cut[longest]]
-        if not len(more):
+        alike = _alike(mesh, cut)
+        if not len(more) and alike.sum() == cut.sum():
             break
+        cut = alike
         cut[more] = True
     return cut_edges(mesh, cut)
+
+
+def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
+    """The edges to cut (a mask), with those on one side of a section that repeats for those on the other."""
+    left, right = (mesh.edge_numbers(ends) for ends in mesh.matched)
+    found = cut.copy()
+    found[left] = found[right] = cut[left] | cut[right]
+    return found
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
@@ -35,7 +45,7 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
     angle = np.arctan2(cross, np.sum(ahead * back, axis=-1))
     cut = np.zeros(len(mesh.edges), dtype=bool)
     cut[np.roll(mesh.cell_edges, -1, axis=1)[points[mesh.cells] & (angle > widest)]] = True
-    return cut_edges(mesh, cut)
+    return cut_edges(mesh, _alike(mesh, cut))
 
 
 def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
@@ -48,7 +58,7 @@ def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
     points = np.vstack([mesh.points, mesh.points[mesh.edges[cut]].mean(axis=1)])
     cells, parent = _divided(mesh, first, middle)
     boundaries = {name: _divided_edges(ends, middle[mesh.edge_numbers(ends)]) for name, ends in mesh.boundaries.items()}
-    return TriMesh(points, cells, mesh.stratum[parent], boundaries), parent
+    return TriMesh(points, cells, mesh.stratum[parent], boundaries, mesh.repeats), parent
 
 
 def longest_edges(mesh: TriMesh) -> np.ndarray:
@@ -101,4 +111,4 @@ def split_at_middle(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
     parts = [np.column_stack([corners[:, k], corners[:, (k + 1) % 3], centre]) for k in range(3)]
     cells = np.concatenate([mesh.cells[~marked], *parts])
     stratum = np.concatenate([mesh.stratum[~marked], *[mesh.stratum[marked]] * 3])
-    return TriMesh(points, cells, stratum, mesh.boundaries)
+    return TriMesh(points, cells, stratum, mesh.boundaries, mesh.repeats)

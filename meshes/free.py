@@ -92,19 +92,35 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     gmsh.model.mesh.generate(2)
 
 
-def build_triangles(section: Section, sizes: Sizes) -> None:
+def build_triangles(section: Section, sizes: Sizes, repeats: bool = False) -> None:
     """Mesh the section in the current gmsh model with triangles of about the ``sizes``.
 
-    Edges follow the vertical lines at which pore pressures bend: within a triangle they are linear.
+    Edges follow the vertical lines at which pore pressures bend: within a triangle they are linear. Where the section
+    ``repeats`` the right side has the points of the left one.
     """
     kinks = section.water_pressure.kinks
     layers = section.layering_cut_at(kinks) if len(kinks) else section.layering
     surfaces, curves, _ = _geometry(section, layers, cuts=kinks)
     _size_field(section, surfaces, curves, sizes)
+    if repeats:
+        _match_sides()
     gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
     gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
     gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: others end the process on some geometries
     gmsh.model.mesh.generate(2)
+
+
+def _match_sides() -> None:
+    """Have gmsh put the points of the left side on the right one, curve by curve from below upwards."""
+    sides = []
+    for name in ("left", "right"):
+        tag = next(tag for d, tag in gmsh.model.getPhysicalGroups(1) if gmsh.model.getPhysicalName(d, tag) == name)
+        curves = [int(curve) for curve in gmsh.model.getEntitiesForPhysicalGroup(1, tag)]
+        sides.append(sorted(curves, key=lambda curve: float(gmsh.model.getBoundingBox(1, curve)[1])))
+    for left, right in zip(*sides, strict=True):
+        low, there = (np.array(gmsh.model.getBoundingBox(1, curve)[:2]) for curve in (left, right))
+        x, z = there - low
+        gmsh.model.mesh.setPeriodic(1, [right], [left], [1, 0, 0, x, 0, 1, 0, z, 0, 0, 1, 0, 0, 0, 0, 1])
 
 
 def _geometry(

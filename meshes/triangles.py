@@ -24,12 +24,14 @@ class TriMesh:
     """Triangles: ``points`` (n, 2) in m, ``cells`` (m, 3) counter-clockwise, ``stratum`` (m,) an index.
 
     ``boundaries`` holds the edges (k, 2) of every named boundary; edge j of a cell goes from its corner j to the next.
+    Where the section ``repeats`` its left and right side are one, and have the same edges up to a shift.
     """
 
     points: np.ndarray
     cells: np.ndarray
     stratum: np.ndarray
     boundaries: dict[str, np.ndarray]
+    repeats: bool = False
 
     @cached_property
     def areas(self) -> np.ndarray:
@@ -81,34 +83,56 @@ class TriMesh:
         key = np.sort(ends, axis=1) @ np.array([span, 1])
         return np.searchsorted(self.edges @ np.array([span, 1]), key)
 
+    @cached_property
+    def matched(self) -> tuple[np.ndarray, np.ndarray]:
+        """End points (k, 2) of the edges of the left side, and of those of the right side that these are one with, from
+        below upwards; none unless the section repeats."""
+        found = []
+        for name in ("left", "right"):
+            ends = self.boundaries[name] if self.repeats else np.empty((0, 2), dtype=np.int64)
+            upwards = np.argsort(self.points[ends, 1], axis=1)
+            ends = np.take_along_axis(ends, upwards, axis=1)
+            found.append(ends[np.argsort(self.points[ends[:, 0], 1])])
+        return found[0], found[1]
+
+    @cached_property
+    def own_node(self) -> np.ndarray:
+        """For every node of quadratic triangles the one that it is one with: itself, or that of the left side."""
+        own = np.arange(len(self.points) + len(self.edges))
+        left, right = self.matched
+        own[right] = left
+        own[len(self.points) + self.edge_numbers(right)] = len(self.points) + self.edge_numbers(left)
+        return own
+
     def moved(self, shift: np.ndarray, scale: float) -> "TriMesh":
         """The same mesh with its points at ``(points - shift) / scale``."""
-        return TriMesh((self.points - shift) / scale, self.cells, self.stratum, self.boundaries)
+        return TriMesh((self.points - shift) / scale, self.cells, self.stratum, self.boundaries, self.repeats)
 
 
-def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None) -> TriMesh:
-    """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name.
+def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None, repeats: bool = False) -> TriMesh:
+    """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name; with the same edges on both
+    sides of one that ``repeats``.
 
     Raises BadMeshError, the first one's, if gmsh makes none of about that size.
     """
     failure: BadMeshError | None = None
     for scale in SCALES:
         try:
-            return _triangulated(section, Sizes(size, sizes or {}).times(scale))
+            return _triangulated(section, Sizes(size, sizes or {}).times(scale), repeats)
         except BadMeshError as error:
             failure = failure or error
     assert failure is not None
     raise failure
 
 
-def _triangulated(section: Section, sizes: Sizes) -> TriMesh:
+def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
     """Triangles of these sizes; raises BadMeshError if gmsh gives up or leaves a hole or a flat cell."""
     with session(section.name):
         try:
-            build_triangles(section, sizes)
+            build_triangles(section, sizes, repeats)
         except Exception as error:  # gmsh raises plain Exception with its last error message
             raise BadMeshError(f"gmsh gave up: {error}") from error
-        mesh = _from_gmsh(section)
+        mesh = _from_gmsh(section, repeats)
     worst = int(np.argmin(mesh.areas))
     if mesh.areas[worst] <= 0.0:
         x, z = mesh.points[mesh.cells[worst]].mean(axis=0)
@@ -116,7 +140,7 @@ def _triangulated(section: Section, sizes: Sizes) -> TriMesh:
     return mesh
 
 
-def _from_gmsh(section: Section) -> TriMesh:
+def _from_gmsh(section: Section, repeats: bool) -> TriMesh:
     """The meshed gmsh model as arrays, its points numbered from 0 without gaps."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     parts = [group_nodes(2, layer.name, GMSH_TRIANGLE, 3) for layer in section.strata]
@@ -134,4 +158,5 @@ def _from_gmsh(section: Section) -> TriMesh:
         cells=cells,
         stratum=np.repeat(np.arange(len(parts)), [len(part) for part in parts]),
         boundaries={name: np.searchsorted(used, ends).reshape(-1, 2) for name, ends in boundaries.items()},
+        repeats=repeats,
     )

@@ -205,7 +205,7 @@ def fem(
     beside: tuple[str, ...] = ()
     if safety_factor:
         request = request.with_safety_factors()
-        beside = ("bounds",) if request.given.fem.sides != "tied" else ()
+        beside = ("bounds",)
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()

@@ -123,8 +123,15 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     for end in (0, 1):
         here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
         given = outline.dead[:, end] + multiplier * outline.live[:, end]
-        miss = np.where(outline.held, 0.0, _traction(here, normal) - given)
+        miss = np.where(outline.reacts, 0.0, _traction(here, normal) - given)
         jumps.append(float(np.abs(miss).max()))
+        sides = []
+        for ends in mesh.matched:
+            cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
+            sides.append(
+                _traction(_at_point(problem, stress, cells, ends[:, end]), _unit_normals(problem, cells, ends))
+            )
+        jumps.append(float(np.abs(sides[0] + sides[1]).max(initial=0.0)))
     return StressCheck(
         imbalance=float(imbalance.max()) / scale,
         traction_jump=max(jumps) / scale,
@@ -266,7 +273,7 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
 
 def _largest_jump(problem: LimitProblem, velocity: np.ndarray) -> float:
     """Largest difference of the velocities that cells have at a common node."""
-    node = problem.mesh.six_nodes.ravel()
+    node = problem.mesh.own_node[problem.mesh.six_nodes.ravel()]
     flat = velocity.reshape(-1, 2)
     one = np.zeros((int(node.max()) + 1, 2))
     one[node] = flat

@@ -15,6 +15,7 @@ from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven
 from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
 from fem.loads import lifted, push, soils
+from fem.repetition import refuse_other_sides
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
 from fem.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
@@ -60,18 +61,16 @@ def kh_bounds(
 ) -> KhBounds:
     """Lower and upper bound of Kh. Sides, direction and vertical coefficient are those of the finite elements.
 
-    Raises InputError if the section lacks what the analysis needs or its sides are tied, UnstableError if it is proven
-    to fail whatever the push, BadMeshError if there are no triangles.
+    Raises InputError if the section lacks what the analysis needs or its sides are tied and differ, UnstableError if it
+    is proven to fail whatever the push, BadMeshError if there are no triangles.
     """
     strata = soils(section, fem)
-    if fem.sides == "tied":
-        raise InputError(section.name, ['fem, sides = "tied": bounds know "roller" and "fixed"'])
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
     limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
 
     def bounds_of(ground: Section) -> Bracket:
-        mesh = first_mesh(ground, settings.max_cells)
+        mesh = first_mesh(ground, settings.max_cells, fem.sides == "tied")
         return bracket(mesh, body_of(ground, mesh, fem), limits, observer)
 
     govern = governing_skins(section, fem)
@@ -111,14 +110,17 @@ def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings, davis: bool) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
-    mesh = first_mesh(section, COARSE_CELLS)
+    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "tied")
     body = body_of(section, mesh, fem, davis)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf
 
 
-def first_mesh(section: Section, max_cells: int) -> TriMesh:
-    """Triangles about as large as the layers are thick, fewer where that would be too many."""
+def first_mesh(section: Section, max_cells: int, repeats: bool = False) -> TriMesh:
+    """Triangles about as large as the layers are thick, fewer where that would be too many; with the same edges on both
+    sides of a section that ``repeats``; raises InputError if these differ."""
+    if repeats:
+        refuse_other_sides(section)
     layers = section.layering
     areas = layers.areas()
     across = (layers.present() * layers.width[:, None]).sum(axis=0)
@@ -127,7 +129,7 @@ def first_mesh(section: Section, max_cells: int) -> TriMesh:
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
     return triangulate(
-        section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)}
+        section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)}, repeats
     )
 
 
@@ -148,7 +150,9 @@ def body_of(
     nothing = np.zeros(len(ordinary))
     water = section.water_pressure
     sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
-    if fem.sides == "roller" and held:
+    if fem.sides == "tied":
+        sides |= dict.fromkeys(("left", "right"), Side(tied=True))
+    elif fem.sides == "roller" and held:
         sides |= {"left": Side("x"), "right": Side("x")}
     elif fem.sides == "roller":
         for name, stress in side_stresses(section, mesh).items():

@@ -102,9 +102,10 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
 
     The last array has the point at which an equation of tractions holds, -1 for one of equilibrium.
     """
-    rows = [_balance(problem), _continuity(problem), _boundary(problem)]
+    rows = [_balance(problem), _continuity(problem), _boundary(problem), _repetition(problem)]
     matrices, dead, live, points = zip(*rows, strict=True)
-    return sparse.vstack(matrices).tocsr(), np.concatenate(dead), np.concatenate(live), np.concatenate(points)
+    point = np.append(problem.mesh.own_node, -1)[np.concatenate(points)]
+    return sparse.vstack(matrices).tocsr(), np.concatenate(dead), np.concatenate(live), point
 
 
 def independent_equations(
@@ -190,11 +191,23 @@ def _boundary(problem: LimitProblem) -> Equations:
     """The given traction at both ends of the edges of the outline, where it is not held, times half their length."""
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
-    wanted = np.repeat(~outline.held[:, None, :], 2, axis=1).ravel()
+    wanted = np.repeat(~outline.reacts[:, None, :], 2, axis=1).ravel()
     matrix = _tractions(problem, outline.cells, outline.ends, normal)[wanted]
     half = np.hypot(*normal.T)[:, None, None]
     points = np.repeat(outline.ends.ravel(), 2)[wanted]
     return matrix, (half * outline.dead).ravel()[wanted], (half * outline.live).ravel()[wanted], points
+
+
+def _repetition(problem: LimitProblem) -> Equations:
+    """Tractions on the sides of a section that repeats, opposite at both ends of edges that are one, times half their
+    length."""
+    mesh = problem.mesh
+    parts = []
+    for ends in mesh.matched:
+        cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
+        parts.append(_tractions(problem, cells, ends, _normals(problem, cells, ends)))
+    zero = np.zeros(parts[0].shape[0])
+    return parts[0] + parts[1], zero, zero, np.repeat(mesh.matched[0].ravel(), 2)
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:

@@ -50,7 +50,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     """
     outline, mesh = problem.outline, problem.mesh
     loose = (problem.cohesion == 0.0).all(axis=1)
-    given = ~outline.held[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
+    given = ~outline.reacts[:, None, :] & (outline.dead == 0.0) & (outline.live == 0.0)  # (k, 2 ends, 2)
     touches = np.zeros(len(mesh.points), dtype=bool)
     touches[outline.ends[given.any(axis=2)]] = True
     at_loose = np.zeros(len(mesh.points), dtype=bool)

@@ -138,19 +138,20 @@ def safety_bounds(
 def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> bool:
     """Whether the section as it is given fails at a smaller factor than grains roll down its faces at, by a mechanism
     on coarse triangles."""
-    mesh = first_mesh(section, COARSE_CELLS)
+    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "tied")
     searches = (_Search(section, mesh, fem, settings, sign, start) for sign in (1, -1))
     return any(search.measure(start.factor, lower=False) and search.upper <= start.factor for search in searches)
 
 
 def _bounds_of(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> SafetyBounds:
     """The bounds of a section as it stands, its faces strengthened or not."""
-    searches = [_Search(section, first_mesh(section, settings.max_cells), fem, settings, 1, start)]
+    mesh = first_mesh(section, settings.max_cells, fem.sides == "tied")
+    searches = [_Search(section, mesh, fem, settings, 1, start)]
     searches[0].find()
     searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
     if not searches[1].confirms(searches[0]):
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
-        searches.append(_Search(section, first_mesh(section, settings.max_cells), fem, settings, -1, start))
+        searches.append(_Search(section, mesh, fem, settings, -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):

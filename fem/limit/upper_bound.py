@@ -64,6 +64,8 @@ def upper_bound(
     nodes, moves, dead, live = nodes_and_loads(problem)
     if rigid is not None:
         moves.reshape(-1, 2)[nodes[rigid]] = False
+    own = 2 * problem.mesh.own_node[:, None] + [0, 1]
+    np.logical_and.at(moves, own.ravel(), moves.copy())
     basis = free_velocities(problem, moves)
     areas = np.repeat(problem.mesh.areas / 3.0, 3)
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
@@ -101,9 +103,12 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
     """From the free velocities to all (2 n,), of which ``moves`` (2 n,) are not held.
 
     On an edge from a point that cannot strain the velocity v has no slope there: 4 v(middle) = 3 v(point) + v(end).
+    The sides of a section that repeats move alike.
     """
     mesh = problem.mesh
+    left, right = mesh.matched
     unstrained = unstrained_points(problem)
+    unstrained[left] = unstrained[right] = unstrained[left] | unstrained[right]
     edges = np.flatnonzero(unstrained[mesh.edges].any(axis=1))
     ends = mesh.edges[edges]
     point = np.where(unstrained[ends[:, 0]], ends[:, 0], ends[:, 1])
@@ -115,6 +120,10 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
     rows, columns = np.concatenate([middle.ravel()] * 2), np.concatenate([here.ravel(), there.ravel()])
     shares = np.repeat([0.75, 0.25], middle.size) * moves[rows] * moves[columns]
     full = sparse.diags(own) + sparse.csr_matrix((shares, (rows, columns)), shape=(len(moves), len(moves)))
+    if mesh.repeats:
+        same = (2 * mesh.own_node[:, None] + [0, 1]).ravel()
+        alike = sparse.csr_matrix((np.ones(len(same)), (np.arange(len(same)), same)), shape=full.shape)
+        full = alike @ full @ alike
     full = sparse.csc_matrix(full)
     full.eliminate_zeros()
     return full[:, np.diff(full.indptr) > 0].tocsr()

@@ -175,9 +175,9 @@ def test_the_reduction_of_davis():
     np.testing.assert_allclose(strengths(full, davis=True), strengths(full))
 
 
-def test_tied_sides_and_ground_without_strength_are_refused():
+def test_tied_sides_that_differ_and_ground_without_strength_are_refused():
     section = Section.parse(slope())
-    with pytest.raises(InputError, match='sides = "tied": bounds know "roller" and "fixed"'):
+    with pytest.raises(InputError, match='sides = "tied": the left and right sides differ'):
         kh_bounds(section, FemSettings(sides="tied"), BoundsSettings())
     weak = Section.parse({**slope(), "strata": [layer("weak", cohesion=0.0, friction_angle="0 deg")]})
     with pytest.raises(InputError, match="cohesion and friction angle are both 0"):

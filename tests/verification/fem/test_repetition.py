@@ -9,8 +9,10 @@ from mpi4py import MPI
 
 from fem.at_once import critical_at_once
 from fem.critical import critical_coefficient
+from fem.limit.bounds import kh_bounds
+from fem.limit.safety_bounds import safety_bounds
 from fem.repetition import refuse_other_water
-from fem.settings import FemSettings
+from fem.settings import BoundsSettings, FemSettings
 from fem.strength_reduction import safety_at_once, safety_factor
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
@@ -30,12 +32,12 @@ def endless(level: Any, **changes: Any) -> Section:
     return section(soil(**changes), **ground, water={"table": level})
 
 
-def closed_form(cohesion: float, phi: float) -> tuple[float, float]:
+def closed_form(cohesion: float, phi: float, water: float = WATER) -> tuple[float, float]:
     """Critical Kh and factor of safety of an endless slope under still water that slides on its base: the weight of its
     soil, 20 kN/m³, is buoyant, its mass that of all of it."""
     beta, tan = math.atan(FALL), math.tan(math.radians(phi))
     sin, cos = math.sin(beta), math.cos(beta)
-    buoyant = (20e3 - WATER) * DEPTH
+    buoyant = (20e3 - water) * DEPTH
     factor = (cohesion + buoyant * cos**2 * tan) / (buoyant * sin * cos)
     return (cohesion + buoyant * (cos**2 * tan - sin * cos)) / (20e3 * DEPTH * (cos**2 + sin * cos * tan)), factor
 
@@ -73,6 +75,38 @@ def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
     mesh = generate(ground, MeshSettings(size=0.5))
     assert critical_at_once(ground, mesh, TIED, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
     assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(3.684, rel=0.006)
+
+
+@pytest.mark.parametrize(("cohesion", "phi", "level"), [(20.0, 0.0, 9.0), (5.0, 20.0, 40.0), (5.0, 20.0, None)])
+def test_bounds_of_one_period_bracket_the_endless_slope(cohesion: float, phi: float, level: float | None) -> None:
+    """Its lower bound is the closed form to 0.1 %: a stress that is linear with depth is one of its own."""
+    ground = endless(level or -20.0, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg", density="20 kN/m^3")
+    kc, factor = closed_form(1e3 * cohesion, phi, WATER if level else 0.0)
+    wish = BoundsSettings(gap=0.06, max_cells=2500, davis=False)
+    found = kh_bounds(ground, TIED, wish)
+    assert 0.999 * kc < found.lower <= kc * (1.0 + 1e-9)
+    assert kc <= found.upper < 1.08 * kc
+    safety = safety_bounds(ground, TIED, wish, guess=factor)
+    assert 0.99 * factor < safety.lower <= factor * (1.0 + 1e-9)
+    assert factor <= safety.upper < 1.08 * factor
+
+
+def test_bounds_of_one_period_bracket_elements_where_layers_and_ground_are_not_straight() -> None:
+    """A bench half-way, another soil in a lens below it, and the same edges on both sides after every refinement."""
+    lens: Any = [[4.0, -1.0], [7.0, -3.2], [14.0, -3.2], [17.0, -2.5]]
+    soft = soil("Soft", cohesion="8 kPa", friction_angle="18 deg", bottom={"elevation": lens})
+    ground = section(
+        soil("Crust", bottom={"depth": 1.5}), soft, soil("Rest"), water={"table": 8.0}, base={"depth": DEPTH},
+        surface=[[0.0, 5.0], [8.0, 2.0], [12.0, 2.0], [20.0, 0.0]],
+    )  # fmt: skip
+    found = kh_bounds(ground, TIED, BoundsSettings(gap=0.1, max_cells=4000, davis=False))
+    left, right = found.mesh.matched
+    shift = found.mesh.points[right] - found.mesh.points[left]
+    assert len(left) > 3
+    np.testing.assert_allclose(shift, np.broadcast_to([20.0, -5.0], shift.shape), atol=1e-9)
+    elements = critical_at_once(ground, generate(ground, MeshSettings(size=0.5)), TIED, MPI.COMM_SELF).kc
+    assert 0.98 * found.lower < elements < 1.03 * found.upper
+    assert found.upper < 1.15 * found.lower
 
 
 @pytest.mark.parametrize("changes", [{}, {"excess_pore_pressure_ratio": 0.3}, {"pore_pressure_ratio": 0.3}])
