@@ -25,9 +25,9 @@ ROUNDING, NOTABLE = 0.005, 0.03
 # The same for two limit loads of one mesh and one loading: the solver finds most to 0.01 %, some to 0.1 %, see
 # ``cone_program.FEASIBILITY_OF_ELEMENTS``.
 SAME_MESH = 1e-3
-# A finite element answer is allowed so much above a strict upper bound, which is what a good mesh costs; and so much in
+# A finite element answer is allowed so much above a strict upper bound: cells leave no less. And so much in
 # Kh, which is that share of the strength and the weight of ground that stands with little to spare.
-ABOVE_BOUND, SMALL_KH = 0.03, 0.002
+ABOVE_BOUND, SMALL_KH = 0.005, 0.002
 # Corner angle (degrees) below which a cell is a wedge.
 NARROW = 15.0
 # The base takes part in a mechanism if cells at it strain by this share of the largest shear strain.
@@ -153,19 +153,21 @@ def of_cells(mesh: QuadMesh) -> Iterator[Doubt]:
         )
 
 
-def of_bounds(kc: float, lower: float | None, upper: float | None, own: bool) -> Iterator[Doubt]:
+def of_bounds(
+    kc: float, lower: float | None, upper: float | None, own: bool, what: str = "critical Kh"
+) -> Iterator[Doubt]:
     """A critical Kh beside strict bounds: of its own flow rule and strength (``own``), or of ψ = φ, for which only the
-    upper bound speaks, since ground that dilates less cannot bear more."""
+    upper bound speaks, since ground that dilates less cannot bear more. ``what`` is judged."""
     whose = "" if own else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):
         yield Doubt(
-            f"The critical Kh of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
+            f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
         )
     if own and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
         yield Doubt(
-            f"The critical Kh of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
+            f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
         )
 

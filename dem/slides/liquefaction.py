@@ -233,6 +233,9 @@ class Slider:
         slide.seconds_simulated = model.time - self.start.time
         slide.escaped, slide.loose_share = escaped(model), loose_share(model)
         slide.notes = self._notes()
+        if slide.settled and slide.stopped_by is not None:
+            slide.settled = False
+            slide.reason = f"the {slide.stopped_by} side of the box stopped it: a longer section would let it go on"
         return slide
 
     def _notes(self) -> list[str]:

@@ -6,6 +6,7 @@ from meshes.section.cutting import spoken
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.earthquake.site_response import TOO_LARGE
 from workflow.report import after
+from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
@@ -167,10 +168,15 @@ def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         if not case.settled and lies_still(case):
             settled = f"; it moved {moved_lately([case])} in the last 10 s"
+        if case.stopped_by is not None:
+            settled += f"; the {case.stopped_by} side of the discs' box stopped it, which is no rest"
+        fall, x = case.largest_fall
+        if fall > max(FALLS, FALLS_TIMES * abs(case.settlement_uphill_m)):
+            settled += f"; the surface falls by {metres(fall)} at x = {x:.0f} m"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
-            f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill{settled}."
+            f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill on average{settled}."
         )
 
 

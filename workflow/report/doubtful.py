@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from workflow.report.contradictions import contradictions
 from workflow.report.numbers import coefficient, listed
 from workflow.results.discs import SlipSurfaces
 from workflow.results.results import Results
@@ -33,7 +34,7 @@ def _doubts(results: Results) -> Iterator[str]:
         yield f"the path of the finite elements ended undecided ({fem.reason})"
     for doubt in results.doubts:
         if doubt.contradiction:
-            yield doubt.what
+            yield f"{doubt.what.rstrip('.')}: {doubt.remedy}"
     if results.response is not None and results.response.doubt:
         yield f"response of the layers to {results.response.record}: {results.response.doubt}"
     yield from _sides(results)
@@ -47,6 +48,7 @@ def _doubts(results: Results) -> Iterator[str]:
             f"{coefficient(like.kc)} to {coefficient(like.kc_upper)}; discs that fail between are taken as they are"
         )
     yield from _held(results)
+    yield from contradictions(results)
     _, cases = results.case_set()
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
-from dem.settings import Case
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.after import in_short
+from workflow.report.contradictions import is_weaker
 from workflow.report.doubtful import of_cases
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import about, coefficient, listed, span
@@ -310,26 +310,12 @@ def _interval(results: Results) -> str:
         return "No interval is known, since only one packing was computed; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
-    weaker = all(_is_weaker(after, before) for before, after in pairwise(results.given.cases))
+    strata = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
+    weaker = all(is_weaker(after, before, strata) for before, after in pairwise(results.given.cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
         order = f" On {on} of them every case slides further than the one before."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(told)}.{order}"
-
-
-def _is_weaker(case: Case, other: Case) -> bool:
-    """Whether a case leaves less of stiffness or strength than another, and no more of either; not if strata differ."""
-    less = False
-    for name in ("stiffness", "friction", "cohesion", "residual", "residual_strength"):
-        its, others = getattr(case, name), getattr(other, name)
-        if isinstance(its, dict) or isinstance(others, dict):
-            if its != others:
-                return False
-        elif its > others:
-            return False
-        else:
-            less |= its < others
-    return less
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:

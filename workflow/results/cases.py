@@ -82,6 +82,20 @@ class CaseAnswer(CaseNumbers):
         return float(np.interp(x, *np.array(self.slide_along).T))
 
     @property
+    def largest_fall(self) -> tuple[float, float]:
+        """How far the surface falls at most (m), and at which x (m) that is."""
+        before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
+        if not len(before) or not len(after):
+            return 0.0, 0.0
+        x = np.unique(np.concatenate([before[:, 0], after[:, 0]]))
+        x = x[(x >= max(before[:, 0].min(), after[:, 0].min())) & (x <= min(before[:, 0].max(), after[:, 0].max()))]
+        if not len(x):
+            return 0.0, 0.0
+        by_x = (line[np.argsort(line[:, 0], kind="stable")] for line in (before, after))
+        fall = np.subtract(*(np.interp(x, *line.T) for line in by_x))
+        return float(fall.max()), float(x[int(np.argmax(fall))])
+
+    @property
     def uphill(self) -> str:
         """What the uphill third of the surface does, as a verb."""
         return "rises" if self.settlement_uphill_m < 0.0 else "settles"

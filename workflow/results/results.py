@@ -1,5 +1,6 @@
 """All that a folder holds for one input: what the stages found, and how each of them ended."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -23,6 +24,8 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 Found = TypeVar("Found", bound=Answer)
+# What is judged by bounds: what it is, its value, lower and upper bound, and whether these are of its own flow rule.
+Judged = tuple[str, float, float | None, float | None, bool]
 
 
 @dataclass(frozen=True)
@@ -124,22 +127,46 @@ class Results:
         return [*told, *(Doubt.model_validate(doubt) for doubt in found), *self.doubts_by_bounds()]
 
     def doubts_by_bounds(self) -> list[Doubt]:
-        """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ too."""
+        """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
+        fixed sides those between sides that yield: what holds still at the sides takes no work from them."""
         from fem.judges import of_bounds
 
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
             return []
-        if (bounds.sides, bounds.direction) != (fem.settings.sides, fem.direction):
+        same = bounds.sides == fem.settings.sides
+        if not same and (bounds.sides, fem.settings.sides) != ("fixed", "roller"):
             return []
-        found = list(of_bounds(self.kc, bounds.lower, bounds.upper, own=fem.flow == "associated"))
-        if fem.flow == "davis" and bounds.substitute is not None:
-            found += of_bounds(self.kc, bounds.substitute.lower, bounds.substitute.upper, own=True)
-        if fem.davis is not None and bounds.substitute is not None:
-            found += of_bounds(fem.davis.kc, bounds.substitute.lower, bounds.substitute.upper, own=True)
-        if fem.associated is not None:
-            found += of_bounds(fem.associated.kc, bounds.lower, bounds.upper, own=True)
+        judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same else ())]
+        found = [
+            doubt
+            for what, value, low, high, own in judged
+            for doubt in of_bounds(value, low if same else None, high, own, what)
+        ]
         return [Doubt.model_validate(doubt) for doubt in found]
+
+    def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
+        """The critical Kh of the direction that the bounds are of, by every flow rule, with the bounds of its own."""
+        fem, full = self.fem, (bounds.lower, bounds.upper)
+        assert fem is not None
+        if bounds.direction != fem.direction:
+            if fem.opposite is not None and fem.opposite.verdict in ("plateau", "peak"):
+                yield f"critical Kh {bounds.direction}", fem.opposite.kc, *full, fem.flow == "associated"
+            return
+        yield "critical Kh", fem.kc, *full, fem.flow == "associated"
+        if fem.associated is not None:
+            yield "critical Kh with ψ = φ", fem.associated.kc, *full, True
+        low = fem.kc if fem.flow == "davis" else fem.davis.kc if fem.davis is not None else None
+        if bounds.substitute is not None and low is not None:
+            yield f"critical Kh by {fem.estimate}", low, bounds.substitute.lower, bounds.substitute.upper, True
+
+    def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
+        """The factors of safety with ψ = φ that the bounds have, too."""
+        strict = {part.kh: part for part in bounds.safety}
+        for found in self.fem.safety_factors if self.fem is not None else ():
+            full = found.factor if self.fem is not None and self.fem.flow == "associated" else found.associated
+            if full is not None and (part := strict.get(found.kh)) is not None:
+                yield f"factor of safety at Kh = {found.kh:g} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
         """The name of the set of cases that counts, the calibrated one if there is one, and its cases by number."""

@@ -81,6 +81,17 @@ def test_softer_layers_settle_more_and_nothing_escapes(start: DiscModel, ground:
     assert np.ptp(told["surface_after"], axis=0)[0] == pytest.approx(np.ptp(told["surface_before"], axis=0)[0], abs=4.0)
 
 
+def test_a_slide_that_a_side_of_the_box_stopped_has_not_come_to_rest(
+    start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The surface lies still in both; where a side holds it, it would go on in a longer section."""
+    monkeypatch.setattr("dem.slides.liquefaction.stopped_by", lambda sides: "right")
+    held = slid(start, ground, Case(stiffness=0.3), kh=0.0, duration=30.0, still=1e-3)
+    assert not held.settled
+    assert held.stopped_by == "right"
+    assert held.reason == "the right side of the box stopped it: a longer section would let it go on"
+
+
 def closing(load: float, k: float) -> float:
     """How far two rows come together under a load (N) per disc: two contacts of stiffness k (N/m), eq. (1), carry it,
     load = 2 k (2r - D) (h - v)/D with D = sqrt(r^2 + (h - v)^2), h = r sqrt(3)."""

@@ -98,7 +98,7 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     assert "at Kh of about 0.24 by Davis's estimate for ψ = 0, which is no bound; with ψ = φ: 0.31." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
-    assert doubtful(results(run, fem=answer)) == ["A finer mesh gives 0.20."]
+    assert doubtful(results(run, fem=answer)) == ["A finer mesh gives 0.20: refine it."]
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))
 

@@ -1,0 +1,171 @@
+"""What contradicts itself is found, and told with what to do; what does not is let pass."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dem.settings import Case, SlideSettings
+from tests.support import dem_fixture
+from tests.support.answers import bounds, fem, results
+from tests.support.sections import slope
+from workflow.report.console import slide_sentences
+from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_order, of_settlement, of_sides
+from workflow.report.doubtful import doubtful
+from workflow.results.bounds import SafetyPart
+from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
+from workflow.results.continuum import FactorOfSafety, OtherWay
+from workflow.results.discs import DiscsAnswer
+from workflow.settings import Input
+
+LEVEE = ({"name": "median", "residual_strength": "9 kPa"}, {"name": "low strength", "residual_strength": "6 kPa"})
+
+
+@pytest.fixture
+def run() -> Input:
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1, 2]
+    return Input.parse(data)
+
+
+def slides(run: Input, *lengths: float, **more: Any) -> CasesAnswer:
+    """Cases of the levee, which slid so far (m)."""
+    cases = {k: dem_fixture.case(0.1, slide).model_copy(update=more) for k, slide in enumerate(lengths, start=1)}
+    return CasesAnswer(sets={"calibrated": cases}, random=None)
+
+
+def with_cases(run: Input, *cases: dict[str, Any]) -> Input:
+    return run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
+
+
+def test_low_strength_that_slides_less_than_median_is_found(run: Input) -> None:
+    """The levee: 48 m with the median strength, 45 m with the low one."""
+    levee = with_cases(run, *LEVEE)
+    [told] = doubtful(results(levee, cases=slides(levee, 48.0, 45.0)))
+    assert told.startswith(
+        "Case 2 (low strength) leaves less strength than case 1 (median) and slides less, 45 m and 48 m"
+    )
+    assert "take a longer section (beyond) if a side stops them, more packings (slide.seeds) if not" in told
+    assert doubtful(results(levee, cases=slides(levee, 45.0, 48.0))) == []
+    assert doubtful(results(levee, cases=slides(levee, 48.0, 47.9))) == [], (
+        "what packings differ by is no contradiction"
+    )
+
+
+def test_the_order_of_cases_goes_by_the_mean_of_packings_where_there_are_several(run: Input) -> None:
+    def one(*values: float) -> RandomCase:
+        spread = Spread.of(values)
+        return RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
+
+    levee = with_cases(run, *LEVEE)
+    several = RandomPackings(seeds=(), cases={1: one(3.0, 4.0), 2: one(5.0, 6.0)})
+    found = slides(levee, 3.4, 3.0).model_copy(update={"random": several})
+    assert doubtful(results(levee, cases=found)) == []
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), min_size=2, max_size=4), st.data())
+def test_no_order_is_found_where_more_strength_slides_less(
+    kept: list[tuple[float, float]], data: st.DataObject
+) -> None:
+    """Slides that fall with strength contradict nothing, however the cases stand; and of two cases one is weaker."""
+    cases = {k: Case(stiffness=0.1, residual=r, friction=f) for k, (r, f) in enumerate(kept)}
+    lengths = {k: 10.0 - 4.0 * r - 4.0 * f for k, (r, f) in enumerate(kept)}
+    assert list(of_order(cases, lengths, ["upper"])) == []
+    one, other = (data.draw(st.sampled_from(sorted(cases))) for _ in range(2))
+    assert not (is_weaker(cases[one], cases[other], ["upper"]) and is_weaker(cases[other], cases[one], ["upper"]))
+
+
+def test_a_ratio_and_a_strength_are_not_compared() -> None:
+    ratio, strength = Case(residual=0.1), Case.model_validate({"residual_strength": {"upper": "6 kPa"}})
+    assert not is_weaker(ratio, strength, ["upper"])
+    assert not is_weaker(strength, ratio, ["upper"])
+    assert is_weaker(strength, Case.model_validate({"residual_strength": {"upper": "9 kPa"}}), ["upper"])
+
+
+def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Input) -> None:
+    held = slides(run, 48.0, 45.0, stopped_by="right")
+    [told] = of_sides(held.sets["calibrated"])
+    assert told.startswith(
+        "the right side of the discs' box stopped cases 1 and 2, which is no rest: 48 m and 45 m are"
+    )
+    assert told.endswith("take a longer section (beyond)")
+    assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
+    assert any("no rest" in one for one in doubtful(results(run, cases=held)))
+
+
+def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(run: Input) -> None:
+    """0.24 m on average over the uphill third of a levee whose crest, in the middle, lost 5 m."""
+    before = ((0.0, 2.0), (40.0, 2.0), (50.0, 7.0), (60.0, 2.0), (100.0, 2.0))
+    after = ((0.0, 1.9), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
+    lost = {"surface_before": before, "surface_after": after, "settlement_uphill_m": 0.24}
+    case = dem_fixture.case(0.1, 20.0).model_copy(update=lost)
+    assert case.largest_fall == (5.0, 50.0)
+    [told] = of_settlement({1: case})
+    assert (
+        "in case 1 the surface falls by 5.0 m at x = 50 m, though the mean over its uphill third settles by 0.24 m"
+        in told
+    )
+    answer = CasesAnswer(sets={"calibrated": {1: case}}, random=None)
+    assert any("the surface falls by 5.0 m at x = 50 m" in one for one in slide_sentences(run, answer))
+    assert list(of_settlement({1: case.model_copy(update={"settlement_uphill_m": 4.0})})) == []
+    assert list(of_settlement({1: case.model_copy(update={"surface_after": ()})})) == []
+
+
+def pushed(run: Input, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
+    """Soil discs whose push took these Kh at these displacements (m)."""
+    answer = dem_fixture.critical(run, kc)
+    trials = tuple(answer.after.trials[0].model_copy(update={"displacement_m": u, "kh": kh}) for u, kh in curve)
+    search = answer.after.model_copy(update={"kc": kc, "trials": trials})
+    model = answer.model.model_copy(update={"discs": "soil"})
+    return answer.model_copy(update={"model": model, "after": search, "states": ()})
+
+
+def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Input) -> None:
+    """0.148 told, of discs that bore 0.13 before and fell to 0.08."""
+    falls = pushed(run, 0.148, (0.0, 0.0), (0.02, 0.13), (0.03, 0.08), (0.05, 0.15), (0.07, 0.02))
+    assert deepest_fall(falls.after, soil=True) == (0.13, 0.08)
+    [told] = of_curve(falls)
+    assert "the Kh of the discs falls from 0.13 to 0.08 before it comes to the critical 0.15" in told
+    assert "dem.elements" in told
+    rises = pushed(run, 0.148, (0.0, 0.0), (0.02, 0.10), (0.03, 0.09), (0.05, 0.15), (0.07, 0.02))
+    assert list(of_curve(rises)) == [], "what grains do, and what comes after the critical Kh, is none"
+    assert any("falls from 0.13 to 0.08" in one for one in doubtful(results(run, dem=falls)))
+
+
+def told_by_bounds(run: Input, **more: Any) -> list[str]:
+    """What bounds of 0.2799 to 0.2815 (S-13, psi = phi) say to a critical Kh of 0.237 by Davis's estimate and more."""
+    other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
+    answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
+    strict = bounds(run, 0.2799, 0.2815).model_copy(update=more)
+    return [f"{doubt.what} {doubt.remedy}" for doubt in results(run, fem=answer, bounds=strict).doubts]
+
+
+def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Input) -> None:
+    """S-13: 0.2844 beside 0.2815; found for other sides or the other direction, too."""
+    [told] = told_by_bounds(run)
+    assert told.startswith("The critical Kh with ψ = φ of 0.284 lies 1 % above the strict upper bound, 0.281.")
+    assert told.endswith("take 0.281 as an upper limit and refine the mesh")
+    assert len(told_by_bounds(run, sides="fixed")) == 1, "held sides bear no less"
+    assert told_by_bounds(run, direction="uphill") == []
+    opposite = OtherWay(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
+    [uphill] = told_by_bounds(run, direction="uphill", fem={"opposite": opposite})
+    assert uphill.startswith("The critical Kh uphill of 0.310 lies 10 % above the strict upper bound")
+    assert any("take 0.281 as an upper limit" in one for one in doubtful(
+        results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
+    ))  # fmt: skip
+
+
+def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Input) -> None:
+    """A face of sand after a seepage fault: 1.15 told, whose grains' own factor is 1.08."""
+    factor = FactorOfSafety(kh=0.0, factor=1.15, upper=1.15, verdict="plateau", reason="", curve=(), skin=None)
+    part = SafetyPart(kh=0.0, lower=1.07, upper=1.09, cells=100)
+    answer = fem(run).model_copy(update={"safety_factors": (factor,)})
+    strict = bounds(run, 0.22, 0.26).model_copy(update={"safety": (part,)})
+    [doubt] = results(run, fem=answer, bounds=strict).doubts
+    assert doubt.what.startswith(
+        "The factor of safety at Kh = 0 with ψ = φ of 1.150 lies 6 % above the strict upper bound"
+    )
+    assert doubt.contradiction
+    sound = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"factor": 1.08}),)})
+    assert results(run, fem=sound, bounds=strict).doubts == []

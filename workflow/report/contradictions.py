@@ -1,0 +1,138 @@
+"""What contradicts itself in the discs and their slides, each with what to do."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from dem.settings import Case
+from workflow.report.numbers import coefficient, listed, metres
+from workflow.results.cases import CaseAnswer, RandomPackings
+from workflow.results.discs import DiscsAnswer, DiscSearch
+from workflow.results.results import Results
+
+# A case that leaves less strength and slides less by so much (m), and by such a share, contradicts the other.
+LESS, LESS_SHARE = 0.1, 0.03
+# A surface that falls by so much (m), and so many times the mean of its uphill third, is not told by that mean.
+FALLS, FALLS_TIMES = 0.5, 3.0
+# Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.
+FALLEN = 0.25
+NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
+
+
+def contradictions(results: Results) -> Iterator[str]:
+    """Sentences, what weighs most first: curves of the discs, sides of the box, order of cases, settlements."""
+    _, cases = results.case_set()
+    if results.dem is not None:
+        yield from of_curve(results.dem)
+    yield from of_sides(cases)
+    strata = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
+    random = results.cases.random if results.cases is not None else None
+    given = {number: results.given.cases[number - 1] for number in cases if number <= len(results.given.cases)}
+    yield from of_order(given, _largest_slides(cases, random), strata)
+    yield from of_settlement(cases)
+
+
+def of_curve(discs: DiscsAnswer) -> Iterator[str]:
+    """A critical Kh of discs whose curve falls far below it before they bear it."""
+    fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
+    if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
+        yield (
+            f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it comes to the "
+            f"critical {coefficient(discs.after.kc)}: a Kh that is held would move them at {coefficient(fall[0])}; "
+            "look at the curves, take more discs (dem.elements) or another packing (dem.seed), and the smaller Kh "
+            "until then"
+        )
+
+
+def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
+    """The Kh from which, and to which, a push of discs falls most on the way to their critical Kh; None without any.
+
+    Parameters
+    ----------
+    search : DiscSearch
+        The search; of ``soil`` discs all trials are points of one push, of others the states that stood are.
+    soil : bool
+        Whether the discs are soil discs.
+
+    Returns
+    -------
+    tuple of float or None
+        Kh before and after the fall (-).
+    """
+    points = [(t.displacement_m, t.kh) for t in search.trials] if soil else [(u, kh) for kh, u in search.curve]
+    kh = np.array([kh for _, kh in sorted(points)])
+    if search.kc is None or not (kh >= NEAR_KC * search.kc).any():
+        return None
+    kh = kh[: int(np.flatnonzero(kh >= NEAR_KC * search.kc)[-1]) + 1]
+    before = np.maximum.accumulate(kh)
+    at = int(np.argmax(before - kh))
+    return (float(before[at]), float(kh[at])) if before[at] > kh[at] else None
+
+
+def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
+    """Slides that a side of the discs' box stopped, which is no rest."""
+    for side in ("left", "right"):
+        held = [number for number, case in cases.items() if case.stopped_by == side]
+        if held:
+            lengths = listed([metres(cases[number].slide_max_m) for number in held])
+            yield (
+                f"the {side} side of the discs' box stopped {_cases(held)}, which is no rest: {lengths} "
+                f"{'are' if len(held) > 1 else 'is'} the least that the ground slides; take a longer section (beyond)"
+            )
+
+
+def of_order(cases: Mapping[int, Case], slides: Mapping[int, float], strata: Sequence[str]) -> Iterator[str]:
+    """Cases that leave the ``strata`` less strength, and no more stiffness, than others and slide less (m)."""
+    for one, other in combinations(sorted(set(cases) & set(slides)), 2):
+        for weak, strong in ((one, other), (other, one)):
+            short = slides[strong] - slides[weak]
+            if is_weaker(cases[weak], cases[strong], strata) and short > max(LESS, LESS_SHARE * slides[strong]):
+                yield (
+                    f"case {weak}{_named(cases[weak])} leaves less strength than case {strong}{_named(cases[strong])} "
+                    f"and slides less, {slides[weak]:.3g} m and {slides[strong]:.3g} m: what stops them, or how the "
+                    "discs happen to lie, decides, and not their strength; take a longer section (beyond) if a side "
+                    "stops them, more packings (slide.seeds) if not, and the longer slide until then"
+                )
+
+
+def is_weaker(case: Case, other: Case, strata: Sequence[str]) -> bool:
+    """Whether a case leaves the ``strata`` less stiffness or strength than another, and no more of either."""
+    pairs = [(getattr(case, name), getattr(other, name)) for name in ("stiffness", "friction", "cohesion")]
+    for stratum in strata:
+        ratios = case.residual_of(stratum), other.residual_of(stratum)
+        strengths = case.strength_of(stratum), other.strength_of(stratum)
+        if any(ratios) and any(strengths):  # a ratio and a strength cannot be compared
+            return False
+        pairs += [ratios, strengths]
+    return all(its <= others for its, others in pairs) and any(its < others for its, others in pairs)
+
+
+def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
+    """Surfaces that fall much further somewhere than the mean of their uphill third is told to."""
+    for number, case in cases.items():
+        fall, x = case.largest_fall
+        mean = abs(case.settlement_uphill_m)
+        if fall > max(FALLS, FALLS_TIMES * mean):
+            yield (
+                f"in case {number} the surface falls by {metres(fall)} at x = {x:.0f} m, though the mean over its "
+                f"uphill third {case.uphill} by {metres(mean)}: take the fall for what happens to a crest, and look at "
+                "the profile before and after"
+            )
+
+
+def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | None) -> dict[int, float]:
+    """The largest slide (m) of each case: its mean over random packings where there are several."""
+    found = {number: case.slide_max_m for number, case in cases.items()}
+    for number, case in (random.cases if random is not None else {}).items():
+        if number in found and len(case.slide_max_m.values) > 1 and case.slide_max_m.mean is not None:
+            found[number] = case.slide_max_m.mean
+    return found
+
+
+def _cases(numbers: Sequence[int]) -> str:
+    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
+
+
+def _named(case: Case) -> str:
+    return f" ({case.name})" if case.name else ""
