@@ -24,11 +24,12 @@ from dem.kernels.neighbours import (
 )
 from dem.kernels.period import folded
 from dem.lines import LineStrengths, strength_of_each, with_line_strengths
+from dem.liquefied_ground import change_areas, list_liquefied
 from dem.ranges import Ranges, at_once
 from dem.springs import Law, LayerSprings, Mean, PairTable, Strength, pair_table
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
-LEDGER_COLUMNS = 7
+LEDGER_COLUMNS = 10
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
 SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
@@ -154,6 +155,7 @@ class DiscModel(DiscState):
             self.order = spatial_order(x, z, 2.0 * self.radius.mean())
         self.lists_made += 1
         self._list(1.0, self.skin, in_ranges)
+        list_liquefied(self, in_ranges)
         self.x_list, self.z_list = self.x.copy(), self.z.copy()
 
     def _list(self, factor: float, skin: float, in_ranges: Ranges = at_once) -> None:
@@ -276,7 +278,8 @@ class DiscModel(DiscState):
     def set_radius(self, radius: np.ndarray) -> None:
         """Other radii (m) from now on: discs swell, or shrink as liquefied ground does that loses volume.
 
-        Mass, angle and spin stay; forces change with the overlaps.
+        Mass, angle and spin stay; forces change with the overlaps. Areas with voids, by which pore water presses, go
+        with the discs.
         """
         if radius.shape != self.radius.shape or not (radius > 0.0).all():
             raise ValueError(
@@ -285,6 +288,7 @@ class DiscModel(DiscState):
         before = self._spring_forces()
         for values in (self.roll, self.vr, self.vr_half):
             values *= radius / self.radius
+        change_areas(self, (radius / self.radius) ** 2)
         self.radius = radius.copy()
         self._change_forces(before)
         self.make_list()

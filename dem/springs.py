@@ -45,6 +45,7 @@ SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
 SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
+ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
 
 Mean = Literal["arithmetic", "harmonic"]
@@ -89,6 +90,9 @@ class LayerSprings:
         Normal spring against boundary discs (N/m), where it is stiffer than kn: that of the layer before it liquefied.
     undrained : bool
         Whether its strength is (phi = 0), and its volume stays what it is while a slide lasts.
+    faded : float
+        Share of the contacts of soil discs that is gone since the layer has liquefied: all constants of contacts take
+        1 less that, see `kernels.liquefied_pairs` for what bears the discs then.
     """
 
     name: str
@@ -112,6 +116,7 @@ class LayerSprings:
     stop: float = 0.0
     boundary: float = 0.0
     undrained: bool = False
+    faded: float = 0.0
 
     def __post_init__(self) -> None:
         for key in ("kn", "density"):
@@ -125,6 +130,8 @@ class LayerSprings:
                 raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")
         if self.friction < 0.0 and not self.contact_cohesion > 0.0:
             raise ValueError(f"layer {self.name}: friction may be negative beside a contact cohesion, not without one")
+        if not 0.0 <= self.faded <= 1.0:
+            raise ValueError(f"layer {self.name}: faded must lie between 0 and 1, is {self.faded}")
         if not (self.alpha >= 1.0 and self.beta > 1.0):
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
@@ -333,14 +340,18 @@ def pair_table(
     pairs = _square(values, mean)
     held = np.maximum(values[KN], [layer.boundary for layer in layers])
     pairs[KN, :n, n] = pairs[KN, n, :n] = held
-    np.divide(_attraction(layers), pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
+    _fade(pairs, layers)
+    np.divide(_attraction(layers) * _left(layers), pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
     np.minimum(pairs[GAP], widest, out=pairs[GAP])
     lines = np.zeros((CONSTANTS, n + 1))
     lines[:, :n] = values
     lines[KN] = (values[KN] + values[STOP]).max()
     lines[CN, :n] *= np.sqrt(lines[KN, :n] / values[KN])
+    lines[[MU, MU_OTHER, COHESION, COHESION_OTHER, MU_ROLLING], :n] *= 1.0 - np.array([s.faded for s in layers])
     if law == "soil":
         _weaker(pairs[:, :n, :n], values)
+        pairs[COHESION] *= _left(layers)
+        pairs[COHESION_OTHER] *= _left(layers)
     for table in (pairs, lines):
         for spring, flexibility in ((KS, FKS), (KPS, FKPS)):
             np.divide(1.0, table[spring], out=table[flexibility], where=table[spring] > 0.0)
@@ -355,6 +366,19 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
         pairs[row], pairs[second] = own[row], other[row]
     pairs[MU_ROLLING] = np.minimum(own[MU_ROLLING], other[MU_ROLLING])
+
+
+def _left(layers: Sequence[LayerSprings]) -> np.ndarray:
+    """Share of the contacts between layers, and with the boundary, that is left (n + 1, n + 1)."""
+    own = np.array([*(1.0 - layer.faded for layer in layers), 1.0])
+    return np.minimum(own[:, None], own[None, :])
+
+
+def _fade(pairs: np.ndarray, layers: Sequence[LayerSprings]) -> None:
+    """Takes what is gone off the stiffness of contacts; those that are gone as a whole may overlap as they like."""
+    left = _left(layers)
+    pairs[[KN, KS, CN, CT, STOP]] *= left
+    pairs[ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[ALLOWED])
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:

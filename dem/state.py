@@ -5,11 +5,13 @@ times angle, since that is what contacts work with. Everything a run needs is he
 more, and a run from a checkpoint has the same bits as the run without.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from dem.acceleration import Acceleration
+from dem.kernels.liquefied_pairs import FIELDS, FORCE_X, FORCE_Z
+from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.period import ENDLESS, Period
 from dem.springs import Law, Mean, PairTable, Strength
 
@@ -70,10 +72,20 @@ class DiscState:
         Discs near rigid lines, and numbers of those.
     line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
         The same memory of theirs (N).
-    energy_sums : (slices, 7)
+    energy_sums : (slices, 10)
         Work and losses so far (J/m), columns as in `kernels.stepping`.
     springs : PairTable
         Constants by kind of pair.
+    liquefied : (n, FIELDS)
+        What liquefied discs have, see `kernels.liquefied_pairs`; (0, FIELDS) before anything has liquefied.
+    liquefied_i, liquefied_j : (wide pairs,) int32
+        Pairs with a liquefied disc within the reach of its pore water, sorted in space.
+    bonds : (wide pairs, 5)
+        What they remember.
+    reach : float
+        Of the pore water's kernel (m), 0 before anything has liquefied.
+    steps_held : int
+        Steps for which its forces are held.
     mean, law : str
         How they were made of the layers' constants, and which law holds.
     period : (float, float) or None
@@ -147,6 +159,12 @@ class DiscState:
     energy_known: float = float("nan")
     energy_edited: float = 0.0
     turnover: float = 0.0
+    liquefied: np.ndarray = field(default_factory=lambda: np.zeros((0, FIELDS)))
+    liquefied_i: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    liquefied_j: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    bonds: np.ndarray = field(default_factory=lambda: np.zeros((0, BOND_MEMORY)))
+    reach: float = 0.0
+    steps_held: int = 1
 
     def __len__(self) -> int:
         return len(self.x)
@@ -160,6 +178,19 @@ class DiscState:
     def pull(self) -> tuple[np.ndarray, np.ndarray]:
         """Acceleration of every disc by its weight and by water, along x and z (m/s2)."""
         return self.weight * self.gravity[0] + self.drift_x, self.weight * self.gravity[1] + self.drift_z
+
+    @property
+    def liquefied_forces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force of liquefied ground on every disc, along x and z (N), as it was last looked at."""
+        if not len(self.liquefied):
+            return np.zeros(len(self)), np.zeros(len(self))
+        return self.liquefied[:, FORCE_X], self.liquefied[:, FORCE_Z]
+
+    @property
+    def fading(self) -> np.ndarray:
+        """Mask of the listed pairs (pairs,) whose contact is fading or gone, since one of their layers liquefies."""
+        faded = np.array([*(layer.faded > 0.0 for layer in self.springs.layers), False])
+        return np.asarray(faded[self.layer[self.pair_i]] | faded[self.layer[self.pair_j]])
 
     @property
     def spin(self) -> np.ndarray:

@@ -28,6 +28,7 @@ from dem.kernels.records import CONSTANT_RECORD
 from dem.kernels.scratch import new_scratch
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
 from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
+from dem.liquefied_ground import longest_look, steps_held
 from dem.model import DiscModel
 from dem.ranges import side_by_side
 
@@ -63,7 +64,8 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
     def find() -> StableStep:
         pairs = Pairs(i, j, model.kind(i, j), length)
         seconds, disc = stable_step(bodies, pairs, model.skin, lines, springs, model.repeats)
-        return StableStep(float(seconds), int(disc))
+        liquefied, which = longest_look(model)
+        return StableStep(float(seconds), int(disc)) if seconds < liquefied else StableStep(liquefied, which)
 
     return find
 
@@ -219,6 +221,7 @@ class Run:
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
+        model.steps_held = steps_held(model, dt)
         keep_freed_arrays(len(model))
         # without the JIT there are no atomic instructions to meet by
         self.threads = 1 if config.DISABLE_JIT else engine.threads
@@ -342,7 +345,7 @@ class Run:
         model, threads = self.model, self.threads
         barrier, stops = new_barrier(threads), np.zeros((2, threads), np.int64)
         layout = self.pack()
-        clock = Clock(steps, self.dt, model.last_dt, model.time)
+        clock = Clock(steps, self.dt, model.last_dt, model.time, model.steps)
         loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
         entries = Entries(self.engine.ledger, model.energy_sums)
         return [

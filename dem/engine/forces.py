@@ -76,8 +76,9 @@ def _evaluated(model: DiscModel, pulls: bool, crack_by: CrackBy) -> Layout:
     entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, LEDGER)))
     loads = Loads(model.acceleration.times, model.acceleration.with_level(model.gravity))
     take_steps(
-        Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time), layout,
-        springs_of(model), law_of(model, pulls, crack_by), loads, entries, 0.0, *needs(0, 1, layout), new_scratch(),
+        Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
+        layout, springs_of(model), law_of(model, pulls, crack_by), loads, entries, 0.0, *needs(0, 1, layout),
+        new_scratch(),
     )  # fmt: skip
     return layout
 
@@ -92,8 +93,9 @@ def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.
 
     ax, az, level = model.acceleration.at(model.time).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
-    fx = total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.swing_x * level + ax)
-    fz = total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.swing_z * level + az)
+    wet_x, wet_z = model.liquefied_forces
+    fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.swing_x * level + ax)
+    fz = wet_z + total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.swing_z * level + az)
     return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)
 
 

@@ -12,12 +12,27 @@ from dem.kernels.energy import (
     LATE_DASHPOT,
     LATE_ROLLING,
     LATE_SLIDING,
+    LIQUEFIED_BONDS,
+    PORE_WATER,
     PORES,
     ROLLING_SPRINGS,
     ROTATION,
     TRANSLATION,
 )
-from dem.kernels.stepping import CRACKS, DASHPOT, ROLLING, SLIDING, WORK_BOUNDARY, WORK_EXTERNAL, WORK_WEIGHT
+from dem.kernels.stepping import (
+    BONDS as LIQUEFIED_SLIP,
+)
+from dem.kernels.stepping import (
+    CRACKS,
+    DASHPOT,
+    ROLLING,
+    SLIDING,
+    STAND_IN,
+    VISCOSITY,
+    WORK_BOUNDARY,
+    WORK_EXTERNAL,
+    WORK_WEIGHT,
+)
 
 
 @dataclass(frozen=True)
@@ -34,6 +49,12 @@ class Ledger:
         Of discs of cohesive soil that attract each other; negative, it takes as much to part them all.
     dashpots, sliding, cracks, rolling : float
         Dissipated by dashpots, by sliding, by cracks, by rolling resistance.
+    pore_water, liquefied_bonds : float
+        Stored in liquefied ground: in its pore water, and in the bonds that are its residual strength.
+    liquefied_slip, viscosity : float
+        Dissipated in liquefied ground: by bonds that slip, and by viscosity.
+    stand_in : float
+        Work of pore water that stands in for ground beside it which has not liquefied.
     weight, external, boundary : float
         Work of weight, of the external acceleration (Kh), of boundaries that move.
     edits : float
@@ -57,6 +78,11 @@ class Ledger:
     boundary: float
     edits: float
     turnover: float
+    pore_water: float = 0.0
+    liquefied_bonds: float = 0.0
+    liquefied_slip: float = 0.0
+    viscosity: float = 0.0
+    stand_in: float = 0.0
 
     @classmethod
     def of(cls, energies: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "Ledger":
@@ -78,6 +104,11 @@ class Ledger:
             boundary=float(total[WORK_BOUNDARY] + energies[LATE_BOUNDARY]),
             edits=edits,
             turnover=turnover,
+            pore_water=float(energies[PORE_WATER]),
+            liquefied_bonds=float(energies[LIQUEFIED_BONDS]),
+            liquefied_slip=float(total[LIQUEFIED_SLIP]),
+            viscosity=float(total[VISCOSITY]),
+            stand_in=float(total[STAND_IN]),
         )
         in_play = ledger.kinetic + ledger.in_springs + ledger.dissipated
         in_play += abs(ledger.weight) + abs(ledger.external) + abs(ledger.boundary)
@@ -96,16 +127,16 @@ class Ledger:
 
     @property
     def stored(self) -> float:
-        """In springs and bonds."""
-        return self.in_springs + self.bonds
+        """In springs and bonds, and in liquefied ground."""
+        return self.in_springs + self.bonds + self.pore_water + self.liquefied_bonds
 
     @property
     def dissipated(self) -> float:
-        """By dashpots, sliding, cracks and rolling resistance."""
-        return self.dashpots + self.sliding + self.cracks + self.rolling
+        """By dashpots, sliding, cracks and rolling resistance, and in liquefied ground."""
+        return self.dashpots + self.sliding + self.cracks + self.rolling + self.liquefied_slip + self.viscosity
 
     @property
     def gap(self) -> float:
         """What is there and what is gone, less all work done: zero for a step that is infinitely small."""
-        work = self.weight + self.external + self.boundary + self.edits
+        work = self.weight + self.external + self.boundary + self.stand_in + self.edits
         return self.kinetic + self.stored + self.dissipated - work

@@ -20,6 +20,7 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
+from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied, members_of
 from dem.kernels.motion import list_motion, place_fields, place_motion
 from dem.kernels.records import SHARED
 from dem.model import DiscModel
@@ -86,7 +87,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = at_on
         line_id=model.line_id.astype(np.int64), line_kind=model.line_kind.astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
-        **_swings(model, slices),
+        **_swings(model, slices), liquefied=_liquefied(model, number, slices),
     )  # fmt: skip
 
 
@@ -131,6 +132,22 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     }
 
 
+def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
+    """Liquefied discs and their pairs; number: that of each disc in spatial order."""
+    slots = slices * LANES
+    ends = np.arange(slices + 1) * LANES
+    first, second = number[model.liquefied_i], number[model.liquefied_j]
+    discs = np.zeros((slots if len(first) else 0, FIELDS))
+    if len(first):
+        discs[: len(model)] = model.liquefied[model.order]
+    member, members = members_of(first, second, slots)
+    near = np.flatnonzero(np.diff(members))
+    return Liquefied(
+        discs, first, second, model.bonds.copy(), np.zeros((len(first), WORKING)), np.searchsorted(first, ends),
+        member, members, near, np.searchsorted(near, ends), model.reach, model.steps_held,
+    )  # fmt: skip
+
+
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
     """Writes into the model where its discs are and how they move; what contacts remember stays in the layout."""
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
@@ -150,6 +167,9 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = at_once) -> Non
 
     in_ranges(listed, len(model))
     model.pair_i, model.pair_j = owner, other
+    if len(layout.liquefied.first):
+        model.liquefied[model.order] = layout.liquefied.discs[: len(model)]
+        model.bonds = layout.liquefied.memory.copy()
     for name, values in zip(MEMORY + ROLLING_MEMORY, memory, strict=True):
         setattr(model, name, values)
     e = np.arange(len(model.line_disc))

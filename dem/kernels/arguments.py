@@ -96,12 +96,15 @@ class Clock(NamedTuple):
         The step before (s); 0 after velocities were set.
     time : float
         At the beginning (s).
+    before : int
+        Steps that have been taken before.
     """
 
     steps: int
     dt: float
     last_dt: float
     time: float
+    before: int
 
 
 class Team(NamedTuple):

@@ -28,15 +28,17 @@ from dem.kernels.layout import (
     VZ,
     Layout,
 )
+from dem.kernels.liquefied_pairs import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.scratch import OWN, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_scratch
 from dem.kernels.swing import swing_slice
 
-# Entries of what `energies` returns (J per metre out of plane); the last five came about since the last step.
+# Entries of what `energies` returns (J per metre out of plane); LATE ones came about since the last step.
 TRANSLATION, ROTATION, ELEMENTS, PORES, ROLLING_SPRINGS, BONDS = range(6)
 LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS, LATE_ROLLING, LATE_BOUNDARY = range(6, 11)
-ENERGIES = 11
+PORE_WATER, LIQUEFIED_BONDS = 11, 12
+ENERGIES = 13
 
 # Where a chunk's forces on partners, and their rim forces, come to lie: over velocities no longer needed.
 PARTNER_X, PARTNER_Z, PARTNER_R = VX, VZ, VR
@@ -174,6 +176,8 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
         force[0, i] += fx
         force[1, i] += fz
         force[2, i] += rim
+    if len(layout.liquefied.first) > 0:
+        out[PORE_WATER], out[LIQUEFIED_BONDS] = liquefied_energy(layout.liquefied, layout.shared, force)
     for p in range(slices):
         kinetic(p, layout, scratch, force, loads, last_dt, out)
     return out

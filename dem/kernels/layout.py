@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.inner import inner
+from dem.kernels.liquefied_pairs import Liquefied
 from dem.kernels.records import EIGHT, SHARED
 
 LANES = 64
@@ -84,6 +85,8 @@ class Layout(NamedTuple):
         Their PULL_X and PULL_Z without it, and what it adds over the acceleration of the frame across gravity.
     swing_start : (slices + 1,)
         First of them in each slice.
+    liquefied : Liquefied
+        Liquefied discs and their pairs.
     """
 
     discs: np.ndarray
@@ -107,6 +110,7 @@ class Layout(NamedTuple):
     swing_disc: np.ndarray
     swing: np.ndarray
     swing_start: np.ndarray
+    liquefied: Liquefied
 
 
 @inner(nogil=True, forceinline=True)

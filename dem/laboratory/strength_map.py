@@ -121,21 +121,6 @@ class StrengthMap:
         has_any = self.friction >= 0.0
         return self.friction[has_any], self.after[has_any, 0]
 
-    @property
-    def least(self) -> float:
-        """Strength over vertical stress that contacts without friction and cohesion have by their geometry, where the
-        layer slides along itself: s over p + s for a half deviator s over the confining pressure p."""
-        ratio = float(self._sand[1][0])
-        return ratio / (1.0 + ratio)
-
-    def residual_friction(self, ratio: float) -> float:
-        """mu with which contacts without cohesion have this strength over their vertical stress, which is below 1; 0
-        where it is less than their geometry gives them, see `least`."""
-        if ratio <= self.least:
-            return 0.0
-        friction, after = self._sand
-        return float(np.interp(np.log(ratio / (1.0 - ratio)), np.log(after), friction))
-
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Friction and cohesion whose strengths come closest to those wanted (Pa), as ratios, at all the pressures.
 

@@ -63,9 +63,9 @@ def pressed_through(model: DiscModel) -> int:
 
 
 def deepest_overlap(model: DiscModel) -> float:
-    """The largest overlap of two discs that can move, over their mean radius."""
+    """The largest overlap of two discs that can move, over their mean radius; contacts that fade do not count."""
     i, j = model.pair_i, model.pair_j
-    inside = ~model.fixed[i] & ~model.fixed[j]
+    inside = ~model.fixed[i] & ~model.fixed[j] & ~model.fading
     mean = 0.5 * (model.radius[i] + model.radius[j])
     return float(np.max(((2.0 * mean - model.distance()) / mean)[inside], initial=0.0))
 

@@ -1,8 +1,10 @@
 """Slides: layers liquefy under a seismic coefficient that is held, and the ground goes where it goes (Sec. 4(3)).
 
-What happens at the onset: pore springs of the liquefied layers are cut; their element springs, dashpots and strength
-take the factors of the case, in steps if it takes time; their discs shrink by the volume that drains away. Kh comes on
-as well, in the paper at once; soil discs stand under it before anything liquefies, since shaking is what liquefies.
+What happens at the onset to the paper's discs: pore springs of the liquefied layers are cut; their element springs,
+dashpots and strength take the factors of the case, in steps if it takes time. Contacts of soil discs fade out instead,
+while pore water takes over their overburden and bonds their residual strength (`dem.liquefied_ground`). Discs of both
+shrink by the volume that drains away. Kh comes on as well, in the paper at once; soil discs stand under it before
+anything liquefies, since shaking is what liquefies.
 """
 
 import json
@@ -15,6 +17,7 @@ import numpy as np
 from dem.engine.engine import Engine, largest_step
 from dem.errors import DemError, EnergyBalanceError
 from dem.ground import Ground
+from dem.liquefied_ground import has_begun, liquefy, set_share
 from dem.model import DiscModel
 from dem.settings import Case, SlideSettings
 from dem.slides.balance import (
@@ -29,7 +32,7 @@ from dem.slides.balance import (
     thin_layers,
 )
 from dem.slides.drive import SAME, Shaking, held, shaken
-from dem.slides.lost_strength import held_by_geometry, liquefied, residual_contacts, stronger_than_asked
+from dem.slides.lost_strength import liquefied, onset
 from dem.slides.rest import at_rest, what_drives
 from dem.slides.row import Row
 from dem.slides.runout import loose_share, on_loose_mass
@@ -90,7 +93,6 @@ class Slider:
         given = start, ground, strata, settings
         self.drive = held(*given) if shaking is None else shaken(*given, shaking)
         self.cut: set[int] = set()
-        self.residual = residual_contacts(start, ground, strata, case)
         self.frame = max(1, round(settings.duration / LOOK / settings.frames))
         self.kept = -np.inf  # when the last checkpoint was left (s)
         self.undrained = undrained(start, strata if case is not None else [])
@@ -153,14 +155,21 @@ class Slider:
         since = self.model.time - self.start.time
         if since < self.drive.first - SAME:
             return
+        model, law, case = self.model, self.model.law, self.case
         shares = {k: share for k in self.strata if (share := self.drive.share(k, since)) > 0.0}
-        self._cut(self.model, list(shares))
-        wanted = liquefied(self.layers, [], self.case)
+        self._cut(model, list(shares))
+        wanted = liquefied(self.layers, [], case, law=law)
         for share in sorted(set(shares.values())):
-            which = [k for k in shares if shares[k] == share]
-            wanted = liquefied(wanted, which, self.case, share, self.residual)
-        if list(self.model.springs.layers) != wanted:
-            self.model.set_springs(wanted)
+            wanted = liquefied(wanted, [k for k in shares if shares[k] == share], case, share, law)
+        if list(model.springs.layers) == wanted:
+            return
+        model.set_springs(wanted)
+        if case is not None and law == "soil":
+            begun = has_begun(model)
+            new = [k for k in shares if not begun[model.layer == k].any()]
+            if new:
+                liquefy(model, onset(model, self.ground, new, case))
+            set_share(model, np.array([shares.get(k, 0.0) for k in range(len(wanted))] + [0.0])[model.layer])
 
     def _drained(self) -> dict[int, float]:
         """Share of their volume that strata have lost by now, as the case asks for it."""
@@ -256,8 +265,6 @@ class Slider:
         told += on_loose_mass(slide.loose_share)
         told += self._lost()
         if self.case is not None:
-            told += held_by_geometry(start, self.strata, self.case)
-            told += stronger_than_asked(start, self.ground, self.strata, self.case)
             told += thin_layers(start, self.ground, self.strata)
         return told
 
@@ -265,7 +272,8 @@ class Slider:
         """A sentence on ground that is gone, or none."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
-        asked = asked_for(start, model, self.strata, before, self._drained())
+        softer = [] if start.law == "soil" else self.strata
+        asked = asked_for(start, model, softer, before, self._drained())
         slide.area_lost_share = (before - after - asked) / before
         if slide.area_lost_share <= LOST:
             return []

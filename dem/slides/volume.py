@@ -1,7 +1,7 @@
 """Ground that cannot drain keeps its volume: its discs swell as they come to lie closer, as pore water holds grains.
 
-An earthquake is over before water has left clay, or sand that liquefies under it. Random discs are looser than such
-soil and get denser as they shear; what their ground loses so is given back, stratum by stratum, as pore pressure does.
+An earthquake is over before water has left clay. Random discs are looser than such soil and get denser as they shear;
+what their ground loses so is given back, stratum by stratum, as pore pressure does.
 All discs of a stratum swell alike, so that their packing stays similar to itself and as strong as it was. Areas stand
 for volumes per metre (m2).
 """
@@ -19,10 +19,13 @@ PACE = 0.002  # of the area at one look: what holds the ground changes little
 
 
 def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
-    """Strata of soil discs that keep their volume: those that liquefy, and those whose strength is undrained."""
+    """Strata of soil discs whose strength is undrained, so that they keep their volume.
+
+    Those that liquefy are left alone: their pore water keeps it, see `kernels.liquefied_pairs`.
+    """
     if start.law != "soil":
         return []
-    return [k for k, layer in enumerate(start.springs.layers) if k in liquefy or layer.undrained]
+    return [k for k, layer in enumerate(start.springs.layers) if k not in liquefy and layer.undrained]
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
@@ -57,11 +60,14 @@ def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
 
 
 def shortening(model: DiscModel, strata: Sequence[int]) -> float:
-    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch."""
+    """Mean overlap of the contacts of some strata, over the distance at which their discs just touch.
+
+    Contacts that fade as ground liquefies do not count.
+    """
     i, j = model.pair_i, model.pair_j
     touching = model.radius[i] + model.radius[j]
     over = (touching - model.distance()) / touching
-    here = (over > 0.0) & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
+    here = (over > 0.0) & ~model.fading & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
     return float(over[here].mean()) if here.any() else 0.0
 
 

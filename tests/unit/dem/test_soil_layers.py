@@ -103,20 +103,3 @@ def test_stiff_sand_is_asked_for_less_since_its_discs_dilate_more() -> None:
     assert ten.friction < one.friction
     hardly = float(table.gained_by_softness(6000.0 * 1e5, np.array(1e5), 1.0))
     assert hardly == pytest.approx(stiff, rel=1e-3)  # a pascal of cohesion is none
-
-
-@pytest.mark.parametrize("ratio", [0.14, 0.2, 0.4, 0.6])
-def test_residual_strength_is_that_of_the_map(ratio: float) -> None:
-    """Half the deviator at the confining pressure that is left of the vertical stress."""
-    table, stress = strength_map(), 5e4
-    friction = table.residual_friction(ratio)
-    found = table.strength(friction, 0.0, np.array([(1.0 - ratio) * stress]))[0]
-    assert found == pytest.approx(ratio * stress, rel=0.02)
-
-
-def test_discs_cannot_be_weaker_than_their_geometry() -> None:
-    """8 degrees of frictionless discs (the map's first row) are an eighth of the vertical stress."""
-    table = strength_map()
-    assert 0.12 < table.least < 0.15
-    assert table.residual_friction(0.99 * table.least) == 0.0
-    assert table.residual_friction(1.01 * table.least) > 0.0

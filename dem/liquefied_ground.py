@@ -1,0 +1,171 @@
+"""Liquefied ground of soil discs: what its discs carry, and the list of their pairs.
+
+The laws themselves are in `kernels.liquefied_pairs`. Here the ground is given to them: which discs have liquefied, how
+far, with what pressure, and with what residual strength.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dem.kernels.liquefied_pairs import (
+    AREA,
+    AT_X,
+    AT_Z,
+    DENSITY,
+    FIELDS,
+    FITTED,
+    MEMORY,
+    NOW,
+    PRESSURE,
+    SHARE,
+    STIFFNESS,
+    STRAIN,
+    STRENGTH,
+    VISCOSITY,
+    densities,
+)
+from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
+from dem.ranges import Ranges, at_once
+from dem.state import DiscState
+
+REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear
+WATER = 30.0  # stiffness of the pore water over the mean overburden
+VISCOUS = 0.3  # viscosity of volume over density, speed of sound in the water, and reach
+LEAST_STRAIN = 0.004  # at which residual strength is reached: stiffer bonds want shorter steps
+MOST_STRAIN = 0.02  # so that the strength is there before 5 %
+LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
+SOFTEST = 1.2  # step between two looks at pairs times the highest frequency that they may have
+MOST_STEPS = 4  # between two looks
+NEEDED = 3  # columns of cells in a period
+
+
+class Onset(NamedTuple):
+    """What ground has when it begins to liquefy; arrays of all discs.
+
+    Attributes
+    ----------
+    discs : (n,) bool
+        Which liquefy.
+    area : (n,)
+        Of every disc with its voids, of those too that do not liquefy (m2).
+    pressure : (n,)
+        Effective overburden that pore water takes over (Pa).
+    strength : (n,)
+        Residual strength (Pa).
+    strain : (n,)
+        Shear strain at which it is reached.
+    """
+
+    discs: np.ndarray
+    area: np.ndarray
+    pressure: np.ndarray
+    strength: np.ndarray
+    strain: np.ndarray
+
+
+def list_liquefied(state: DiscState, in_ranges: Ranges = at_once) -> None:
+    """Makes the list of pairs with a liquefied disc for where discs are now; what bonds remember is carried over."""
+    if not len(state.liquefied):
+        return
+    order = state.order
+    number = np.empty(len(state), np.int32)
+    number[order] = np.arange(len(state), dtype=np.int32)
+    wet = has_begun(state)[order]
+    # pairs of which neither has liquefied are left out as pairs of fixed discs are
+    near = Near(state.x[order], state.z[order], state.radius[order], ~wet, 0.0, state.reach + state.skin, state.repeats)
+    grid, known = cell_grid(near), known_pairs(state.liquefied_i, state.liquefied_j, number)
+    no_pores = np.zeros(len(state.liquefied_i))
+
+    def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
+        return find_pairs(begin, end, near, grid, known, no_pores)
+
+    found = in_ranges(find, len(state))
+    first, second, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+    state.bonds = np.concatenate([state.bonds, np.zeros((1, MEMORY))])[old]
+    state.liquefied_i, state.liquefied_j = order[first], order[second]
+
+
+def liquefy(model: DiscState, onset: Onset) -> None:
+    """Lets discs begin to liquefy, with a share of nothing until `set_share`; they keep what they had if they had.
+
+    The overburden and the density of this moment are those that pore water remembers. Raises ValueError for discs of
+    the paper, and for a period that is too short.
+    """
+    if model.law != "soil":
+        raise ValueError("discs: only those of law='soil' liquefy; the paper's take the factors of their case")
+    reach = model.reach or 2.0 * REACH * float(model.radius[~model.fixed].mean())
+    if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):
+        raise ValueError(
+            f"discs: liquefied ground wants a period of at least {NEEDED * (reach + model.skin):.3g} m, "
+            f"three reaches of its pore water; it is {model.period[0]:g} m"
+        )
+    if not len(model.liquefied):
+        model.liquefied = np.zeros((len(model), FIELDS))
+        model.reach = reach
+    wet, new = model.liquefied, onset.discs & ~has_begun(model)
+    wet[:, AREA] = np.where(wet[:, AREA] > 0.0, wet[:, AREA], onset.area)
+    wet[new, PRESSURE] = onset.pressure[new]
+    wet[new, STRENGTH] = onset.strength[new]
+    wet[new, STRAIN] = onset.strain[new]
+    wet[:, AT_X], wet[:, AT_Z] = model.x, model.z
+    for k in np.unique(model.layer[new]):
+        here = new & (model.layer == k)
+        wet[here, STIFFNESS] = WATER * float(onset.pressure[here].mean())
+    list_liquefied(model)
+    density = _densities(model)
+    for k in np.unique(model.layer[new]):
+        here = new & (model.layer == k)
+        middle = np.median(density[here])
+        wet[here, DENSITY] = np.where(density[here] < LOOSER * middle, LOOSE * middle, density[here])
+    wet[new, NOW] = density[new]
+    speed = np.sqrt(wet[new, STIFFNESS] * model.mass[new] / wet[new, AREA])  # density times speed of sound
+    wet[new, VISCOSITY] = VISCOUS * model.reach * speed
+
+
+def longest_look(model: DiscState) -> tuple[float, int]:
+    """Longest time (s) for which forces of liquefied ground may be held, and the disc that sets it; (inf, -1) without.
+
+    Of the highest frequency that bonds and pore water can give a disc: twice the sum of their stiffness over its mass,
+    as for contacts, sums over pairs as integrals over an even density.
+    """
+    which = np.flatnonzero(has_begun(model))
+    if not len(which):
+        return np.inf, -1
+    wet = model.liquefied[which]
+    bonds = 2.4 * np.pi * FITTED * wet[:, STRENGTH] / wet[:, STRAIN]
+    square = 2.0 * (bonds + 3.0 * wet[:, STIFFNESS]) * wet[:, AREA] / (model.mass[which] * model.reach**2)
+    highest = int(np.argmax(square))
+    return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])
+
+
+def steps_held(model: DiscState, dt: float) -> int:
+    """For how many steps of dt (s) forces of liquefied ground are held."""
+    return int(np.clip(longest_look(model)[0] / dt, 1, MOST_STEPS))
+
+
+def _densities(model: DiscState) -> np.ndarray:
+    """How densely areas lie (n,) at the places at which pairs were last looked at; those of liquefied discs count."""
+    wet = model.liquefied
+    x, z, area = (np.ascontiguousarray(wet[:, field]) for field in (AT_X, AT_Z, AREA))
+    return densities(x, z, area, model.liquefied_i, model.liquefied_j, model.reach, model.repeats)
+
+
+def change_areas(model: DiscState, factor: np.ndarray) -> None:
+    """Lets areas with voids grow or shrink by a factor (n,), such as where ground drains; pore water feels it."""
+    if not len(model.liquefied):
+        return
+    model.liquefied[:, AREA] *= factor
+    begun = has_begun(model)
+    model.liquefied[begun, NOW] = _densities(model)[begun]
+
+
+def has_begun(model: DiscState) -> np.ndarray:
+    """Mask (n,) of the discs that have begun to liquefy."""
+    return model.liquefied[:, STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
+
+
+def set_share(model: DiscState, share: np.ndarray) -> None:
+    """How far each disc (n,) has liquefied, 0 to 1; those that never began to liquefy stay as they are."""
+    wet = model.liquefied
+    wet[:, SHARE] = np.where(has_begun(model), share, 0.0)

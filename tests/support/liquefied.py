@@ -1,0 +1,97 @@
+"""Liquefied ground whose strength can be measured: a sheared box, an endless slope, a slump. SI units."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dem.engine.engine import Engine, largest_step
+from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
+from dem.model import DiscModel
+from dem.springs import LayerSprings, Strength, soil_discs
+from dem.tied_packing import TiedPacking, tied_packing
+
+GRAVITY, DENSITY = 9.81, 1800.0
+VOIDS = 0.28
+DEEP = 3  # rows of fixed discs of a base, so that all the reach of pore water is filled
+STEP = 0.6
+
+
+def sand(stiffness: float, radius: float, name: str = "sand") -> LayerSprings:
+    """Discs of sand, phi = 35 degrees or so."""
+    return soil_discs(name, stiffness, Strength(0.36), DENSITY, DENSITY, radius, VOIDS)
+
+
+def on_a_deep_base(packing: TiedPacking) -> tuple[np.ndarray, ...]:
+    """x, z, radius and layer of a packing whose plates go on away from the free discs, each row moved by a radius."""
+    columns = [np.column_stack([packing.x, packing.z, packing.radius, packing.layer])]
+    for row in range(1, DEEP):
+        for plate, side in ((packing.above, 1.0), ((packing.layer < 0) & ~packing.above, -1.0)):
+            x, z, radius = packing.x[plate], packing.z[plate], packing.radius[plate]
+            away = side * row * 2.0 * radius * np.sqrt(0.75)
+            columns.append(np.column_stack([x + radius * (row % 2), z + away, radius, np.full(len(x), -1.0)]))
+    x, z, radius, layer = np.concatenate(columns).T
+    return x, z, radius, layer.astype(np.int32)
+
+
+def with_voids(model: DiscModel) -> np.ndarray:
+    """Area of every disc with its voids (m2)."""
+    return (1.0 + VOIDS) * np.pi * model.radius**2
+
+
+@dataclass
+class ShearedBox:
+    """A box of liquefied discs under 300 kPa between two rough plates, sheared at constant height."""
+
+    model: DiscModel
+    length: float
+    height: float
+    strength: float
+
+    @classmethod
+    def of(
+        cls, seed: int, strength: float, *, columns: int = 24, rows: int = 10, radius: float = 0.5,
+        pressure: float = 3.0e5, strain: float = LEAST_STRAIN,
+    ) -> "ShearedBox":  # fmt: skip
+        """At rest; strength in Pa."""
+        packing = tied_packing(columns, rows, radius, porosity=VOIDS / (1.0 + VOIDS), seed=seed)
+        layer = replace(sand(1.0e8, radius), faded=1.0)
+        model = DiscModel.create(
+            *on_a_deep_base(packing)[:3], [layer], on_a_deep_base(packing)[3], law="soil",
+            period=(packing.length, 0.0), turns=False,
+        )  # fmt: skip
+        n = len(model)
+        onset = Onset(~model.fixed, with_voids(model), np.full(n, pressure), np.full(n, strength), np.full(n, strain))
+        liquefy(model, onset)
+        set_share(model, np.ones(n))
+        box = cls(model, packing.length, packing.height, strength)
+        box.run(1.0, balance=0.05)  # packed, and not yet at rest
+        model.energy_sums[:] = 0.0
+        model.energy_known, model.turnover = np.nan, 0.0
+        return box
+
+    def run(self, seconds: float, *, share: float = STEP, **settings: object) -> object:
+        dt = share * largest_step(self.model).seconds
+        return Engine(dt=dt, **{"balance": 0.01} | settings).run(self.model, seconds)  # type: ignore[arg-type]
+
+    def stress(self) -> tuple[float, float]:
+        """Shear stress and pressure on the two plates, mean of both (Pa)."""
+        model = self.model
+        fx, fz = model.liquefied_forces
+        side = np.where(model.fixed, np.where(model.z > 0.5 * self.height, 1.0, -1.0), 0.0)
+        return float(-np.sum(side * fx)) / (2.0 * self.length), float(np.sum(side * fz)) / (2.0 * self.length)
+
+    def shear(
+        self, strain: float, rate: float, window: float = 0.01, looks: int = 10, **settings: object
+    ) -> np.ndarray:
+        """Mean shear stress over the strength asked for, and pressure (Pa), in windows of strain (n, 2)."""
+        model = self.model
+        across = np.clip(model.z / self.height, 0.0, 1.0)
+        model.set_velocity(model.vx + rate * self.height * across, model.vz)
+        found = []
+        for _ in range(round(strain / window)):
+            seen = []
+            for _ in range(looks):
+                self.run(window / rate / looks, **settings)
+                seen.append(self.stress())
+            found.append(np.mean(seen, axis=0))
+        return np.array(found) / [self.strength, 1.0]

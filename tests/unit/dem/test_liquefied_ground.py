@@ -1,0 +1,206 @@
+"""Liquefied soil discs: what they carry, same bits, energy, and what does not go."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+
+from dem.engine.engine import Engine
+from dem.ground import Ground
+from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
+from dem.kernels.liquefied_pairs import AREA, DENSITY, NOW, STRAIN, STRENGTH, bond_kernel, density_kernel
+from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset, has_begun, liquefy, set_share
+from dem.model import DiscModel
+from dem.packing import lattice_box
+from dem.settings import Case
+from dem.slides.lost_strength import SHEAR_MODULUS, liquefied, onset
+from dem.slides.overburden import effective_overburden
+from dem.springs import pair_table
+from tests.support.dem_cases import BARE, RADIUS
+from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
+
+LOOSE = sand(3e7, 0.5)
+
+
+def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3) -> DiscModel:
+    """Ten rows of discs of many sizes on fixed ones, all but the upper two liquefied, and moving; open sides."""
+    rng = np.random.default_rng(seed)
+    i, j = np.meshgrid(np.arange(20), np.arange(12))
+    x, z = (i + 0.5 * (j % 2)).ravel().astype(float), (j * 0.9).ravel()
+    fixed = (z < 1.0) & base
+    layer = np.where(fixed, -1, np.where(z > 9.0, 1, 0))
+    radius = rng.uniform(0.4, 0.6, len(x))
+    layers = [replace(LOOSE, faded=1.0), LOOSE]
+    model = DiscModel.create(x, z, radius, layers, layer, law="soil", turns=False, gravity=(0.0, -gravity))
+    n = len(model)
+    liquefy(model, Onset(layer == 0, with_voids(model), np.full(n, 5e4), np.full(n, 1e4), np.full(n, LEAST_STRAIN)))
+    set_share(model, np.ones(n))
+    model.set_velocity(*rng.normal(0.0, 0.5, (2, n)) * ~fixed)
+    return model
+
+
+def same(one: DiscModel, other: DiscModel) -> None:
+    for name in ("x", "z", "vx", "vz", "liquefied", "liquefied_i", "bonds", "energy_sums"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+
+
+def test_kernels_are_one_over_the_plane() -> None:
+    """Integral of W over the plane, closed form of Wendland's C2; its slope is its derivative; w falls from 1 to 0."""
+    r = np.linspace(0.0, 1.999, 4001)
+    width = np.array([density_kernel.py_func(one, 2.0) for one in r])
+    assert trapezoid(2.0 * np.pi * r * width[:, 0], r) == pytest.approx(1.0, rel=1e-4)
+    assert np.gradient(width[:, 0], r)[1:-1] == pytest.approx(width[1:-1, 1], abs=1e-3)
+    assert [bond_kernel.py_func(one, 2.0) for one in (0.0, 2.0)] == [1.0, 0.0]
+
+
+def test_threads_do_not_change_a_bit() -> None:
+    one, three = heap(), heap()
+    for model, threads in ((one, 1), (three, 3)):
+        Engine(dt=4e-4, threads=threads, balance=0.05).run(model, steps=400)
+    assert one.lists_made > 3
+    same(one, three)
+
+
+def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path) -> None:
+    """Nor in the middle of steps over which forces are held, nor just before a list is made."""
+    whole, part = heap(), heap()
+    engine = Engine(dt=4e-4, balance=0.05)
+    engine.run(whole, steps=301)
+    for steps in (3, 97, 1, 100):
+        engine.run(part, steps=steps)
+        part.save(tmp_path / "half.h5")
+        part = DiscModel.load(tmp_path / "half.h5")
+    engine.run(part, steps=100)
+    assert whole.steps_held > 1
+    same(whole, part)
+
+
+def test_free_ground_keeps_its_momentum() -> None:
+    """Forces come in pairs: without weight and base the momentum of a cloud stays what it was."""
+    model = heap(gravity=0.0, base=False)
+    before = model.mass @ model.vx, model.mass @ model.vz
+    Engine(dt=4e-4, balance=0.05).run(model, steps=300)
+    scale = float(model.mass @ np.hypot(model.vx, model.vz))
+    assert abs(model.mass @ model.vx - before[0]) < 1e-9 * scale
+    assert abs(model.mass @ model.vz - before[1]) < 1e-9 * scale
+
+
+def test_energy_balances_better_with_smaller_steps() -> None:
+    gaps = []
+    for dt in (8e-4, 2e-4):
+        model = heap()
+        ledger = Engine(dt=dt, balance=0.1).run(model, 0.4)
+        assert ledger is not None
+        gaps.append(abs(ledger.gap) / ledger.turnover)
+        assert ledger.liquefied_slip > 0.0
+        assert ledger.viscosity > 0.0
+    assert gaps[0] < 0.01
+    assert gaps[1] < 0.5 * gaps[0]
+
+
+def test_work_of_the_plates_goes_into_bonds() -> None:
+    """Sheared slowly from 10 % on: what plates do is what bonds take, within a per cent, and nothing is left over."""
+    box = ShearedBox.of(0, 6e4, rows=8)
+    box.shear(0.1, 0.05)
+    before = Engine().measure(box.model)
+    box.shear(0.1, 0.05)
+    after = Engine().measure(box.model)
+    work = after.boundary - before.boundary
+    assert after.liquefied_slip - before.liquefied_slip == pytest.approx(work, rel=0.03)
+    assert abs(after.gap - before.gap) < 0.01 * work
+
+
+def test_contacts_of_liquefied_layers_are_gone() -> None:
+    """Half on the way; with dry neighbours, the base and each other; overlaps of such discs stop nobody."""
+    whole, half, gone = (pair_table([LOOSE, replace(LOOSE, faded=share)], law="soil") for share in (0.0, 0.5, 1.0))
+    fading = np.array([1, 3, 4, 5, 7])  # all columns with layer 1: (0, 1), (1, 0), (1, 1), (1, base), (base, 1)
+    for row in (KN, KS, CN, CT):
+        assert half.pairs[row, fading] == pytest.approx(0.5 * whole.pairs[row, fading])
+        assert (gone.pairs[row, fading] == 0.0).all()
+        assert gone.pairs[row, 0] == whole.pairs[row, 0] > 0.0
+    assert (gone.pairs[ALLOWED, fading] == 2.0).all()
+    assert gone.lines[MU, 1] == 0.0 < gone.lines[MU, 0]
+    assert gone.lines[KN, 1] == whole.lines[KN, 1]
+    with pytest.raises(ValueError, match="faded must lie between 0 and 1"):
+        replace(LOOSE, faded=1.1)
+
+
+def test_what_drains_takes_its_area_along() -> None:
+    model = heap()
+    area, density = model.liquefied[:, AREA].copy(), model.liquefied[:, NOW].copy()
+    wet = has_begun(model)
+    model.set_radius(np.where(wet, 0.95, 1.0) * model.radius)
+    assert model.liquefied[wet, AREA] == pytest.approx(0.95**2 * area[wet])
+    assert (model.liquefied[~wet, AREA] == area[~wet]).all()
+    deep = wet & (model.z > 4.0) & (model.z < 6.0)
+    assert model.liquefied[deep, NOW] == pytest.approx(0.95**2 * density[deep])
+
+
+def test_a_free_surface_counts_as_ground_that_is_as_dense_as_below() -> None:
+    """Discs with half of their neighbours would press without end once they are buried."""
+    box = ShearedBox.of(0, 6e4).model
+    at_rest = box.liquefied[has_begun(box), DENSITY]
+    assert at_rest.min() > 0.85 * np.median(at_rest)
+
+
+def test_what_cannot_liquefy() -> None:
+    n = 40
+    x, z, nothing = np.arange(n) * 2.0 * RADIUS, np.zeros(n), np.zeros(n)
+    given = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
+    with pytest.raises(ValueError, match="only those of law='soil' liquefy"):
+        liquefy(DiscModel.create(x, z, RADIUS, [BARE]), given)
+    short = DiscModel.create(x[:6], z[:6], RADIUS, [LOOSE], law="soil", period=(12.5 * RADIUS, 0.0))
+    with pytest.raises(ValueError, match="three reaches of its pore water"):
+        liquefy(short, given)
+
+
+@pytest.fixture(scope="module")
+def level() -> tuple[DiscModel, Ground]:
+    """Twenty columns and eight rows of a lattice; the lower three rows are a layer of their own."""
+    packing = lattice_box(20, 8, RADIUS)
+    packing.layer[packing.free & (packing.z < 3.0 * RADIUS * np.sqrt(3.0) + RADIUS)] = 1
+    ground = Ground(packing, "lattice", RADIUS, 0, 0.0, (0.0, 0.0), 1)
+    layers = [LOOSE, replace(LOOSE, name="loose", effective_density=0.5 * LOOSE.effective_density)]
+    return packing.discs(layers, gravity=(0.0, -GRAVITY), law="soil", turns=False), ground
+
+
+def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None:
+    """Of level ground with a buoyant layer below: exact in the middle, within a twentieth beside the walls."""
+    model = level[0]
+    found = effective_overburden(model)
+    row = np.round(model.z / (np.sqrt(3.0) * RADIUS)).astype(int)
+    free = ~model.fixed
+    lowest, top = int(row[free].min()), int(row[free].max())
+    down = np.array([(-model.mass * model.pull[1])[free & (row == k)].mean() for k in range(lowest, top + 1)])
+    expected = (np.cumsum(down[::-1])[::-1] - 0.5 * down) / (2.0 * RADIUS)
+    middle = free & (np.abs(model.x - model.x.mean()) < 6.0 * RADIUS)
+    for k in range(lowest, top + 1):
+        assert found[middle & (row == k)] == pytest.approx(expected[k - lowest], rel=0.03)
+    assert found[free] == pytest.approx(expected[row[free] - lowest], rel=0.1)
+
+
+def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
+    """A ratio of the overburden or so many kPa; reached at s/G and 2 % in series, at 0.4 % at least."""
+    model, ground = level
+    loose = model.layer == 1
+    ratio = onset(model, ground, [1], Case(residual=0.1))
+    assert (ratio.discs == loose).all()
+    assert ratio.strength[loose] == pytest.approx(0.1 * effective_overburden(model)[loose])
+    assert (ratio.strength[~loose] == 0.0).all()
+    assert (ratio.strain[loose] == LEAST_STRAIN).all()
+    firm = onset(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
+    assert firm.strength[loose] == pytest.approx(8e3)
+    modulus = 0.05 * SHEAR_MODULUS * LOOSE.kn
+    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / 8e3 + 1.0 / MOST_STRAIN))
+    assert ratio.area[~model.fixed] == pytest.approx(2.0 * np.sqrt(3.0) * RADIUS**2, rel=0.01)
+    liquefy(model, ratio)
+    assert model.liquefied[loose, STRENGTH] == pytest.approx(ratio.strength[loose])
+    assert model.liquefied[loose, STRAIN] == pytest.approx(LEAST_STRAIN)
+
+
+def test_contacts_fade_in_soil_discs_alone() -> None:
+    soft, firm = liquefied([LOOSE, LOOSE], [1], Case(), 0.25, "soil")[1], liquefied([LOOSE], [], Case(), law="soil")[0]
+    assert soft == replace(LOOSE, faded=0.25)
+    assert firm == LOOSE
