@@ -177,7 +177,13 @@ class Case(Model):
     """What liquefaction does to the layers that name this case in `liquefies_in`."""
 
     name: str = Field(default="", description="what the case is called, such as low strength")
-    stiffness: float = Field(default=1.0, gt=0.0, le=1.0, description="factor on the element springs, such as 0.02")
+    stiffness: float = Field(
+        default=1.0,
+        gt=0.0,
+        le=1.0,
+        description="factor on the element springs, such as 0.02; of soil discs on the shear modulus, "
+        "with which residual strength is reached at a shear strain of 0.4 to 2 %",
+    )
     damping: float | None = Field(
         default=None,
         ge=0.0,
@@ -185,8 +191,15 @@ class Case(Model):
         description="factor on the dashpots; if not given the root of stiffness: springs that are left are damped as "
         "before",
     )
-    friction: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the friction")
-    cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="factor on the cohesion of soil discs' contacts")
+    friction: float = Field(
+        default=0.0,
+        ge=0.0,
+        le=1.0,
+        description="factor on the friction; soil discs keep this share of tan phi where that is more than residual",
+    )
+    cohesion: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="share of their soil's cohesion that soil discs keep"
+    )
     residual: Share | dict[str, Share] = Field(
         default=0.0,
         description="residual strength of soil discs over their vertical effective stress; one for all, or one for "

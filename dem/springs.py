@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from dem.fading import fade, share_left
 from dem.kernels.contact import (
     ALLOWED,
     BC,
@@ -45,7 +46,6 @@ SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
 SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
-ANY_OVERLAP = 2.0  # half of the sum of radii, and more
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
 
 Mean = Literal["arithmetic", "harmonic"]
@@ -91,8 +91,7 @@ class LayerSprings:
     undrained : bool
         Whether its strength is (phi = 0), and its volume stays what it is while a slide lasts.
     faded : float
-        Share of the contacts of soil discs that is gone since the layer has liquefied: all constants of contacts take
-        1 less that, see `kernels.liquefied_pairs` for what bears the discs then.
+        Share of the contacts of soil discs that is gone since the layer has liquefied, see `dem.liquefied_ground`.
     """
 
     name: str
@@ -315,17 +314,13 @@ def pair_table(
     """The table for contacts within and between layers; discs attract each other across `widest` (m) at most.
 
     Between layers: the mean of stiffness, damping, friction, cohesion, alpha, beta and allowed overlap. A boundary
-    disc takes its partner's values, and the stiffness that a liquefied layer had before: with the soft spring its discs
-    came to lie on those of the wall, and the box was longer than before. A rigid line takes its partner's values too,
-    but with the stiffest normal spring of all layers and a dashpot of the same damping ratio: it must hold however soft
-    the disc is.
+    disc takes its partner's values, and the stiffness that a liquefied layer had before, so that no disc comes to lie
+    on it. A rigid line takes its partner's values too, but with the stiffest normal spring of all layers and a dashpot
+    of the same damping ratio: it must hold however soft the disc is.
 
     law "soil": a contact between two materials is as strong as the weaker of them at its normal force, for slip and for
-    rolling; so a liquefied layer of a single row has no strength either, and sand beside clay has the lesser of mu Fn
-    and C. Stiffness is still a mean. The arithmetic one is the default: with the harmonic one, that of springs one
-    after the other, the gaps at both faces of a softened layer are soft too, and liquefied slides of S-13 settled by
-    more than twice what the paper tells; with the arithmetic one they settled by 0.28, 0.75 and 1.09 m where it tells
-    0.1, 0.5 and 1.0 m. law "paper": raises ValueError for layers with constants of soil discs.
+    rolling: sand beside clay has the lesser of mu Fn and C. Stiffness is a mean, the arithmetic one by default.
+    Contacts of a liquefied layer are gone as far as it has faded. law "paper": ValueError for constants of soil discs.
     """
     if not layers:
         raise ValueError("no layers: the table of springs needs at least one")
@@ -340,8 +335,9 @@ def pair_table(
     pairs = _square(values, mean)
     held = np.maximum(values[KN], [layer.boundary for layer in layers])
     pairs[KN, :n, n] = pairs[KN, n, :n] = held
-    _fade(pairs, layers)
-    np.divide(_attraction(layers) * _left(layers), pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
+    left = share_left([layer.faded for layer in layers])
+    fade(pairs, left)
+    np.divide(_attraction(layers) * left, pairs[KN], out=pairs[GAP], where=pairs[KN] > 0.0)
     np.minimum(pairs[GAP], widest, out=pairs[GAP])
     lines = np.zeros((CONSTANTS, n + 1))
     lines[:, :n] = values
@@ -350,8 +346,7 @@ def pair_table(
     lines[[MU, MU_OTHER, COHESION, COHESION_OTHER, MU_ROLLING], :n] *= 1.0 - np.array([s.faded for s in layers])
     if law == "soil":
         _weaker(pairs[:, :n, :n], values)
-        pairs[COHESION] *= _left(layers)
-        pairs[COHESION_OTHER] *= _left(layers)
+        pairs[[COHESION, COHESION_OTHER]] *= left
     for table in (pairs, lines):
         for spring, flexibility in ((KS, FKS), (KPS, FKPS)):
             np.divide(1.0, table[spring], out=table[flexibility], where=table[spring] > 0.0)
@@ -366,19 +361,6 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
     for row, second in ((MU, MU_OTHER), (COHESION, COHESION_OTHER)):
         pairs[row], pairs[second] = own[row], other[row]
     pairs[MU_ROLLING] = np.minimum(own[MU_ROLLING], other[MU_ROLLING])
-
-
-def _left(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """Share of the contacts between layers, and with the boundary, that is left (n + 1, n + 1)."""
-    own = np.array([*(1.0 - layer.faded for layer in layers), 1.0])
-    return np.minimum(own[:, None], own[None, :])
-
-
-def _fade(pairs: np.ndarray, layers: Sequence[LayerSprings]) -> None:
-    """Takes what is gone off the stiffness of contacts; those that are gone as a whole may overlap as they like."""
-    left = _left(layers)
-    pairs[[KN, KS, CN, CT, STOP]] *= left
-    pairs[ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[ALLOWED])
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:

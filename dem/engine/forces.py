@@ -7,11 +7,11 @@ import numpy as np
 from dem.engine.engine import CrackBy, law_of, springs_of
 from dem.engine.packer import pack, unpack
 from dem.engine.sharing import needs
-from dem.kernels.arguments import Clock, Entries, Loads, Team
+from dem.kernels.arguments import LEDGER, Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
 from dem.kernels.scratch import new_scratch
-from dem.kernels.stepping import LEDGER, take_steps
+from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 
 

@@ -4,6 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dem.kernels.arguments import BONDS as LIQUEFIED_SLIP
+from dem.kernels.arguments import (
+    CRACKS,
+    DASHPOT,
+    ROLLING,
+    SLIDING,
+    STAND_IN,
+    VISCOSITY,
+    WORK_BOUNDARY,
+    WORK_EXTERNAL,
+    WORK_WEIGHT,
+)
 from dem.kernels.energy import (
     BONDS,
     ELEMENTS,
@@ -18,20 +30,6 @@ from dem.kernels.energy import (
     ROLLING_SPRINGS,
     ROTATION,
     TRANSLATION,
-)
-from dem.kernels.stepping import (
-    BONDS as LIQUEFIED_SLIP,
-)
-from dem.kernels.stepping import (
-    CRACKS,
-    DASHPOT,
-    ROLLING,
-    SLIDING,
-    STAND_IN,
-    VISCOSITY,
-    WORK_BOUNDARY,
-    WORK_EXTERNAL,
-    WORK_WEIGHT,
 )
 
 

@@ -6,6 +6,12 @@ import numpy as np
 
 from dem.kernels.period import Period
 
+# Columns of the ledger kept per slice: work of weight, of external acceleration and of moving boundaries; energy
+# dissipated by dashpots, by sliding, by cracks, by rolling; in liquefied ground by the slip of bonds, and by viscosity;
+# work of pore water that stands in for ground which has not liquefied. All in J per metre out of plane.
+WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING, BONDS, VISCOSITY, STAND_IN = range(10)
+LEDGER = 10
+
 
 class Springs(NamedTuple):
     """Constants of all contacts.

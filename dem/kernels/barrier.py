@@ -93,3 +93,9 @@ def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
         spins += 1
         if spins % SPINS == 0:
             give_way()
+
+
+@inner(nogil=True, _nrt=False)
+def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
+    """First slice of a thread, and the one after its last."""
+    return slices * thread // threads, slices * (thread + 1) // threads

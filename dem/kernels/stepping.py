@@ -11,13 +11,27 @@ they are still in the cache. A slice that shares contacts with another thread's 
 that thread has been through the last of them: all threads meet only once a step.
 """
 
-import math
-
 import numpy as np
 from numba import njit
 
-from dem.kernels.arguments import Clock, Entries, Law, Loads, Springs, State, Step, Team
-from dem.kernels.barrier import report, wait, wait_for
+from dem.kernels.arguments import (
+    CRACKS,
+    DASHPOT,
+    ROLLING,
+    SLIDING,
+    WORK_BOUNDARY,
+    WORK_EXTERNAL,
+    WORK_WEIGHT,
+    Clock,
+    Entries,
+    Law,
+    Loads,
+    Springs,
+    State,
+    Step,
+    Team,
+)
+from dem.kernels.barrier import report, slices_of, wait, wait_for
 from dem.kernels.chunks import add, contacts, contacts_with_losses, line_contact
 from dem.kernels.inner import inner
 from dem.kernels.layout import (
@@ -48,15 +62,7 @@ from dem.kernels.layout import (
     X,
     Z,
 )
-from dem.kernels.liquefied_pairs import (
-    FORCE_X,
-    FORCE_Z,
-    RELAXES,
-    look_at_discs,
-    look_at_pairs,
-    press_pairs,
-    sum_pairs,
-)
+from dem.kernels.liquefied_step import add_pressed, press
 from dem.kernels.losses import along
 from dem.kernels.prefetch import LINE, fetch, wide_vectors
 from dem.kernels.records import EIGHT, add_gathered, spread
@@ -65,12 +71,6 @@ from dem.kernels.swing import momentum_of_swings, swing_slice
 
 # Why a run of the kernel came to its end.
 DONE, MOVED, OVERLAP = 0, 1, 2
-
-# Columns of the ledger kept per slice: work of weight, of external acceleration and of moving boundaries; energy
-# dissipated by dashpots, by sliding, by cracks, by rolling; in liquefied ground by the slip of bonds, and by viscosity;
-# work of pore water that stands in for ground which has not liquefied. All in J per metre out of plane.
-WORK_WEIGHT, WORK_EXTERNAL, WORK_BOUNDARY, DASHPOT, SLIDING, CRACKS, ROLLING, BONDS, VISCOSITY, STAND_IN = range(10)
-LEDGER = 10
 
 OWN_LINES = (DISC_FIELDS - 1) * LANES // 8  # cache lines of a slice that its neighbours do not read, MASS left out
 
@@ -225,49 +225,6 @@ def contacts_of_slice(
 
 
 @inner(nogil=True, _nrt=False)
-def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
-    """Looks at the pairs of liquefied ground: their forces are held from now on; threads meet three times."""
-    wet = layout.liquefied
-    slices = len(layout.chunk_start) - 1
-    begin, end = slices_of(team.thread, team.threads, slices)
-    ahead, damping_time = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    kept = math.exp(-damping_time / RELAXES)
-    for p in range(begin, end):
-        work = look_at_pairs(wet.start[p], wet.start[p + 1], wet, layout.shared, ahead, law.period, entries.kept)
-        if entries.kept:
-            entries.sums[p, STAND_IN] += work
-    if team.threads > 1:
-        wait(team.barrier, team.threads)
-    for p in range(begin, end):
-        lost = look_at_discs(wet.near_start[p], wet.near_start[p + 1], wet, layout.shared, ahead, entries.kept)
-        if entries.kept:
-            entries.sums[p, VISCOSITY] += lost
-    if team.threads > 1:
-        wait(team.barrier, team.threads)
-    for p in range(begin, end):
-        slid, damped, work = press_pairs(wet.start[p], wet.start[p + 1], wet, damping_time, kept, entries.kept)
-        if entries.kept:
-            entries.sums[p, BONDS] += slid
-            entries.sums[p, VISCOSITY] += damped
-            entries.sums[p, STAND_IN] += work
-    if team.threads > 1:
-        wait(team.barrier, team.threads)
-    for p in range(begin, end):
-        sum_pairs(wet.near_start[p], wet.near_start[p + 1], wet)
-
-
-@inner(nogil=True, _nrt=False)
-def add_pressed(p: int, layout: Layout, scratch: np.ndarray) -> None:
-    """Adds the forces that liquefied ground holds to those on the discs of slice p."""
-    wet = layout.liquefied
-    for k in range(wet.near_start[p], wet.near_start[p + 1]):
-        i = np.int64(wet.near[k])
-        q = np.uint64(i % LANES)
-        scratch[SUM_X + q] += wet.discs[i, FORCE_X]
-        scratch[SUM_Z + q] += wet.discs[i, FORCE_Z]
-
-
-@inner(nogil=True, _nrt=False)
 def move_slice(p: int, layout: Layout, scratch: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
     """Sums the forces on slice p and moves it; True if a disc has left the reach of the neighbour list.
 
@@ -300,12 +257,6 @@ def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) 
         place += 1
     span = times[place + 1] - times[place]
     return values[place] + (values[place + 1] - values[place]) * ((time - times[place]) / span)
-
-
-@inner(nogil=True, _nrt=False)
-def slices_of(thread: int, threads: int, slices: int) -> tuple[int, int]:
-    """First slice of a thread, and the one after its last."""
-    return slices * thread // threads, slices * (thread + 1) // threads
 
 
 @inner(nogil=True, _nrt=False, forceinline=True)

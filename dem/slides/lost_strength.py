@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from dem.ground import Ground
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, Onset
 from dem.model import DiscModel
@@ -30,7 +32,7 @@ def liquefied(
             if law == "soil":
                 layer = replace(layer, faded=share)
             else:
-                factors = (case.stiffness, case.damping, case.friction)
+                factors = (case.stiffness, case.damping_left, case.friction)
                 layer = layer.liquefied(*(float(max(f, 1e-12) ** share) if share < 1.0 else f for f in factors))
         out.append(layer if law == "soil" else replace(layer, allowed_overlap=NO_LIMIT))
     return out

@@ -167,7 +167,7 @@ def level() -> tuple[DiscModel, Ground]:
 
 
 def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None:
-    """Of level ground with a buoyant layer below: exact in the middle, within a twentieth beside the walls."""
+    """Of level ground with a buoyant layer below: within 3 % in the middle, 15 % beside the walls."""
     model = level[0]
     found = effective_overburden(model)
     row = np.round(model.z / (np.sqrt(3.0) * RADIUS)).astype(int)
@@ -178,7 +178,7 @@ def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None
     middle = free & (np.abs(model.x - model.x.mean()) < 6.0 * RADIUS)
     for k in range(lowest, top + 1):
         assert found[middle & (row == k)] == pytest.approx(expected[k - lowest], rel=0.03)
-    assert found[free] == pytest.approx(expected[row[free] - lowest], rel=0.1)
+    assert found[free] == pytest.approx(expected[row[free] - lowest], rel=0.15)
 
 
 def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
