@@ -246,7 +246,8 @@ class SlideSettings(Model):
         default=0.1,
         ge=0.0,
         le=1.0,
-        description='seismic coefficient that is held; "k_max" takes that of [site_response]',
+        description='seismic coefficient that is held; "k_max" takes that of [site_response], "earthquake" that of '
+        "[earthquake] with its seconds, which is the default where there is one",
     )
     kh_seconds: float | None = Field(
         default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
@@ -308,7 +309,9 @@ class SlideSettings(Model):
             return "the average acceleration above the slip surface"
         if self.accelerogram:
             return f"the record {Path(self.accelerogram).name}"
-        return f"Kh = {self.kh:g}" if self.kh > 0.0 else "its weight alone"
+        if self.kh == 0.0:
+            return "its weight alone"
+        return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
     def onset_of(self, model: Literal["soil", "paper"]) -> float:
         """`onset` (s), or what it is for the model of the discs."""

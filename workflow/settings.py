@@ -23,7 +23,7 @@ from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.column import column_of
 from workflow.earthquake.records_in_use import remarks
-from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
+from workflow.earthquake.settings import EARTHQUAKE, EarthquakeSettings, SiteResponseSettings, push_of_slides
 from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.free_face import FreeFaceSettings
@@ -215,7 +215,13 @@ class Input(Section):
     def notices(self) -> list[str]:
         """What a person has to know of the section, of its mesh and of its records, one sentence each."""
         cut_off = [line for one in self.reach.values() for line in one.notice.splitlines()]
-        return [*super().notices, *self.mesh.notices(self), *cut_off, *remarks(self)]
+        return [*super().notices, *self.mesh.notices(self), *cut_off, *self.notices_of_shaking]
+
+    @property
+    def notices_of_shaking(self) -> list[str]:
+        """What a person has to know of the earthquake and its records, and of what it does to the slides."""
+        slides = any(stratum.liquefies_in for stratum in self.strata)
+        return [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
@@ -231,6 +237,11 @@ class Input(Section):
         if slide.get("kh") == K_MAX:
             given = cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
             given._left_to_the_sample = {"slide": {"kh": K_MAX}}
+            return given
+        if push := push_of_slides(data.get("earthquake"), slide, source):
+            given = cls.parse(merged(data, {"slide": push}), source)
+            left = [key for key in push if f"slide.{key}" not in given.uncertain.numbers]
+            given._left_to_the_sample = {"slide": dict.fromkeys(left, EARTHQUAKE)}
             return given
         given = super().parse(data, source)
         asked = given.triggering.cases or given.triggering.pore_pressure

@@ -90,7 +90,14 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
     verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
     rows = [(one.stage.name, verbs[one.action], one.why or "nothing has changed") for one in decisions]
     show_table(("stage", "would", "because"), rows)
+    _show_shaking(job)
     return _show_time(job, decisions)
+
+
+def _show_shaking(job: Job) -> None:
+    """What was done to records, what is doubtful about them and the earthquake, and which Kh follows from it."""
+    for text in job.given.notices_of_shaking:
+        out.print(escape(f"Mind: {text}."))
 
 
 def _show_time(job: Job, decisions: Sequence[Decision]) -> None:
@@ -137,14 +144,12 @@ def _tell(job: Job, choice: Choice, voice: Voice, pdf: bool) -> None:
 
 
 def _tell_in_sentences(job: Job, choice: Choice) -> None:
-    from workflow.earthquake.records_in_use import remarks
     from workflow.report.console import sentences
     from workflow.results.results import Results
 
     ends = Results.of(job).ends
     if "mesh" not in choice.chosen:  # which tells them itself
-        for remark in remarks(job.given):
-            out.print(escape(f"Mind: {remark}."))
+        _show_shaking(job)
     for stage in job.stages:
         if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
             for line in sentences(stage.name, job.given, job.store):

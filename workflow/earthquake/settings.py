@@ -1,10 +1,12 @@
 """The earthquake of a section, a table [earthquake], and the peak acceleration that it lets expect."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
+from dem.settings import SlideSettings
 from meshes.errors import InputError
 from meshes.section.quantity import Coordinate, Density, Length
 from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
@@ -12,9 +14,11 @@ from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
-from workflow.earthquake.attenuation import Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
+from workflow.earthquake.attenuation import GAL, Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
+from workflow.earthquake.equivalent_kh import EquivalentKh, equivalent_kh
 
+EARTHQUAKE = "earthquake"  # in place of the Kh of the slides and of its seconds: those that stand for [earthquake]
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
@@ -76,6 +80,46 @@ class EarthquakeSettings(Model):
         except InputError as error:
             raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
+    def contradiction(self) -> str:
+        """That the peak is not what magnitude and distance let expect, to one standard deviation; empty where it is.
+
+        The peak counts then, and the distance does not.
+        """
+        given = self.peak_acceleration is not None or bool(self.record)
+        if not given or self.magnitude is None or self.distance is None:
+            return ""
+        try:
+            found, let_expect = self.motion(), expected(self, self.magnitude, self.distance)
+        except InputError:  # told by problems, or nothing is expected there
+            return ""
+        if found is None or let_expect.low <= found.median <= let_expect.high:
+            return ""
+        between = f"{let_expect.low / GAL:.0f} to {let_expect.high / GAL:.0f}; {let_expect.relation}"
+        return (
+            f"earthquake: the peak is {found.median / GAL:.0f} gal, {found.relation}, where M {self.magnitude:g} at "
+            f"{self.distance / 1000.0:g} km lets {let_expect.median / GAL:.0f} gal expect ({between}): the peak "
+            "counts, and relations that need the distance are not used"
+        )
+
+    def notices(self, slide: SlideSettings | None) -> list[str]:
+        """What contradicts itself, and where the Kh of the slides comes from, if there are any and it is of here."""
+        told, found = self.contradiction(), self.equivalent()
+        if slide is None or found is None or slide.accelerogram:
+            return [told] if told else []
+        if (slide.kh, slide.kh_seconds) != (found.kh, found.seconds):
+            return [told] if told else []
+        pushed = f"slide, kh = {found.kh:g} of [earthquake]: {found.words}; all that time it pushes one way"
+        return [told, pushed] if told else [pushed]
+
+    def equivalent(self) -> EquivalentKh | None:
+        """The constant Kh that stands for it, and for how long; None where nothing says its peak."""
+        try:
+            motion = self.motion()
+            record = self._recorded() if self.record and self.peak_acceleration is None else None
+        except InputError:
+            return None
+        return None if motion is None else equivalent_kh(motion, self.magnitude, record)
+
     def problems(self) -> list[str]:
         """What the relation misses, or cannot be used for; a record is looked at when it is read."""
         if self.record and self.peak_acceleration is None:
@@ -112,6 +156,28 @@ class SiteResponseSettings(Model):
         description="the depth of the slip surface there, above which acceleration is averaged, for a block (by "
         'default that of the finite elements) and for kh = "k_max" in [slide]',
     )
+
+
+def push_of_slides(earthquake: Any, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Kh of the slides, and its seconds unless they are given, where these are left to the earthquake of an input.
+
+    Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Raises InputError where kh =
+    "earthquake" is asked for and nothing says its peak.
+    """
+    kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
+    seconds_left = slide.get("kh_seconds", EARTHQUAKE if kh_left else None) == EARTHQUAKE
+    if slide.get("accelerogram") or not (kh_left or seconds_left):
+        return {}
+    try:
+        found = EarthquakeSettings.model_validate(earthquake or {}).equivalent()
+    except ValidationError:
+        found = None
+    if found is None and EARTHQUAKE in (slide.get("kh"), slide.get("kh_seconds")):
+        told = f'slide, kh = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and distance'
+        raise InputError(source, [told])
+    if found is None:
+        return {}
+    return {**({"kh": found.kh} if kh_left else {}), **({"kh_seconds": found.seconds} if seconds_left else {})}
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:

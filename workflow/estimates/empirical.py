@@ -147,6 +147,12 @@ def _spreading(given: Input, tests: Sequence[Judged]) -> Iterator[Estimate]:
     distance, magnitude = given.earthquake.distance, given.earthquake.magnitude
     if magnitude is None or distance is None:
         return
+    if given.earthquake.contradiction():
+        words = (
+            f"not computed: the distance of {distance / 1000.0:g} km contradicts the peak acceleration, which counts"
+        )
+        yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
+        return
     loose = [test for test in tests if test.found is not None and normalised_counts(test, given.triggering)[0] < LOOSE]
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
     known = [(test, one) for test, one in known if one.fines is not None and one.d50 is not None]
