@@ -15,6 +15,7 @@ have a weight w: D sums w times these, and the stress of the first problem is th
 solves the second one, which is the smaller, and gives the stress as its multipliers.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -25,7 +26,6 @@ from scipy import sparse
 
 from fem.blas import use_one_thread
 from fem.meanwhile import interruptible
-from fem.symmetric import factorised
 
 use_one_thread()
 
@@ -45,7 +45,12 @@ REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
 # Tolerances met almost will do where the equations are met to this.
 NEARLY = 1e-6
 MOST_ITERATIONS = 120
-MOST_CORRECTIONS = 30
+# Work is counted in seconds of a reference machine, so that its clock and its load decide nothing: an iteration whose
+# factors have so many nonzeros takes so long, and goes with this power of them (measured from 0.2 to 2.5 million of
+# them, and a fifth more for all around it). However little work is left, a program is given so many iterations: most
+# need 16 to 35.
+COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
+LEAST_ITERATIONS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +131,8 @@ class Solution:
         Whether it met its tolerances, at least almost, or proved that there is no solution, and not only almost.
     iterations : int
         Iterations of the interior point method, over all regularisations.
+    work : float
+        Their work in seconds of the reference machine, counted and not measured.
     seconds : float
         Time it took.
     """
@@ -139,18 +146,19 @@ class Solution:
     none: str
     sure: bool
     iterations: int
+    work: float
     seconds: float
 
 
-def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0) -> Solution:
+def solve(program: ConeProgram, again: bool = False, magnified: float = 1.0, most_work: float = math.inf) -> Solution:
     """Stress, velocities and multiplier of a program of bounds.
 
     A solver that ends without an answer, or meets its tolerances only almost, is asked ``again`` with more
     regularisation; bounds are checked, and take what it left. Forces are handed to it ``magnified`` times as large: its
-    residuals count as absolute below one.
+    residuals count as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
-    return _solve(program, REGULARISATIONS if again else REGULARISATIONS[:1], feasibility, magnified)
+    return _solve(program, REGULARISATIONS if again else REGULARISATIONS[:1], feasibility, magnified, most_work)
 
 
 def solve_for_elements(program: ConeProgram) -> Solution:
@@ -159,17 +167,24 @@ def solve_for_elements(program: ConeProgram) -> Solution:
 
 
 def _solve(
-    program: ConeProgram, regularisations: Sequence[float], feasibility: float, magnified: float = 1.0
+    program: ConeProgram,
+    regularisations: Sequence[float],
+    feasibility: float,
+    magnified: float = 1.0,
+    most_work: float = math.inf,
 ) -> Solution:
     """The solution by the first of some regularisations that leads to one, or by the best of them."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = _assembled(program, clay)
     ends: list[clarabel.DefaultSolution] = []
+    work = 0.0
     for regularisation in regularisations:
         settings = _settings(regularisation, feasibility)
-        ends.append(interruptible(partial(_solved, data, magnified, settings)))
-        if _poorness(ends[-1]) == 0:
+        end, cost = interruptible(partial(_solved, data, magnified, settings, most_work - work))
+        ends.append(end)
+        work += cost * end.iterations
+        if _poorness(end) == 0 or work >= most_work:
             break
     found = min(ends, key=_poorness)
     status = str(found.status)
@@ -187,17 +202,24 @@ def _solve(
         none=none,
         sure=_poorness(found) <= 1,
         iterations=sum(end.iterations for end in ends),
+        work=work,
         seconds=found.solve_time,
     )
 
 
-def _solved(data: "_Assembled", magnified: float, settings: clarabel.DefaultSettings) -> clarabel.DefaultSolution:
-    """What the solver finds; with a callback it would keep Python's lock."""
+def _solved(
+    data: "_Assembled", magnified: float, settings: clarabel.DefaultSettings, most_work: float
+) -> tuple[clarabel.DefaultSolution, float]:
+    """What the solver finds in so much work, and the work of an iteration; with a callback it would keep Python's
+    lock."""
     none = sparse.csc_matrix((len(data.cost), len(data.cost)))
-    solver = clarabel.DefaultSolver(
-        none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones, settings
-    )  # fmt: skip
-    return solver.solve()
+    data_of_solver = none, magnified * data.cost, data.matrix.tocsc(), data.offset, data.cones
+    solver = clarabel.DefaultSolver(*data_of_solver, settings)
+    cost = COST_SECONDS * (solver.get_info().linsolver.nnzL / COST_NONZEROS) ** COST_EXPONENT
+    if most_work < settings.max_iter * cost:
+        settings.max_iter = max(LEAST_ITERATIONS, int(most_work / cost))
+        solver.update(settings=settings)
+    return solver.solve(), cost
 
 
 def _poorness(found: clarabel.DefaultSolution) -> int:
@@ -343,24 +365,3 @@ def _settings(regularisation: float, feasibility: float) -> clarabel.DefaultSett
     settings.presolve_enable = False
     settings.direct_solve_method = "qdldl"  # faster on such matrices than the multithreaded one
     return settings
-
-
-def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
-    """The shortest d with ``matrix`` d = ``residual`` as nearly as rounding allows; rows may depend on each other."""
-    rows = matrix.shape[0]
-    if rows == 0 or not np.any(residual):
-        return np.zeros(matrix.shape[1])
-    matrix = sparse.csr_matrix(matrix)
-    length = np.sqrt(np.asarray(matrix.multiply(matrix).sum(axis=1)).ravel())
-    scaled = sparse.diags(1.0 / np.where(length > 0.0, length, 1.0)) @ matrix
-    left = residual / np.where(length > 0.0, length, 1.0)
-    factors = factorised(scaled @ scaled.T + 1e-10 * sparse.identity(rows))
-    found = np.zeros(matrix.shape[1])
-    missed = np.inf
-    for _ in range(MOST_CORRECTIONS):
-        rest = left - scaled @ found
-        if not np.abs(rest).max() < 0.5 * missed:  # no longer better, or no number
-            break
-        missed = np.abs(rest).max()
-        found += scaled.T @ factors.solve(rest)
-    return found

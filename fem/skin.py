@@ -128,8 +128,8 @@ def skins(
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
-    """The cohesionless faces that fall in the direction of the push; without shaking, in any."""
-    directions = ("downhill", "uphill") if kh == 0.0 else (settings.direction,)
+    """The cohesionless faces that fall in a direction of the push that is asked for; without shaking, in any."""
+    directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.model_copy(update={"direction": direction}) for direction in directions]
     return [face for wish in wishes for face in skins(section, wish, shaken=kh != 0.0)]
 

@@ -6,15 +6,17 @@ are as strict, and judge the finite elements with that substitute.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.errors import UnstableError
-from fem.limit.adaptive_bounds import Bracket, Limits, Observer, bracket, proven_upper_bound
+from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
+from fem.limit.bracket import Limits
+from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.loads import lifted, push, soils
+from fem.loads import Direction, lifted, push, soils
 from fem.repetition import refuse_other_sides
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import Skin, skins, strengthened
@@ -35,7 +37,7 @@ COARSE_CELLS = 8000
 
 
 @dataclass(frozen=True, eq=False)
-class KhBounds(Bracket):
+class KhBounds(SmallerKhBounds):
     """Bounds of the critical Kh with ψ = φ, and what else was found on the way.
 
     Attributes
@@ -46,20 +48,43 @@ class KhBounds(Bracket):
         bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
         the ground as it is given.
     section : Section
-        What was analysed: the section, or that with its faces strengthened.
-    substitute : Bracket or None
-        Bounds of Davis's substitute, where ψ < φ and it was asked for; from the last mesh of those for ψ = φ.
+        What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
+    substitute : SmallerKhBounds or None
+        Bounds of Davis's substitute, where ψ < φ and it was asked for; from the last meshes of those for ψ = φ.
     """
 
     skins: tuple[Skin, ...] = ()
     section: Section | None = None
-    substitute: Bracket | None = None
+    substitute: SmallerKhBounds | None = None
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """What is analysed in one direction: settings, triangles allowed, faces whose grains roll down, and the section
+    with its faces strengthened if there are any."""
+
+    fem: FemSettings
+    max_cells: int
+    skins: tuple[Skin, ...]
+    section: Section
+
+    def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
+        """The search for bounds; ``after`` another one of stronger ground for Davis's substitute, on its last mesh if
+        the work left allows that."""
+        if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:
+            mesh = after.found.mesh
+        else:
+            mesh = first_mesh(self.section, self.max_cells, self.fem.sides == "tied")
+        direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
+        towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
+        body = body_of(self.section, mesh, self.fem, davis=after is not None)
+        return DirectionSearch(mesh, body, limits, direction, towards)
 
 
 def kh_bounds(
-    section: Section, fem: FemSettings, settings: BoundsSettings, observer: Observer | None = None
+    section: Section, fem: FemSettings, settings: BoundsSettings, observer: KhObserver | None = None
 ) -> KhBounds:
-    """Lower and upper bound of Kh. Sides, direction and vertical coefficient are those of the finite elements.
+    """Lower and upper bound of Kh. Sides, directions and vertical coefficient are those of the finite elements.
 
     Raises InputError if the section lacks what the analysis needs or its sides are tied and differ, UnstableError if it
     is proven to fail whatever the push, BadMeshError if there are no triangles.
@@ -67,29 +92,49 @@ def kh_bounds(
     strata = soils(section, fem)
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
-    limits = Limits(settings.gap, settings.max_cells, settings.seconds, enough=0.0)
-
-    def bounds_of(ground: Section) -> Bracket:
-        mesh = first_mesh(ground, settings.max_cells, fem.sides == "tied")
-        return bracket(mesh, body_of(ground, mesh, fem), limits, observer)
-
-    govern = governing_skins(section, fem)
-    whole = strengthened(section, skins(section, fem), fem) if govern else section
-    found = bounds_of(whole)
-    govern = [face for face in govern if face.kh < found.upper]
-    if whole is not section and not govern:  # what coarse triangles bore too much decides: no face needs strength
-        whole, found = section, bounds_of(section)
-    if found.upper < 0.0 and section.uplift is not None:
-        raise lifted(section.uplift, "the section fails under its own weight")
-    if found.upper < 0.0:
-        raise UnstableError(
-            f"the section fails under its own weight: its Kh is at most {found.upper:.3g}; check strengths, densities"
-        )
-    substitute = None
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
-    if davis and not is_dilating_fully(strata):
-        substitute = bracket(found.mesh, body_of(whole, found.mesh, fem, davis=True), limits, observer)
-    return KhBounds(**vars(found), skins=tuple(govern), section=whole, substitute=substitute)
+    with_davis = davis and not is_dilating_fully(strata)
+    limits = Limits(settings.gap, settings.max_cells, settings.seconds / (2.0 if with_davis else 1.0), enough=0.0)
+    grounds = {direction: _ground_of(section, fem, settings.max_cells, direction) for direction in directions_of(fem)}
+    searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
+    found = search_all(tuple(searches.values()), limits, observer)
+    for direction, ground in grounds.items():
+        if ground.section is not section and not any(face.kh < found.upper for face in ground.skins):
+            # What coarse triangles bore too much decided: no face needs strength.
+            grounds[direction] = replace(ground, section=section, skins=())
+            left = replace(limits, seconds=limits.seconds - searches[direction].work)
+            searches[direction] = grounds[direction].search(left)
+    found = search_all(tuple(searches.values()), limits, observer)
+    if found.upper < 0.0:
+        raise _unstable(section, found.upper)
+    substitute = None
+    if with_davis:
+        left = replace(limits, seconds=settings.seconds - sum(search.work for search in searches.values()))
+        weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
+        substitute = search_all(weaker, left, observer)
+    govern = tuple(face for ground in grounds.values() for face in ground.skins if face.kh < found.upper)
+    analysed = grounds[found.directions[0].direction].section
+    return KhBounds(**vars(found), skins=govern, section=analysed, substitute=substitute)
+
+
+def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
+    """The directions of the seismic force that are asked for."""
+    return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
+
+
+def _ground_of(section: Section, fem: FemSettings, max_cells: int, direction: Direction) -> _Ground:
+    one_way = fem.model_copy(update={"direction": direction})
+    govern = tuple(governing_skins(section, one_way))
+    whole = strengthened(section, skins(section, one_way), one_way) if govern else section
+    return _Ground(one_way, max_cells, govern, whole)
+
+
+def _unstable(section: Section, upper: float) -> UnstableError:
+    """What is said of ground whose Kh is below zero; below -1 the number means nothing."""
+    if section.uplift is not None:
+        return lifted(section.uplift, "the section fails under its own weight")
+    most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could hold it"
+    return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 
 def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:

@@ -5,12 +5,14 @@ traction across an edge may not. Mohr-Coulomb holds at the corners as a cone (Ma
 Sloan 2002 for its smooth forms) and therefore, being convex, everywhere in between.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
 from fem import cone_program
+from fem.least_norm import smallest_correction
 from fem.limit.bound_checks import yield_slack
 from fem.limit.limit_problem import LimitProblem, bare_corners
 from fem.limit.point_freedom import DEPENDENT, stress_free_corners
@@ -54,11 +56,14 @@ class LowerBound:
     solution: cone_program.Solution
 
 
-def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False) -> LowerBound:
+def lower_bound(
+    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False, most_work: float = math.inf
+) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
-    ``again`` asks a solver that has no answer for more regularisation.
+    ``again`` asks a solver that has no answer for more regularisation. After ``most_work`` (s of the reference machine)
+    it ends with what it has.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -81,9 +86,9 @@ def lower_bound(problem: LimitProblem, more_margin: np.ndarray | float = 0.0, ag
         tension=np.repeat(problem.tension, 3)[free[::3]],
         bare=bare_corners(problem).ravel()[free[::3]],
     )
-    solution = cone_program.solve(program, again)
+    solution = cone_program.solve(program, again, most_work=most_work)
     found = solution.stress.ravel()
-    found = found + cone_program.smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
+    found = found + smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
     stress[free], work[free] = found, np.abs(balance.T @ solution.rates)
     if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress

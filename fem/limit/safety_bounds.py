@@ -11,80 +11,20 @@ share of all loads that the ground carries is bounded in place of Kh, and F is a
 """
 
 import math
-import time
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-
-from fem.limit.adaptive_bounds import (
-    AIM_BEYOND,
-    GROWTH,
-    LEAST_GROWTH,
-    MOST_GROWTH,
-    NARROW_ANGLE,
-    proven_lower_bound,
-    proven_upper_bound,
-    refined,
-    refinement_indicator,
-    singular_points,
-)
-from fem.limit.bounds import COARSE_CELLS, body_of, first_mesh, strengths
-from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
+from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
+from fem.limit.factor_search import FactorSearch, FactorWork, Start, Trial, gap_of_factors
+from fem.loads import Direction
 from fem.settings import BoundsSettings, FemSettings
 from fem.skin import faces_at, least_rolling_factor, strengthened
-from meshes.bisection import fan_out
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
-# The largest and smallest factor looked for, and by how much it changes at most from trial to trial.
-SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
-# Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
-# side of it, so that it proves.
-TRIALS, MARGIN = 10, 0.002
-# Trials, at most, that prove a bound on one mesh.
-PROOFS = 4
-# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
-INSIDE = 0.05
-# A coarse factor is good enough to refine at when it is this close, or this close over what the bounds leave open.
-CLOSE, OPEN = 0.01, 0.2
-# A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
-FAR = 1.0
-
-# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
-Gauge = Literal["kh", "loads"]
-BoundSide = Literal["lower", "upper"]
-
-
-@dataclass(frozen=True)
-class Trial:
-    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
-
-    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne`` says
-    that no Kh was found with which a stress would balance the weight.
-    """
-
-    factor: float
-    cells: int
-    gauge: Gauge
-    lower: float | None
-    upper: float | None
-    unborne: bool
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Start:
-    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, whether sides are held, and the
-    lower bound that is enough."""
-
-    kh: float
-    factor: float
-    davis: bool
-    held: bool
-    enough: float = math.inf
+# Why no finer triangles were made: the factor is close enough, or no more triangles or work are allowed.
+FactorEnd = Literal["gap", "triangles", "time"]
 
 
 @dataclass(frozen=True)
@@ -93,7 +33,8 @@ class SafetyBounds:
 
     ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least
     depth below such faces was then strengthened, as in the finite elements, and the bounds are of the slope as a whole:
-    strict for the ground so strengthened. Without it they are strict for the ground as it is given.
+    strict for the ground so strengthened. Without it they are strict for the ground as it is given. ``direction`` is
+    that of the seismic force with which it fails, None without any; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -102,11 +43,13 @@ class SafetyBounds:
     cells: int
     trials: list[Trial]
     skin: float | None = None
+    direction: Direction | None = None
+    ended: FactorEnd = "gap"
 
     @property
     def gap(self) -> float:
         """Upper less lower bound over their mean, inf where one is missing."""
-        return _gap(self.lower, self.upper)
+        return gap_of_factors(self.lower, self.upper)
 
 
 def safety_bounds(
@@ -121,278 +64,61 @@ def safety_bounds(
     """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
 
     ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
-    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at. Raises InputError as
-    ``kh_bounds`` does, NoAnswerError if no factor from 0.02 to 20 is between safe and unsafe, BadMeshError if there are
-    no triangles.
+    ``guess`` is where to begin, and only costs time. Both directions of the push are looked at, within the work that
+    the ``settings`` allow. Raises InputError as ``kh_bounds`` does, NoAnswerError if no factor from 0.02 to 20 is
+    between safe and unsafe, BadMeshError if there are no triangles.
     """
-    start = Start(kh, guess, davis, held)
+    start, work = Start(kh, guess, davis, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     skin = least_rolling_factor(section, faces, kh, strengths(section.strata, davis)[1])
-    if skin is not None and not _fails_before(section, fem, settings, replace(start, factor=skin)):
-        found = _bounds_of(strengthened(section, faces, fem), fem, settings, start)
+    if skin is not None and not _fails_before(section, fem, settings, replace(start, factor=skin), work):
+        found = _bounds_of(strengthened(section, faces, fem), fem, settings, start, work)
         if skin < found.upper:
             return replace(found, skin=skin)
-    return _bounds_of(section, fem, settings, start)
+    return _bounds_of(section, fem, settings, start, work)
 
 
-def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> bool:
+def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> bool:
     """Whether the section as it is given fails at a smaller factor than grains roll down its faces at, by a mechanism
     on coarse triangles."""
     mesh = first_mesh(section, COARSE_CELLS, fem.sides == "tied")
-    searches = (_Search(section, mesh, fem, settings, sign, start) for sign in (1, -1))
+    searches = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
     return any(search.measure(start.factor, lower=False) and search.upper <= start.factor for search in searches)
 
 
-def _bounds_of(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start) -> SafetyBounds:
+def _bounds_of(
+    section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork
+) -> SafetyBounds:
     """The bounds of a section as it stands, its faces strengthened or not."""
-    mesh = first_mesh(section, settings.max_cells, fem.sides == "tied")
-    searches = [_Search(section, mesh, fem, settings, 1, start)]
+
+    def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
+        return FactorSearch(section, mesh, fem, settings, sign, start, work)
+
+    searches = [search(first_mesh(section, settings.max_cells, fem.sides == "tied"), 1, start)]
     searches[0].find()
-    searches.append(_Search(section, searches[0].mesh, fem, settings, -1, start))
-    if not searches[1].confirms(searches[0]):
+    searches.append(search(searches[0].mesh, -1, start))
+    if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
-        searches.append(_Search(section, mesh, fem, settings, -1, start))
+        searches.append(search(first_mesh(section, settings.max_cells, fem.sides == "tied"), -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):
-        raise NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
+        raise _nothing_found(settings, work)
     trials = [trial for search in searches for trial in search.trials]
-    return SafetyBounds(start.kh, lower, upper, max(trial.cells for trial in trials), trials)
+    ended: FactorEnd = "time" if work.ran_out else "triangles"
+    ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
+    direction = _direction(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
+    cells = max(trial.cells for trial in trials)
+    return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, ended=ended)
 
 
-class _Search:
-    """The factor at which a push to one side (``sign`` 1: that of ``fem``) bears just ``sign`` x ``kh``."""
-
-    def __init__(
-        self, section: Section, mesh: TriMesh, fem: FemSettings, settings: BoundsSettings, sign: int, start: Start
-    ) -> None:
-        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0, start.held)
-        self.body = replace(body, live_force=sign * body.live_force)
-        self.units = units_of(mesh, self.body)
-        self.mesh, self.settings = mesh, settings
-        self.target, self.factor, self.enough = sign * start.kh, start.factor, start.enough
-        self.lower, self.upper = 0.0, math.inf
-        self.trials: list[Trial] = []
-        self.slope: float | None = None
-        self.gauge: Gauge = "kh"
-        self.both_ways = False  # whether the lower bound is one for either direction of the push
-
-    def find(self) -> None:
-        """Narrow the factor down on ever finer triangles."""
-        while True:
-            self.settle()
-            beyond = self.lower >= LARGEST or self.upper <= SMALLEST
-            if self.good or self.mesh_is_full or self.lower >= self.enough or beyond:
-                return
-            self.refine()
-
-    def confirms(self, other: "_Search") -> bool:
-        """Whether this push, too, is proven to bear what the other one bears, on triangles as fine as are allowed.
-
-        Where it is not, its own factor is looked for: the triangles of the other are fine where that one fails.
-        """
-        if other.both_ways:
-            self.lower = other.lower
-        if self.lower < other.lower:
-            self.measure(other.lower, upper=False)  # mostly that is all
-        while self.lower < other.lower:
-            self.measure(other.lower)
-            if self.upper <= other.lower or self.mesh_is_full:
-                break
-            self.refine()
-        return 0.0 < other.lower <= self.lower
-
-    @property
-    def gap(self) -> float:
-        """Upper less lower factor over their mean, inf where one is missing."""
-        return _gap(self.lower, self.upper)
-
-    @property
-    def good(self) -> bool:
-        return self.gap <= self.settings.gap
-
-    @property
-    def mesh_is_full(self) -> bool:
-        return self.settings.max_cells < 1.2 * len(self.mesh.cells)
-
-    def problem(self, factor: float) -> LimitProblem:
-        weak = replace(
-            self.body,
-            cohesion=self.body.cohesion / factor,
-            growth=None if self.body.growth is None else self.body.growth / factor,
-            friction=np.arctan(np.tan(self.body.friction) / factor),
-            tension=None if self.body.tension is None else self.body.tension / factor,
-        )
-        problem = limit_problem(self.mesh, weak, self.units)
-        return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
-
-    def over(self, bound: float) -> float:
-        """By how much a bound of Kh, or the logarithm of one of the share of loads, exceeds what is to be borne."""
-        if self.gauge == "kh":
-            return bound - self.target
-        return math.log(bound) if bound > 0.0 else -math.inf
-
-    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
-        """Bounds for ground weakened by a factor; what they prove is kept."""
-        started = time.perf_counter()
-        problem = self.problem(factor)
-        low = high = stress = mechanism = None
-        if lower:
-            low, _, stress = proven_lower_bound(problem)
-        if upper:
-            high, _, mechanism = proven_upper_bound(problem)
-        unmoved = high is not None and high.solution.none == "no mechanism"
-        trial = Trial(
-            factor,
-            len(problem.mesh.cells),
-            self.gauge,
-            stress.multiplier if stress else None,
-            mechanism.multiplier if mechanism else math.inf if unmoved and self.gauge == "loads" else None,
-            low is not None and low.solution.none == "no stress",
-            time.perf_counter() - started,
-        )
-        if low is not None and high is not None:
-            self.seen = (problem, low, high)
-        if trial.lower is not None and self.over(trial.lower) >= 0.0:
-            self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
-            self.lower = max(self.lower, factor)
-        if trial.upper is not None and self.over(trial.upper) <= 0.0:
-            self.upper = min(self.upper, factor)
-        self.trials.append(trial)
-        return trial
-
-    def settle(self) -> None:
-        """Trials on this mesh until the factor is close, then one that proves each bound."""
-        last = self.regauged(self.measure(self.factor))
-        safe, unsafe = 0.0, math.inf
-        for _ in range(TRIALS):
-            middle = self.middle(last)
-            step = 1.0 / STEP if middle < -FAR else self.step(middle)
-            if self.lower >= self.enough:
-                return
-            if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
-                break
-            safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = float(np.clip(_inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
-            if self.factor == last.factor:  # at an end of what is looked for
-                break
-            trial = self.regauged(self.measure(self.factor))
-            self.learn(last, trial)
-            last = trial
-        self.prove("lower", -1.0)
-        self.prove("upper", 1.0)
-
-    def regauged(self, trial: Trial) -> Trial:
-        """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
-        balances the weight, what fails is the weight, as below a footing, and Kh does not tell by how much."""
-        fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
-        if self.gauge == "loads" or not (trial.unborne and fails_late):
-            return trial
-        self.gauge, seen = "loads", self.seen
-        loaded = self.measure(trial.factor)
-        if loaded.lower is None:
-            self.gauge, self.seen = "kh", seen
-            return trial
-        self.slope = None
-        return loaded
-
-    def middle(self, trial: Trial) -> float:
-        """The middle of what the bounds exceed, or the one there is; -inf without any."""
-        found = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
-        return sum(found) / len(found) if found else -math.inf
-
-    def gap_of(self, trial: Trial) -> float:
-        """How far the factors at which the bounds of a trial come to what is to be borne are apart, as a share."""
-        if trial.lower is None or trial.upper is None or self.slope is None:
-            return 0.0
-        return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
-
-    def learn(self, before: Trial, now: Trial) -> None:
-        """How much what is exceeded falls where the logarithm of the factor rises."""
-        if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
-            return
-        for side in ("upper", "lower"):
-            ends = [getattr(trial, side) for trial in (before, now)]
-            first, second = (-math.inf if end is None else self.over(end) for end in ends)
-            if max(abs(first), abs(second)) < FAR:
-                slope = (second - first) / math.log(now.factor / before.factor)
-                if slope < 0.0:
-                    self.slope = slope
-                    return
-
-    def step(self, over: float) -> float:
-        """The ratio of the next factor to this one, at which a bound exceeds by ``over``."""
-        if self.slope is None:
-            ahead = (2.0 if self.gauge == "kh" else 1.0) * over
-            ahead = math.copysign(max(abs(ahead), 0.05), ahead)
-        else:
-            ahead = -over / self.slope
-        return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
-
-    def prove(self, side: BoundSide, sense: float) -> None:
-        """Trials a little to the safe side of where a bound comes to what is to be borne, until they prove no more.
-
-        Where a secant leads behind what is proven, and no two bounds of these triangles tell better, half-way to that.
-        """
-        last = self.trials[-1].factor
-        for times in range(1, PROOFS + 1):
-            proven, points = getattr(self, side), self.points(side)
-            at = _root(points, self.slope) * math.exp(sense * times * MARGIN)
-            better = sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0
-            if not better and len(points) < 2 and not self.good:
-                at = math.sqrt(last * proven)
-            elif not better:
-                return
-            if not SMALLEST < at < LARGEST:
-                return
-            self.measure(at, side == "lower", side == "upper")
-
-    def points(self, side: BoundSide) -> list[tuple[float, float]]:
-        """Logarithm of the factor, and what a bound exceeds what is to be borne by, of trials on these triangles."""
-        last = self.trials[-1]
-        here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
-        bounds = [(trial.factor, getattr(trial, side)) for trial in here]
-        found = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
-        return sorted(point for point in found if abs(point[1]) < FAR)
-
-    def refine(self) -> None:
-        """Finer triangles where the bounds of the last trial are apart: as many as should close the gap, if one step
-        can do that; the margins stay."""
-        problem, low, high = self.seen
-        indicator = refinement_indicator(problem, low, high)
-        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
-        margins = 2.0 * MARGIN
-        needed = AIM_BEYOND * (self.gap - margins) / max(self.settings.gap - margins, margins)
-        growth = min(
-            max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
-            self.settings.max_cells / len(problem.mesh.cells),
-        )
-        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
+def _nothing_found(settings: BoundsSettings, work: FactorWork) -> NoAnswerError:
+    if not work.ran_out:
+        return NoAnswerError("no factor of safety from 0.02 to 20 could be bounded", "check strengths and densities")
+    told = f"no factor of safety could be bounded within the work allowed ({settings.seconds:g} s)"
+    return NoAnswerError(told, "allow more: seconds in the table [bounds]")
 
 
-def _gap(lower: float, upper: float) -> float:
-    """Upper less lower factor over their mean, inf where one is missing."""
-    if lower <= 0.0 or not math.isfinite(upper):
-        return math.inf
-    return (upper - lower) / (0.5 * (upper + lower))
-
-
-def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """The factor at which a falling function of its logarithm is zero: by the points next to it, or by its ``slope``
-    where there is one point; NaN where nothing tells."""
-    stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
-    ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
-    if len(ends) == 2 and ends[1][1] < ends[0][1]:
-        slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
-    if not ends or slope is None:
-        return math.nan
-    at, over = min(ends, key=lambda point: abs(point[1]))
-    return math.exp(at + float(np.clip(-over / slope, -math.log(STEP), math.log(STEP))))
-
-
-def _inside(factor: float, safe: float, unsafe: float) -> float:
-    """The factor if it is well between one at which the ground stands and one at which it fails, else their middle."""
-    if not 0.0 < safe < unsafe < math.inf:
-        return factor
-    share = math.log(factor / safe) / math.log(unsafe / safe)
-    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)
+def _direction(fem: FemSettings, turned: bool) -> Direction:
+    """The direction of a seismic force that is that of the settings, downhill if both, or ``turned`` round."""
+    return "uphill" if (fem.direction == "uphill") != turned else "downhill"

@@ -5,12 +5,14 @@ it if it holds at its corners, and the dissipation is at most a third of its are
 minimised is a strict upper bound (Makrodimopoulos & Martin 2007).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
 from fem import cone_program
+from fem.least_norm import smallest_correction
 from fem.limit.limit_problem import LimitProblem
 from fem.limit.point_freedom import unstrained_points
 from meshes.triangles import TriMesh
@@ -51,13 +53,17 @@ class UpperBound:
 
 
 def upper_bound(
-    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False, rigid: np.ndarray | None = None
+    problem: LimitProblem,
+    more_margin: np.ndarray | float = 0.0,
+    again: bool = False,
+    rigid: np.ndarray | None = None,
+    most_work: float = math.inf,
 ) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
     ``again`` asks a solver that has no answer for more regularisation. Cells of ``rigid`` (m,), a mask, are held: the
-    bound stays one, if a larger one.
+    bound stays one, if a larger one. After ``most_work`` (s of the reference machine) the solver ends with what it has.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -86,7 +92,7 @@ def upper_bound(
         strain_share=STRAIN_MARGIN,
         tension=np.repeat(problem.tension, 3)[corners],
     )
-    solution = cone_program.solve(program, again, max(1.0, len(problem.mesh.cells) / COARSE))
+    solution = cone_program.solve(program, again, max(1.0, len(problem.mesh.cells) / COARSE), most_work)
     dilates = program.friction > 0.0
     dilates[program.torn] = True
     rates = _corrected(program, solution.rates, dilates)
@@ -139,7 +145,7 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]
     equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()
     wanted = np.pad([1.0], (0, volume.shape[0]))
-    rates = rates + cone_program.smallest_correction(equal, wanted - equal @ rates)
+    rates = rates + smallest_correction(equal, wanted - equal @ rates)
     goal = 0.5 * np.broadcast_to(program.strain_margin, len(dilates))
     beyond = np.zeros(len(dilates), dtype=bool)
     for _ in range(MOST_REPAIRS):
@@ -150,7 +156,7 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
         beyond |= now
         change = sparse.vstack([equal, slope[beyond]]).tocsr()
         left = np.concatenate([wanted - equal @ rates, (goal - slack)[beyond]])
-        rates = rates + cone_program.smallest_correction(change, left)
+        rates = rates + smallest_correction(change, left)
     return rates / (program.live @ rates)
 
 

@@ -4,8 +4,8 @@ import resource
 import sys
 import time
 
-from fem.limit.adaptive_bounds import Bracket
 from fem.limit.bounds import kh_bounds
+from fem.limit.bracket import Bracket
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS

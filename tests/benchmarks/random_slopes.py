@@ -15,7 +15,7 @@ from mpi4py import MPI
 from fem import BoundsSettings, FemSettings, UnstableError, kh_bounds
 from fem.adaptive import adapted_answer, beside_full_dilation
 from fem.at_once import AtOnce
-from fem.limit.adaptive_bounds import Bracket
+from fem.limit.bracket import Bracket
 from fem.mesh_sequence import AdaptiveResult
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings

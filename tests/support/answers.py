@@ -4,7 +4,7 @@ from typing import Any
 
 from fem.strength import flow_of
 from workflow.results.answer import SectionLabel
-from workflow.results.bounds import BoundsAnswer, Residuals
+from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
 from workflow.results.results import Results
 from workflow.results.variants import Variant
@@ -34,10 +34,11 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
 
 
 def bounds(run: Input, lower: float, upper: float) -> BoundsAnswer:
+    direction = DirectionPart(direction="downhill", towards="right", lower=lower, upper=upper, leaves=(), history=())
     return BoundsAnswer(
-        section=SectionLabel.of(run), lower=lower, upper=upper, gap=0.1, verdict="bracketed", reason="",
-        words="so much", flow="associated, ψ = φ", substitute=None, skins=(), least_depth=0.5,
-        sides="roller", direction="downhill", vertical=0.0,
+        section=SectionLabel.of(run), lower=lower, upper=upper, directions=(direction,), gap=0.1,
+        verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, skins=(),
+        least_depth=0.5, sides="roller", direction="downhill", vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip
 

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from fem.limit.adaptive_bounds import Bracket, Limits, bracket
+from fem.limit.adaptive_bounds import bracket
+from fem.limit.bracket import Bracket, Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate

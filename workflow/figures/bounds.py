@@ -6,9 +6,9 @@ import numpy as np
 import pyvista as pv
 from matplotlib.patches import Patch
 
-from fem.limit.adaptive_bounds import Mechanism, StressField
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
+from fem.limit.bracket import Mechanism, StressField
 from fem.skin import STRIP
 from meshes.triangles import TriMesh
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
@@ -29,18 +29,19 @@ def draw_all(given: Input, found: KhBounds, store: Store) -> None:
     window = Window.around(given.outline())
     if found.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:
-            _mechanism_sheet(given, found.mechanism, window).save(path)
+            _mechanism_sheet(given, found, found.mechanism, window).save(path)
     if found.stress:
         with store.writing("figures/bounds_stress.png") as path:
-            _stress_sheet(given, found.stress, window).save(path)
+            _stress_sheet(given, found, found.stress, window).save(path)
     with store.writing("figures/bounds_mesh.png") as path:
         _mesh_sheet(given, found, window).save(path)
 
 
-def conditions(given: Input) -> str:
+def conditions(given: Input, found: KhBounds, bound: Mechanism | StressField) -> str:
     """What a bound depends on and must be said beside it."""
     kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
-    return f"sides {given.fem.sides}, ψ = φ, pushed {given.fem.direction}{kv}"
+    direction = next(one.direction for one in found.directions if bound in (one.mechanism, one.stress))
+    return f"sides {given.fem.sides}, ψ = φ, seismic force {direction}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:
@@ -51,7 +52,7 @@ def yield_use(stress: StressField) -> np.ndarray:
     return np.max(np.divide(radius, strength, out=np.zeros_like(radius), where=strength > 0.0), axis=1)
 
 
-def _mechanism_sheet(given: Input, mechanism: Mechanism, window: Window) -> Sheet:
+def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window: Window) -> Sheet:
     problem = mechanism.problem
     density = mechanism.dissipation / problem.mesh.areas
     density = density / max(float(density.max()), 1e-300)
@@ -87,18 +88,18 @@ def _mechanism_sheet(given: Input, mechanism: Mechanism, window: Window) -> Shee
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
     label = "shear rate, dissipation per area: over the largest (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
-    sheet.note(conditions(given))
+    sheet.note(conditions(given, found, mechanism))
     return sheet
 
 
-def _stress_sheet(given: Input, stress: StressField, window: Window) -> Sheet:
+def _stress_sheet(given: Input, found: KhBounds, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
     title = f"{given.title or given.name}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(given), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
-    sheet.note(conditions(given))
+    sheet.note(conditions(given, found, stress))
     return sheet
 
 

@@ -116,6 +116,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         yield answer.reason
     for factor in answer.safety:
         yield f"{proven(factor.skin is not None)} of the factor of safety, ψ = φ: {factor.words}."
+        if factor.reason:
+            yield factor.reason
     if answer.substitute:
         yield f"{proven(bool(answer.skins))} of Davis's estimate for ψ < φ: {answer.substitute.words}."
         if answer.substitute.verdict != "bracketed":

@@ -166,8 +166,8 @@ def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
         deeper = f", failures deeper than {bounds.least_depth:g} m below such faces" if bounds.skins else ""
         yield (
             f"Limit analysis proves that it is {bounds.lower:.3f} to {bounds.upper:.3f} for ground that dilates fully "
-            f"(ψ = φ, sides {bounds.sides}{deeper}{where}), and never above {bounds.upper:.3f} for such ground that "
-            "dilates less."
+            f"(ψ = φ, sides {bounds.sides}, seismic force {bounds.direction}{deeper}{where}), and never above "
+            f"{bounds.upper:.3f} for such ground that dilates less."
         )
 
 

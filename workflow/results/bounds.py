@@ -4,10 +4,11 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from fem.loads import Direction
 from fem.settings import BoundsSettings, Sides
 from workflow.results.answer import Answer, Part, SectionLabel
 
-Verdict = Literal["bracketed", "wide", "no bracket"]
+Verdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
 
 class StressResiduals(Part):
@@ -45,18 +46,54 @@ class MeshRound(Part):
     work: float = Field(description="counted, in seconds of a reference machine")
 
 
+class DirectionPart(Part):
+    """The bounds of Kh in one direction of the seismic force."""
+
+    direction: Direction
+    towards: Literal["left", "right"] = Field(description="the side of the section towards which it acts")
+    lower: float | None
+    upper: float | None
+    leaves: tuple[Literal["left", "right"], ...] = Field(
+        description="sides, where the section was cut off, at which the ground slides out"
+    )
+    history: tuple[MeshRound, ...]
+
+    @property
+    def words(self) -> str:
+        """The bounds as a person reads them; where the other direction fails first they need not be close."""
+        to = f"{self.direction} (to the {self.towards})"
+        out = f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
+        match self.lower, self.upper:
+            case None, None:
+                return f"{to} no bound was found{out}"
+            case None, float() as upper:
+                return f"{to} it fails at {upper:.4f} at the latest{out}"
+            case float() as lower, None:
+                return f"{to} it stands up to {lower:.4f} at least{out}"
+            case lower, upper:
+                return f"{to} it is {lower:.4f} to {upper:.4f}{out}"
+
+
 class BracketPart(Part):
     """Both bounds for one flow rule, how far each of them was checked, and every mesh on the way."""
 
-    lower: float | None = Field(description="the section stands at every Kh below this one")
-    upper: float | None = Field(description="the section fails at every Kh above this one")
+    lower: float | None = Field(description="the section stands at every Kh below this one, in every direction")
+    upper: float | None = Field(description="the section fails at every Kh above this one, in one direction")
+    direction: Direction = Field(description="where the seismic force acts that the section bears least of")
+    directions: tuple[DirectionPart, ...] = Field(
+        description="each direction that was asked for, the one that fails first in front"
+    )
     gap: float | None = Field(description="(upper - lower) over their mean")
     verdict: Verdict
     reason: str
     words: str = Field(description="the bracket as a person reads it")
     cells: int = Field(description="triangles of the last mesh")
     residuals: Residuals
-    history: tuple[MeshRound, ...]
+    history: tuple[MeshRound, ...] = Field(description="of the direction that fails first")
+
+    def towards(self, direction: Direction) -> DirectionPart | None:
+        """The bounds in one direction, if there are any."""
+        return next((one for one in self.directions if one.direction == direction), None)
 
 
 class SkinPart(Part):
@@ -78,6 +115,9 @@ class SafetyPart(Part):
     skin: float | None = Field(
         default=None, description="at which grains roll down a face; the bounds are of the slope as a whole"
     )
+    direction: Direction | None = Field(default=None, description="of the seismic force with which it fails")
+    reason: str = Field(default="", description="why the bounds are no closer, if less close than asked for")
+    work: float = Field(default=0.0, description="counted, in seconds of a reference machine")
 
     @property
     def words(self) -> str:
@@ -85,7 +125,8 @@ class SafetyPart(Part):
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
         rolling = "" if self.skin is None else f"; grains roll down a face at {self.skin:.3f}, before failures so deep"
-        return f"{low} <= FS <= {high} at Kh = {self.kh:g}, {self.cells} triangles{rolling}"
+        force = f", force {self.direction}" if self.direction else ""
+        return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
 
 class BoundsAnswer(BracketPart, Answer):
@@ -100,7 +141,6 @@ class BoundsAnswer(BracketPart, Answer):
     skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
     least_depth: float = Field(description="how deep failures of such faces are left out (m)")
     sides: Sides
-    direction: Literal["downhill", "uphill"]
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
     seconds: float = Field(description="computing time")
     settings: BoundsSettings

@@ -146,19 +146,24 @@ class Results:
         return [Doubt.model_validate(doubt) for doubt in found]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
-        """The critical Kh of the direction that the bounds are of, by every flow rule, with the bounds of its own."""
-        fem, full = self.fem, (bounds.lower, bounds.upper)
+        """The critical Kh of every direction that the bounds are of, by every flow rule, with the bounds of its own."""
+        fem = self.fem
         assert fem is not None
-        if bounds.direction != fem.direction:
-            if fem.opposite is not None and fem.opposite.verdict in ("plateau", "peak"):
-                yield f"critical Kh {bounds.direction}", fem.opposite.kc, *full, fem.flow == "associated"
+        for part in bounds.directions:
+            other = fem.opposite if part.direction != fem.direction else None
+            if other is not None and other.verdict in ("plateau", "peak"):
+                name = f"critical Kh {part.direction}"
+                yield name, other.kc, part.lower, part.upper, fem.flow == "associated"
+        full = bounds.towards(fem.direction)
+        if full is None:
             return
-        yield "critical Kh", fem.kc, *full, fem.flow == "associated"
+        yield "critical Kh", fem.kc, full.lower, full.upper, fem.flow == "associated"
         if fem.associated is not None:
-            yield "critical Kh with ψ = φ", fem.associated.kc, *full, True
+            yield "critical Kh with ψ = φ", fem.associated.kc, full.lower, full.upper, True
         low = fem.kc if fem.flow == "davis" else fem.davis.kc if fem.davis is not None else None
-        if bounds.substitute is not None and low is not None:
-            yield f"critical Kh by {fem.estimate}", low, bounds.substitute.lower, bounds.substitute.upper, True
+        substitute = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
+        if substitute is not None and low is not None:
+            yield f"critical Kh by {fem.estimate}", low, substitute.lower, substitute.upper, True
 
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
         """The factors of safety with ψ = φ that the bounds have, too."""

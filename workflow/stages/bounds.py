@@ -3,16 +3,15 @@
 import math
 import time
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from fem.errors import UnstableError
-from fem.loads import Direction
 from fem.settings import BoundsSettings
-from meshes.errors import InputError
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
     BracketPart,
+    DirectionPart,
     MeshRound,
     Residuals,
     SafetyPart,
@@ -21,15 +20,15 @@ from workflow.results.bounds import (
     VelocityResiduals,
     Verdict,
 )
-from workflow.results.continuum import FemAnswer
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
-from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
-    from fem.limit.adaptive_bounds import Bracket
     from fem.limit.bounds import KhBounds
+    from fem.limit.bracket import Bracket, OpenEnd
+    from fem.limit.directions import DirectionBounds, SmallerKhBounds
+    from fem.limit.safety_bounds import SafetyBounds
 
 
 def work(job: Job) -> None:
@@ -45,11 +44,10 @@ def work(job: Job) -> None:
     given, asked = job.given, job.given.bounds.in_a_run
     started = time.perf_counter()
     job.progress("first mesh", None)
-    one_way = given.fem.model_copy(update={"direction": direction_of(given, job.store)})
-    given = given.model_copy(update={"fem": one_way})
     factors = tuple(_factors(job, given, asked)) if asked.safety_factor else ()
+    left = asked.model_copy(update={"seconds": asked.seconds - sum(one.work for one in factors)})
     try:
-        found = kh_bounds(given, given.fem, asked, lambda so_far: job.progress(in_words(so_far), None))
+        found = kh_bounds(given, given.fem, left, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
         if not factors:
             raise
@@ -67,21 +65,35 @@ def _factors(job: Job, given: Input, asked: BoundsSettings) -> Iterator[SafetyPa
     elements hold them."""
     from fem.limit.safety_bounds import safety_bounds
 
+    count = len(given.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
+    share = asked.model_copy(update={"seconds": asked.seconds / count})
     for kh in given.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        found = safety_bounds(given, given.fem, asked, kh, held=kh == 0.0)
-        lower, upper = found.lower or None, found.upper if math.isfinite(found.upper) else None
-        yield SafetyPart(kh=kh, lower=lower, upper=upper, cells=found.cells, skin=found.skin)
+        found = safety_bounds(given, given.fem, share, kh, held=kh == 0.0)
+        yield SafetyPart(
+            kh=kh,
+            lower=found.lower or None,
+            upper=found.upper if math.isfinite(found.upper) else None,
+            cells=found.cells,
+            skin=found.skin,
+            direction=found.direction,
+            reason=_reason(found, asked),
+            work=sum(trial.work for trial in found.trials),
+        )
 
 
-def direction_of(given: Input, store: Store) -> Direction:
-    """Where the ground is pushed; of both sides that to which it fails first, as the finite elements have found."""
-    if given.fem.direction != "both":
-        return given.fem.direction
-    try:
-        return FemAnswer.read(store).direction
-    except InputError:  # they have not run
-        return "downhill"
+def _reason(found: "SafetyBounds", asked: BoundsSettings) -> str:
+    """Why the bounds of a factor of safety are no closer; empty where they are as close as was asked for."""
+    match found.ended:
+        case "gap":
+            return ""
+        case "triangles":
+            why = f"{found.cells} triangles, {asked.max_cells} allowed"
+        case "time":
+            why = f"its share of the work allowed ({asked.seconds:g} s) is used up"
+        case _:
+            assert_never(found.ended)
+    return f"The factor of safety is bracketed less closely than to the {100 * asked.gap:g} % asked for: {why}."
 
 
 def answer_of(given: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
@@ -94,56 +106,87 @@ def answer_of(given: Input, found: "KhBounds", asked: BoundsSettings, seconds: f
         skins=tuple(SkinPart.model_validate(face) for face in found.skins),
         least_depth=given.fem.least_depth,
         sides=given.fem.sides,
-        direction="uphill" if given.fem.direction == "uphill" else "downhill",
         vertical=given.fem.vertical,
         seconds=round(seconds, 2),
         settings=asked,
     )
 
 
-def bracket_part(found: "Bracket", asked: BoundsSettings) -> BracketPart:
+def bracket_part(found: "SmallerKhBounds", asked: BoundsSettings) -> BracketPart:
     """One bracket as it is kept."""
     verdict, reason = _verdict(found, asked)
+    directions = tuple(_direction_part(one) for one in found.directions)
     return BracketPart(
         lower=found.stress.multiplier if found.stress else None,
         upper=found.mechanism.multiplier if found.mechanism else None,
+        direction=directions[0].direction,
+        directions=directions,
         gap=found.gap if math.isfinite(found.gap) else None,
         verdict=verdict,
         reason=reason,
-        words=in_words(found),
+        words="; ".join([in_words(found), *(one.words for one in directions[1:])]),
         cells=found.meshes[-1].cells,
         residuals=Residuals(
             lower=StressResiduals.model_validate(found.stress.check) if found.stress else None,
             upper=VelocityResiduals.model_validate(found.mechanism.check) if found.mechanism else None,
         ),
+        history=directions[0].history,
+    )
+
+
+def _direction_part(found: "DirectionBounds") -> DirectionPart:
+    return DirectionPart(
+        direction=found.direction,
+        towards=found.towards,
+        lower=found.stress.multiplier if found.stress else None,
+        upper=found.mechanism.multiplier if found.mechanism else None,
+        leaves=found.leaves,
         history=tuple(MeshRound.model_validate(one) for one in found.meshes),
     )
 
 
 def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
+    gap = f"The gap of {100 * found.gap:.2f} %"
     if found.ended == "gap":
-        return "bracketed", f"The gap of {100 * found.gap:.2f} % is below the {100 * asked.gap:g} % asked for."
+        return "bracketed", f"{gap} is below the {100 * asked.gap:g} % asked for."
+    if found.ended == "enough":
+        return "unstable", f"It fails under its own weight: its Kh is at most {found.upper:.4f}."
     last = found.meshes[-1]
     x, z = found.open_at or (math.nan, math.nan)
-    why = {
-        "triangles": f"{last.cells} triangles, {asked.max_cells} allowed",
-        "time": f"{last.cells} triangles, and a finer mesh would take more than the work allowed ({asked.seconds:g} s)",
-        "stalled": f"finer meshes, up to {last.cells} triangles, no longer close it",
-    }[found.ended]
-    why += f"; it is widest near x = {x:.1f} m, z = {z:.1f} m." + "".join(f" {note}." for note in last.notes)
+    why = f"{_why(found.ended, last.cells, asked)}; it is widest near x = {x:.1f} m, z = {z:.1f} m."
+    why += "".join(f" {note}." for note in last.notes)
     if math.isfinite(found.gap):
-        wish = f"The gap of {100 * found.gap:.2f} % is above the {100 * asked.gap:g} % asked for"
-        return "wide", f"{wish}: {why}"
+        return "wide", f"{gap} is above the {100 * asked.gap:g} % asked for: {why}"
     bounds = (("lower", found.stress), ("upper", found.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
 
-def in_words(found: "Bracket") -> str:
+def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
+    """Why there is no finer mesh, though the bounds are further apart than was asked for."""
+    from fem.limit.bracket import FAILED_MESHES
+
+    match ended:
+        case None:
+            return f"{cells} triangles, and the other direction fails first"
+        case "triangles":
+            return f"{cells} triangles, {asked.max_cells} allowed"
+        case "time":
+            return f"{cells} triangles, and a finer mesh would take more than the work allowed ({asked.seconds:g} s)"
+        case "stalled":
+            return f"finer meshes, up to {cells} triangles, no longer close it"
+        case "solver":
+            return f"the solver of cone programs failed on the last {FAILED_MESHES} meshes, up to {cells} triangles"
+    assert_never(ended)
+
+
+def in_words(found: "SmallerKhBounds") -> str:
     """The bracket as a person reads it."""
     low = f"{found.lower:.4f}" if found.stress else "no lower bound"
     high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
     gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
-    return f"{low} <= Kh <= {high}{gap}, {found.meshes[-1].cells} triangles"
+    first = found.directions[0]
+    to = f"force {first.direction} (to the {first.towards})"
+    return f"{low} <= Kh <= {high}{gap}, {to}, {found.meshes[-1].cells} triangles"
 
 
 STAGE = Stage(

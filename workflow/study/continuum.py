@@ -56,10 +56,9 @@ def bounds(given: Sample) -> Numbers:
     from fem.limit.bounds import kh_bounds
 
     read = Input.parse(given.data)
-    one_way = "downhill" if read.fem.direction == "both" else read.fem.direction
     asked = read.bounds.in_a_run.model_copy(update={"davis": False})
     try:
-        found = kh_bounds(read, read.fem.model_copy(update={"direction": one_way}), asked)
+        found = kh_bounds(read, read.fem, asked)
     except UnstableError:
         return Numbers(numbers={"kc_lower_bound": 0.0, "kc_upper_bound": 0.0})
     return Numbers(numbers={

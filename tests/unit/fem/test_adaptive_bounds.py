@@ -6,8 +6,8 @@ import time
 import numpy as np
 import pytest
 
-from fem.limit.adaptive_bounds import Bracket, Limits, MeshBounds
 from fem.limit.bounds import kh_bounds
+from fem.limit.bracket import Bracket, Limits, MeshBounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
@@ -39,12 +39,12 @@ CLOSING = Found((0.2, 0.4), (0.25, 0.35), (0.28, 0.32))
 @pytest.mark.parametrize(
     ("limits", "ended"),
     [
-        (Limits(0.02, 10_000), ""),
+        (Limits(0.02, 10_000), None),
         (Limits(0.15, 10_000), "gap"),
         (Limits(0.02, 10_000, enough=0.33), "enough"),
         (Limits(0.02, 470), "triangles"),
         (Limits(0.02, 10_000, seconds=15.0), "time"),  # 1 + 2 + 4 s, and 2^1.2 times 4 s for the next one
-        (Limits(0.02, 10_000, seconds=17.0), ""),
+        (Limits(0.02, 10_000, seconds=17.0), None),
     ],
 )
 def test_each_limit_ends_the_search(limits, ended):
@@ -55,10 +55,10 @@ def test_a_search_that_makes_no_progress_ends():
     """As on the river bank before its skin was known: 0.1231 to 0.1402 on every mesh."""
     same = (0.1231, 0.1402)
     limits = Limits(0.02, 100_000)
-    assert limits.reached(Found((0.1, 0.2), same, same, same), 1000) == ""
+    assert limits.reached(Found((0.1, 0.2), same, same, same), 1000) is None
     assert limits.reached(Found((0.1, 0.2), (0.11, 0.2), same, same, same), 1000) == "stalled"
     assert limits.reached(Found(*[(None, 0.2)] * 5), 1000) == "stalled"
-    assert limits.reached(Found(*[(None, 0.2)] * 4, (0.1, 0.2)), 1000) == ""
+    assert limits.reached(Found(*[(None, 0.2)] * 4, (0.1, 0.2)), 1000) is None
 
 
 def test_the_last_mesh_is_as_large_as_it_needs_to_be():

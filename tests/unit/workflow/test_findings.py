@@ -94,7 +94,8 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     more = {"flow": "davis", "opposite": other, "associated": other.model_copy(update={"kc": 0.3057}), "skins": (skin,)}
     answer = fem(run).model_copy(update={**more, "doubts": (doubt, known)})
     told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
-    assert "(ψ = φ, sides roller; it slides out at the left side, where the section was cut off)" in told
+    out = "it slides out at the left side, where the section was cut off"
+    assert f"(ψ = φ, sides roller, seismic force downhill; {out})" in told
     assert "at Kh of about 0.24 by Davis's estimate for ψ = 0, which is no bound; with ψ = φ: 0.31." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told

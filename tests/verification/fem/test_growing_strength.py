@@ -5,7 +5,8 @@ import pytest
 from mpi4py import MPI
 
 from dem.laboratory.soil_layers import soil_layers
-from fem.limit.adaptive_bounds import Limits, bracket
+from fem.limit.adaptive_bounds import bracket
+from fem.limit.bracket import Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings

@@ -11,8 +11,9 @@ from mpi4py import MPI
 from fem.cone_program import SOLVER_GAP
 from fem.critical import critical_coefficient
 from fem.gravity import gravity_equilibrium
-from fem.limit.adaptive_bounds import Limits, bracket
+from fem.limit.adaptive_bounds import bracket
 from fem.limit.bounds import body_of, kh_bounds
+from fem.limit.bracket import Limits
 from fem.limit.limit_problem import Side, limit_problem, units_of
 from fem.settings import BoundsSettings, FemSettings
 from fem.strength_reduction import safety_factor

@@ -1,0 +1,228 @@
+"""The best lower and upper bound of a sequence of meshes, and the limits at which the sequence ends."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem.limit.bound_checks import StressCheck, VelocityCheck, corner_rates, dissipation
+from fem.limit.limit_problem import LimitProblem
+from meshes.triangles import TriMesh
+
+# A mesh has twice as many cells as the one before.
+GROWTH = 2.0
+# One step more may take this factor if it should close the gap, for which it aims so much beyond it.
+MOST_GROWTH, AIM_BEYOND = 3.0, 1.15
+# A mesh is worth its work if it has this many times as many cells as the one before.
+LEAST_GROWTH = 1.2
+# Work goes with this power of the cells.
+COST_EXPONENT = 1.15
+# The search has stalled if so many meshes in a row left this share of the gap.
+STALLED_MESHES, STALLED_SHARE = 2, 0.9
+# So many meshes in a row on which the solver failed at the same bound end the search: finer ones are no easier for it.
+FAILED_MESHES = 3
+
+# Why there is no finer mesh: the gap is closed as far as was asked, the upper bound is small enough, no more triangles
+# or no more work are allowed, finer meshes no longer close the gap, or the solver fails on them.
+OpenEnd = Literal["triangles", "time", "stalled", "solver"]
+EndReason = Literal["gap", "enough"] | OpenEnd
+BoundSide = Literal["lower", "upper"]
+
+
+@dataclass(frozen=True, eq=False)
+class StressField:
+    """A stress field that was checked to be statically admissible, dimensionless.
+
+    Attributes
+    ----------
+    problem : LimitProblem
+        The problem it belongs to.
+    multiplier : float
+        The load multiplier that it carries: a strict lower bound.
+    stress : ndarray (m, 3 corners, [xx, yy, xy])
+        The stress at the corners of every cell.
+    check : StressCheck
+        How well it meets its conditions.
+    """
+
+    problem: LimitProblem
+    multiplier: float
+    stress: np.ndarray
+    check: StressCheck
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """Velocities that were checked to be kinematically admissible, dimensionless.
+
+    Attributes
+    ----------
+    problem : LimitProblem
+        The problem they belong to.
+    multiplier : float
+        The load multiplier at which they dissipate what the loads do: a strict upper bound.
+    velocity : ndarray (m, 6 nodes, 2)
+        Velocities of every cell at its corners, then at the middles of its edges.
+    check : VelocityCheck
+        How well they meet their conditions.
+    """
+
+    problem: LimitProblem
+    multiplier: float
+    velocity: np.ndarray
+    check: VelocityCheck
+
+    @property
+    def dissipation(self) -> np.ndarray:
+        """Plastic dissipation (m,) of every cell."""
+        return dissipation(self.problem, corner_rates(self.problem, self.velocity))
+
+
+@dataclass(frozen=True)
+class MeshBounds:
+    """The bounds on one mesh.
+
+    Attributes
+    ----------
+    cells : int
+        Number of its triangles.
+    lower, upper : float or None
+        The strict bounds of the load multiplier, None where there is none.
+    notes : tuple of str
+        What went wrong.
+    work : float
+        Work of both programs in seconds of the reference machine, counted and not measured (``fem.cone_program``).
+    failed : tuple of BoundSide
+        The bounds that are missing because the solver ended early.
+    """
+
+    cells: int
+    lower: float | None
+    upper: float | None
+    notes: tuple[str, ...]
+    work: float
+    failed: tuple[BoundSide, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Bracket:
+    """The best lower and upper bound over all meshes so far.
+
+    Attributes
+    ----------
+    stress : StressField or None
+        The stress field of the largest lower bound, None without one.
+    mechanism : Mechanism or None
+        The mechanism of the smallest upper bound, None without one.
+    meshes : list of MeshBounds
+        The bounds on every mesh, in their order.
+    mesh : TriMesh
+        The last mesh, in m.
+    ended : EndReason or None
+        Why there is no finer mesh; None while the search goes on.
+    open_at : tuple of float or None
+        Where the gap is widest, (x, y) in m, if the search ended before it was closed.
+    """
+
+    stress: StressField | None
+    mechanism: Mechanism | None
+    meshes: list[MeshBounds]
+    mesh: TriMesh
+    ended: EndReason | None = None
+    open_at: tuple[float, float] | None = None
+
+    @property
+    def lower(self) -> float:
+        """The lower bound, -inf without one."""
+        return self.stress.multiplier if self.stress else -np.inf
+
+    @property
+    def upper(self) -> float:
+        """The upper bound, inf without one."""
+        return self.mechanism.multiplier if self.mechanism else np.inf
+
+    @property
+    def gap(self) -> float:
+        """Upper less lower bound over the mean of their sizes; inf where one is missing."""
+        if not (self.stress and self.mechanism):
+            return np.inf
+        return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
+
+
+# Called with the bracket after every mesh.
+Observer = Callable[[Bracket], None]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When to stop.
+
+    Attributes
+    ----------
+    gap : float
+        Relative gap between the bounds that is small enough.
+    max_cells : int
+        Triangles of the last mesh, at most.
+    seconds : float
+        Work for all meshes, in seconds of the reference machine. Another one is begun if it is likely to end by then.
+        The clock is not asked: the same input takes the same meshes, however loaded the machine is.
+    enough : float
+        An upper bound below this one is as good as any.
+    width : float
+        Difference of the bounds that is small enough, whatever their gap.
+    """
+
+    gap: float
+    max_cells: int
+    seconds: float = np.inf
+    enough: float = -np.inf
+    width: float = 0.0
+
+    def open(self, lower: float, upper: float) -> float:
+        """How many times as far as is small enough two bounds are apart; inf where one is missing."""
+        if not (np.isfinite(lower) and np.isfinite(upper)):
+            return np.inf
+        return (upper - lower) / max(self.gap * 0.5 * (abs(upper) + abs(lower)), self.width, 1e-12)
+
+    def growth(self, found: Bracket, cells: int) -> float:
+        """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.
+
+        The gap goes with one over the number of cells, or a little faster.
+        """
+        needed = AIM_BEYOND * self.open(found.lower, found.upper)
+        return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
+
+    def reached(self, found: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
+        """Which of them ends the search; ``others`` is the work of other searches under the same limits."""
+        if self.open(found.lower, found.upper) <= 1.0:
+            return "gap"
+        if found.upper < self.enough:
+            return "enough"
+        if cells * LEAST_GROWTH > self.max_cells:
+            return "triangles"
+        spent = others + sum(mesh.work for mesh in found.meshes)
+        if spent + GROWTH**COST_EXPONENT * found.meshes[-1].work > self.seconds:
+            return "time"
+        if _fails(found.meshes):
+            return "solver"
+        return "stalled" if _stalled(found.meshes) else None
+
+
+def _fails(meshes: Sequence[MeshBounds]) -> bool:
+    """Whether the solver ended early at the same bound on all of the last meshes."""
+    last = [set(mesh.failed) for mesh in meshes[-FAILED_MESHES:]]
+    return len(last) == FAILED_MESHES and bool(set.intersection(*last))
+
+
+def _stalled(meshes: Sequence[MeshBounds]) -> bool:
+    """Whether the last two refinements did next to nothing for the gap, or could not prove a bound."""
+    if len(meshes) < 3 + STALLED_MESHES:
+        return False
+    best = []
+    for count in (len(meshes) - STALLED_MESHES, len(meshes)):
+        lower = max((m.lower for m in meshes[:count] if m.lower is not None), default=-np.inf)
+        upper = min((m.upper for m in meshes[:count] if m.upper is not None), default=np.inf)
+        best.append(upper - lower)
+    before, now = best
+    return bool(now > STALLED_SHARE * before or np.isinf(now))

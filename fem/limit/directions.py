@@ -1,0 +1,151 @@
+"""Bounds of Kh with the seismic force to either side: the smaller Kh counts, and both are kept.
+
+The two directions share the work that is allowed: the next mesh is always made for the direction whose lower bound is
+the smaller one, until the bounds of the smaller Kh are as close as was asked. Of the other direction no more is found
+than that it bears more.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+
+from fem.limit.adaptive_bounds import BoundSearch
+from fem.limit.bracket import Bracket, Limits, Mechanism
+from fem.limit.limit_problem import RigidPlasticBody
+from fem.loads import Direction
+from meshes.triangles import TriMesh
+
+# Share of the largest velocity with which a mechanism moves at a side through which it leaves the section.
+LEAVES = 0.1
+
+SectionSide = Literal["left", "right"]
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionBounds(Bracket):
+    """Bounds of Kh in one direction.
+
+    Attributes
+    ----------
+    direction : Direction
+        Where the seismic force acts, "downhill" or "uphill" by the ends of the surface.
+    towards : SectionSide
+        The side of the section that is.
+    leaves : tuple of SectionSide
+        Sides at which the mechanism leaves the section, where that was cut off.
+    """
+
+    direction: Direction = "downhill"
+    towards: SectionSide = "right"
+    leaves: tuple[SectionSide, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SmallerKhBounds(Bracket):
+    """Bounds of the smaller Kh of the directions that were asked for; they hold for every one that counts.
+
+    A force uphill whose mechanism leaves the section through a side does not count where one downhill was looked at,
+    as in the finite elements: the side is where the section was cut off.
+
+    Attributes
+    ----------
+    directions : tuple of DirectionBounds
+        Each of them, the one that fails first in front.
+    """
+
+    directions: tuple[DirectionBounds, ...] = ()
+
+
+# Called with the bounds after every mesh.
+KhObserver = Callable[[SmallerKhBounds], None]
+
+
+class DirectionSearch(BoundSearch):
+    """The search for bounds in one direction."""
+
+    def __init__(
+        self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits, direction: Direction, towards: SectionSide
+    ) -> None:
+        super().__init__(mesh, body, limits)
+        self.direction, self.towards = direction, towards
+
+    @property
+    def bounds(self) -> DirectionBounds:
+        """What was found so far."""
+        leaves = sides_left_through(self.found.mechanism) if self.found.mechanism else ()
+        return DirectionBounds(**_values(self.found), direction=self.direction, towards=self.towards, leaves=leaves)
+
+
+def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
+    """Which sides of the section move by more than a tenth of the largest velocity."""
+    mesh = mechanism.problem.mesh
+    speed = np.zeros(len(mesh.points))
+    speed[mesh.cells] = np.hypot(*np.moveaxis(mechanism.velocity[:, :3], -1, 0))
+    sides: tuple[SectionSide, ...] = ("left", "right")
+    return tuple(side for side in sides if speed[mesh.boundaries[side]].max() > LEAVES * speed.max())
+
+
+def smaller_of(found: Iterable[DirectionBounds]) -> SmallerKhBounds:
+    """The bounds of the smaller Kh of all directions that count; work and meshes are those of the first to fail."""
+    order = sorted(found, key=lambda one: (one.upper, one.lower))
+    counting = counting_of(order)
+    weakest = min(counting, key=lambda one: one.lower)
+    first = counting[0]
+    rest = tuple(one for one in order if one is not first)
+    return SmallerKhBounds(
+        stress=weakest.stress,
+        mechanism=first.mechanism,
+        meshes=first.meshes,
+        mesh=first.mesh,
+        ended=weakest.ended,
+        open_at=weakest.open_at,
+        directions=(first, *rest),
+    )
+
+
+def counting_of(found: Sequence[DirectionBounds]) -> list[DirectionBounds]:
+    """Those that count: all but an uphill one whose mechanism leaves through a side, beside a downhill one."""
+    if len(found) == 1:
+        return list(found)
+    return [one for one in found if one.direction == "downhill" or not one.leaves]
+
+
+def search_all(
+    searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
+) -> SmallerKhBounds:
+    """Bounds of the smaller Kh of all ``searches``, which have these ``limits`` in common."""
+    while True:
+        for search in searches:
+            if not search.found.meshes:
+                search.advance(_work_of_others(search, searches))
+        found = smaller_of([search.bounds for search in searches])
+        if observer:
+            observer(found)
+        if limits.open(found.lower, found.upper) <= 1.0:
+            return SmallerKhBounds(
+                **{**_values(found), "ended": "gap", "open_at": None, "directions": found.directions}
+            )
+        open_searches = [
+            search
+            for search in searches
+            if search.found.ended is None and search.found.lower < found.upper and _counts(search, found)
+        ]
+        if found.upper < limits.enough or not open_searches:
+            return found
+        search = min(open_searches, key=lambda one: one.found.lower)
+        search.advance(_work_of_others(search, searches))
+
+
+def _counts(search: DirectionSearch, found: SmallerKhBounds) -> bool:
+    return any(one.direction == search.direction for one in counting_of(found.directions))
+
+
+def _work_of_others(search: DirectionSearch, searches: Sequence[DirectionSearch]) -> float:
+    return sum(other.work for other in searches if other is not search)
+
+
+def _values(found: Bracket) -> dict[str, Any]:
+    """The attributes of a bracket by their names."""
+    return {field.name: getattr(found, field.name) for field in fields(Bracket)}

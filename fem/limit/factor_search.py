@@ -1,0 +1,343 @@
+"""The search for the factor of safety with the seismic force to one side, by bounds of what weakened ground bears."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from fem.limit.adaptive_bounds import (
+    NARROW_ANGLE,
+    proven_lower_bound,
+    proven_upper_bound,
+    refined,
+    refinement_indicator,
+    singular_points,
+)
+from fem.limit.bounds import body_of
+from fem.limit.bracket import AIM_BEYOND, COST_EXPONENT, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
+from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
+from fem.settings import BoundsSettings, FemSettings
+from meshes.bisection import fan_out
+from meshes.section.section import Section
+from meshes.triangles import TriMesh
+
+# The largest and smallest factor looked for, and by how much it changes at most from trial to trial.
+SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
+# Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
+# side of it, so that it proves.
+TRIALS, MARGIN = 10, 0.002
+# Trials, at most, that prove a bound on one mesh.
+PROOFS = 4
+# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
+INSIDE = 0.05
+# A coarse factor is good enough to refine at when it is this close, or this close over what the bounds leave open.
+CLOSE, OPEN = 0.01, 0.2
+# A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
+FAR = 1.0
+
+# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
+Gauge = Literal["kh", "loads"]
+# Trials that finer triangles take, at least.
+TRIALS_OF_A_MESH = 4
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None where nothing was.
+
+    They are of Kh, or of the share of all loads that is borne, inf where friction alone bears any; ``unborne`` says
+    that no Kh was found with which a stress would balance the weight. ``work`` is counted, in seconds of the reference
+    machine.
+    """
+
+    factor: float
+    cells: int
+    gauge: Gauge
+    lower: float | None
+    upper: float | None
+    unborne: bool
+    work: float
+
+
+@dataclass(frozen=True)
+class Start:
+    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, whether sides are held, and the
+    lower bound that is enough."""
+
+    kh: float
+    factor: float
+    davis: bool
+    held: bool
+    enough: float = math.inf
+
+
+@dataclass
+class FactorWork:
+    """Work that is allowed and was spent, in seconds of the reference machine, and whether it kept from going on."""
+
+    allowed: float
+    spent: float = 0.0
+    ran_out: bool = False
+
+    @property
+    def left(self) -> float:
+        return max(self.allowed - self.spent, 0.0)
+
+    def allows(self, more: float) -> bool:
+        """Whether there is so much left, and some."""
+        enough = 0.0 < self.left >= more
+        self.ran_out = self.ran_out or not enough
+        return enough
+
+
+class FactorSearch:
+    """The factor at which a push to one side (``sign`` 1: that of ``fem``) bears just ``sign`` x ``kh``."""
+
+    def __init__(
+        self,
+        section: Section,
+        mesh: TriMesh,
+        fem: FemSettings,
+        settings: BoundsSettings,
+        sign: int,
+        start: Start,
+        work: FactorWork,
+    ) -> None:
+        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0, start.held)
+        self.body = replace(body, live_force=sign * body.live_force)
+        self.units = units_of(mesh, self.body)
+        self.mesh, self.settings, self.work = mesh, settings, work
+        self.target, self.factor, self.enough = sign * start.kh, start.factor, start.enough
+        self.lower, self.upper = 0.0, math.inf
+        self.trials: list[Trial] = []
+        self.slope: float | None = None
+        self.gauge: Gauge = "kh"
+        self.both_ways = False  # whether the lower bound is one for either direction of the push
+
+    def find(self) -> None:
+        """Narrow the factor down on ever finer triangles."""
+        while True:
+            self.settle()
+            beyond = self.lower >= LARGEST or self.upper <= SMALLEST
+            if self.good or self.mesh_is_full or self.lower >= self.enough or beyond or not self.has_work_for_finer:
+                return
+            self.refine()
+
+    def confirms(self, other: "FactorSearch") -> bool:
+        """Whether this push, too, is proven to bear what the other one bears, on triangles as fine as are allowed.
+
+        Where it is not, its own factor is looked for: the triangles of the other are fine where that one fails.
+        """
+        if other.both_ways:
+            self.lower = other.lower
+        if self.lower < other.lower:
+            self.measure(other.lower, upper=False)  # mostly that is all
+        while self.lower < other.lower:
+            self.measure(other.lower)
+            if self.upper <= other.lower or self.mesh_is_full or not self.has_work_for_finer:
+                break
+            self.refine()
+        return 0.0 < other.lower <= self.lower
+
+    @property
+    def gap(self) -> float:
+        """Upper less lower factor over their mean, inf where one is missing."""
+        return gap_of_factors(self.lower, self.upper)
+
+    @property
+    def good(self) -> bool:
+        return self.gap <= self.settings.gap
+
+    @property
+    def mesh_is_full(self) -> bool:
+        return self.settings.max_cells < 1.2 * len(self.mesh.cells)
+
+    @property
+    def has_work_for_finer(self) -> bool:
+        return self.work.allows(TRIALS_OF_A_MESH * GROWTH**COST_EXPONENT * self.trials[-1].work)
+
+    def problem(self, factor: float) -> LimitProblem:
+        weak = replace(
+            self.body,
+            cohesion=self.body.cohesion / factor,
+            growth=None if self.body.growth is None else self.body.growth / factor,
+            friction=np.arctan(np.tan(self.body.friction) / factor),
+            tension=None if self.body.tension is None else self.body.tension / factor,
+        )
+        problem = limit_problem(self.mesh, weak, self.units)
+        return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
+
+    def over(self, bound: float) -> float:
+        """By how much a bound of Kh, or the logarithm of one of the share of loads, exceeds what is to be borne."""
+        if self.gauge == "kh":
+            return bound - self.target
+        return math.log(bound) if bound > 0.0 else -math.inf
+
+    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
+        """Bounds for ground weakened by a factor; what they prove is kept."""
+        before = self.work.spent
+        problem = self.problem(factor)
+        low = high = stress = mechanism = None
+        if lower:
+            low, _, stress = proven_lower_bound(problem, self.work.left)
+            self.work.spent += low.solution.work
+        if upper:
+            high, _, mechanism = proven_upper_bound(problem, self.work.left)
+            self.work.spent += high.solution.work
+        unmoved = high is not None and high.solution.none == "no mechanism"
+        trial = Trial(
+            factor,
+            len(problem.mesh.cells),
+            self.gauge,
+            stress.multiplier if stress else None,
+            mechanism.multiplier if mechanism else math.inf if unmoved and self.gauge == "loads" else None,
+            low is not None and low.solution.none == "no stress",
+            self.work.spent - before,
+        )
+        if low is not None and high is not None:
+            self.seen = (problem, low, high)
+        if trial.lower is not None and self.over(trial.lower) >= 0.0:
+            self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
+            self.lower = max(self.lower, factor)
+        if trial.upper is not None and self.over(trial.upper) <= 0.0:
+            self.upper = min(self.upper, factor)
+        self.trials.append(trial)
+        return trial
+
+    def settle(self) -> None:
+        """Trials on this mesh until the factor is close, then one that proves each bound."""
+        last = self.regauged(self.measure(self.factor))
+        safe, unsafe = 0.0, math.inf
+        for _ in range(TRIALS):
+            middle = self.middle(last)
+            step = 1.0 / STEP if middle < -FAR else self.step(middle)
+            if self.lower >= self.enough or not self.work.allows(0.0):
+                return
+            if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
+                break
+            safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
+            self.factor = float(np.clip(_inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            if self.factor == last.factor:  # at an end of what is looked for
+                break
+            trial = self.regauged(self.measure(self.factor))
+            self.learn(last, trial)
+            last = trial
+        self.prove("lower", -1.0)
+        self.prove("upper", 1.0)
+
+    def regauged(self, trial: Trial) -> Trial:
+        """The trial, or one of the share of loads: where a mechanism fails only beyond the Kh given while no stress
+        balances the weight, what fails is the weight, as below a footing, and Kh does not tell by how much."""
+        fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
+        if self.gauge == "loads" or not (trial.unborne and fails_late):
+            return trial
+        self.gauge, seen = "loads", self.seen
+        loaded = self.measure(trial.factor)
+        if loaded.lower is None:
+            self.gauge, self.seen = "kh", seen
+            return trial
+        self.slope = None
+        return loaded
+
+    def middle(self, trial: Trial) -> float:
+        """The middle of what the bounds exceed, or the one there is; -inf without any."""
+        found = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
+        return sum(found) / len(found) if found else -math.inf
+
+    def gap_of(self, trial: Trial) -> float:
+        """How far the factors at which the bounds of a trial come to what is to be borne are apart, as a share."""
+        if trial.lower is None or trial.upper is None or self.slope is None:
+            return 0.0
+        return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
+
+    def learn(self, before: Trial, now: Trial) -> None:
+        """How much what is exceeded falls where the logarithm of the factor rises."""
+        if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
+            return
+        for side in ("upper", "lower"):
+            ends = [getattr(trial, side) for trial in (before, now)]
+            first, second = (-math.inf if end is None else self.over(end) for end in ends)
+            if max(abs(first), abs(second)) < FAR:
+                slope = (second - first) / math.log(now.factor / before.factor)
+                if slope < 0.0:
+                    self.slope = slope
+                    return
+
+    def step(self, over: float) -> float:
+        """The ratio of the next factor to this one, at which a bound exceeds by ``over``."""
+        if self.slope is None:
+            ahead = (2.0 if self.gauge == "kh" else 1.0) * over
+            ahead = math.copysign(max(abs(ahead), 0.05), ahead)
+        else:
+            ahead = -over / self.slope
+        return math.exp(float(np.clip(ahead, -math.log(STEP), math.log(STEP))))
+
+    def prove(self, side: BoundSide, sense: float) -> None:
+        """Trials a little to the safe side of where a bound comes to what is to be borne, until they prove no more.
+
+        Where a secant leads behind what is proven, and no two bounds of these triangles tell better, half-way to that.
+        """
+        last = self.trials[-1].factor
+        for times in range(1, PROOFS + 1):
+            proven, points = getattr(self, side), self.points(side)
+            at = _root(points, self.slope) * math.exp(sense * times * MARGIN)
+            better = sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0
+            if not better and len(points) < 2 and not self.good:
+                at = math.sqrt(last * proven)
+            elif not better:
+                return
+            if not SMALLEST < at < LARGEST or not self.work.allows(0.0):
+                return
+            self.measure(at, side == "lower", side == "upper")
+
+    def points(self, side: BoundSide) -> list[tuple[float, float]]:
+        """Logarithm of the factor, and what a bound exceeds what is to be borne by, of trials on these triangles."""
+        last = self.trials[-1]
+        here = [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
+        bounds = [(trial.factor, getattr(trial, side)) for trial in here]
+        found = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
+        return sorted(point for point in found if abs(point[1]) < FAR)
+
+    def refine(self) -> None:
+        """Finer triangles where the bounds of the last trial are apart: as many as should close the gap, if one step
+        can do that; the margins stay."""
+        problem, low, high = self.seen
+        indicator = refinement_indicator(problem, low, high)
+        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
+        margins = 2.0 * MARGIN
+        needed = AIM_BEYOND * (self.gap - margins) / max(self.settings.gap - margins, margins)
+        growth = min(
+            max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
+            self.settings.max_cells / len(problem.mesh.cells),
+        )
+        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
+
+
+def gap_of_factors(lower: float, upper: float) -> float:
+    """Upper less lower factor over their mean, inf where one is missing."""
+    if lower <= 0.0 or not math.isfinite(upper):
+        return math.inf
+    return (upper - lower) / (0.5 * (upper + lower))
+
+
+def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
+    """The factor at which a falling function of its logarithm is zero: by the points next to it, or by its ``slope``
+    where there is one point; NaN where nothing tells."""
+    stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
+    ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
+    if len(ends) == 2 and ends[1][1] < ends[0][1]:
+        slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
+    if not ends or slope is None:
+        return math.nan
+    at, over = min(ends, key=lambda point: abs(point[1]))
+    return math.exp(at + float(np.clip(-over / slope, -math.log(STEP), math.log(STEP))))
+
+
+def _inside(factor: float, safe: float, unsafe: float) -> float:
+    """The factor if it is well between one at which the ground stands and one at which it fails, else their middle."""
+    if not 0.0 < safe < unsafe < math.inf:
+        return factor
+    share = math.log(factor / safe) / math.log(unsafe / safe)
+    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)

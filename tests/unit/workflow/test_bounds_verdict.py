@@ -1,0 +1,53 @@
+"""What is said of bounds, for every reason for which their search ends."""
+
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
+from fem.limit.directions import DirectionBounds, SmallerKhBounds
+from fem.settings import BoundsSettings
+from workflow.stages.bounds import bracket_part
+
+
+class Found(DirectionBounds):
+    """Bounds without the fields that prove them."""
+
+    lower, upper = -0.0733, 0.0608
+
+
+class Smaller(SmallerKhBounds):
+    lower, upper = -0.0733, 0.0608
+
+
+def found(ended):
+    notes = ("lower bound: the solver ended early (NumericalError)",)
+    meshes = [MeshBounds(900, -0.0733, 0.0608, notes, 1.0, ("lower",))]
+    one = Found(None, None, meshes, None, ended, (1.0, 2.0))
+    return Smaller(None, None, meshes, None, ended, (1.0, 2.0), directions=(one,))
+
+
+REASONS = (*get_args(OpenEnd), "gap", "enough")
+
+
+def test_all_reasons_are_looked_at():
+    assert set(REASONS) == {reason for part in get_args(EndReason) for reason in get_args(part) or [part]}
+
+
+@pytest.mark.parametrize("ended", [*REASONS, None])
+def test_every_reason_has_its_words(ended):
+    """Without "enough" this was KeyError, after 90 s, on a face of sand after drawdown."""
+    part = bracket_part(found(ended), BoundsSettings())
+    words = {
+        "gap": "is below the",
+        "enough": "fails under its own weight: its Kh is at most 0.0608",
+        "triangles": "900 triangles, 20000 allowed",
+        "time": "more than the work allowed (300 s)",
+        "stalled": "no longer close it",
+        "solver": "the solver of cone programs failed on the last 3 meshes",
+        None: "the other direction fails first",
+    }
+    assert words[ended] in part.reason
+    assert (part.verdict == "unstable") == (ended == "enough")
+    assert not np.isnan(part.cells)

@@ -1,0 +1,98 @@
+"""Bounds with the seismic force to either side: the smaller Kh counts, and is told with its direction."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.limit.bounds import kh_bounds
+from fem.settings import BoundsSettings, FemSettings
+from meshes.section.section import Section
+from tests.support.command_line import run
+from tests.support.sections import layer
+
+ROUGHLY = BoundsSettings(gap=0.04, max_cells=4000, davis=False)
+# Crest 10 m wide: 27° to the left down 10 m, 32° to the right down 9.5 m; the ends say that downhill is to the left.
+TWO_FACES = {
+    "name": "two_faces",
+    "surface": [[0.0, 5.0], [30.0, 5.0], [55.0, 15.0], [65.0, 15.0], [80.0, 5.5], [110.0, 5.5]],
+    "base": {"elevation": -5.0},
+    "strata": [layer("fill", cohesion="15 kPa", friction_angle="25 deg", density="1.9 t/m^3")],
+    "fem": {"sides": "fixed"},
+}
+
+
+def bounds_of(section, direction, **settings):
+    return kh_bounds(section, FemSettings(sides="fixed", direction=direction), ROUGHLY.model_copy(update=settings))
+
+
+def test_of_an_embankment_the_steeper_face_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Measured: 0.3105 to 0.3156 uphill; downhill alone 0.380 to 0.395, which was all that was told."""
+    import tomli_w
+
+    path = tmp_path / "two_faces.toml"
+    path.write_text(tomli_w.dumps(TWO_FACES))
+    assert run("bounds", path, "--out", tmp_path / "out", "--gap", "0.04", "--no-davis") == 0
+    answer = json.loads((tmp_path / "out/fem/bounds.json").read_text())
+    assert 0.30 < answer["lower"] < 0.3125 < answer["upper"] < 0.32
+    assert answer["direction"] == "uphill"
+    first, other = answer["directions"]
+    assert (first["direction"], first["towards"]) == ("uphill", "right")
+    assert (other["direction"], other["towards"]) == ("downhill", "left")
+    assert other["lower"] >= answer["upper"]
+    told = " ".join(capsys.readouterr().out.split())
+    assert "force uphill (to the right)" in told
+    assert f"downhill (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in told
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_both_directions_give_the_smaller_of_either_alone(number):
+    """Random embankments with two faces, and their mirror images: brackets of the same Kh overlap."""
+    draw = np.random.default_rng([44, number])
+    height, crest = float(draw.uniform(5.0, 10.0)), float(draw.uniform(4.0, 12.0))
+    left, right = (height * float(draw.uniform(1.5, 3.0)) for _ in range(2))
+    x = np.round(np.cumsum([0.0, 2.0 * height, left, crest, right, 2.0 * height]), 2)
+    rise = round(float(draw.uniform(-1.0, 1.0)), 2)
+    z = np.round([0.0, 0.0, height, height, rise, rise], 2)
+    cohesion, friction = f"{draw.uniform(8.0, 25.0):.1f} kPa", f"{draw.uniform(20.0, 34.0):.1f} deg"
+    soil = layer("fill", cohesion=cohesion, friction_angle=friction)
+    data = {
+        "name": "random",
+        "surface": np.column_stack([x, z]).tolist(),
+        "base": {"elevation": -4.0},
+        "strata": [soil],
+    }
+    mirrored = {**data, "surface": np.column_stack([x[-1] - x, z])[::-1].tolist()}
+    section, mirror = Section.parse(data), Section.parse(mirrored)
+    one, other = (bounds_of(section, direction) for direction in ("downhill", "uphill"))
+    both, turned = bounds_of(section, "both"), bounds_of(mirror, "both")
+    for found in (both, turned):
+        assert found.gap <= 0.04
+        assert found.lower <= min(one.upper, other.upper)
+        assert found.upper >= min(one.lower, other.lower)
+        assert found.lower == pytest.approx(min(one.lower, other.lower), rel=0.04)
+    assert both.directions[0].towards != turned.directions[0].towards or one.lower == pytest.approx(
+        other.lower, rel=0.05
+    )
+
+
+def test_a_force_uphill_does_not_count_where_ground_leaves_through_the_side_that_was_cut_off():
+    """On rollers the upper part of a long slope is pushed out through its side before its face fails downhill."""
+    soil = layer("soil", cohesion="5 kPa", friction_angle="30 deg")
+    ground = {"name": "cut", "surface": [[0.0, 10.0], [40.0, 0.0]], "base": {"elevation": -4.0}, "strata": [soil]}
+    section = Section.parse(ground)
+    found = kh_bounds(section, FemSettings(sides="roller"), ROUGHLY)
+    alone = kh_bounds(section, FemSettings(sides="roller", direction="uphill"), ROUGHLY)
+    assert found.directions[0].direction == "downhill"
+    by_direction = {one.direction: one for one in found.directions}
+    assert by_direction["uphill"].leaves == ("left",)
+    assert alone.directions[0].leaves == ("left",)
+
+
+def test_the_work_allowed_is_shared_by_the_directions():
+    section = Section.parse({key: value for key, value in TWO_FACES.items() if key != "fem"})
+    found = bounds_of(section, "both", gap=1e-4, seconds=3.0)
+    spent = sum(mesh.work for one in found.directions for mesh in one.meshes)
+    assert found.ended == "time"
+    assert spent <= 3.5
