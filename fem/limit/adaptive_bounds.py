@@ -113,8 +113,8 @@ def proven_lower_bound(
     After ``most_work`` (s of the reference machine) the solver ends with what it has.
     """
 
-    def attempt(more_margin: np.ndarray | float, again: bool, work: float) -> tuple[LowerBound, StressCheck]:
-        found = lower_bound(problem, more_margin, again, work)
+    def attempt(more_margin: np.ndarray | float, work: float) -> tuple[LowerBound, StressCheck]:
+        found = lower_bound(problem, more_margin, work)
         return found, check_stress(problem, found.stress, found.multiplier)
 
     # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
@@ -135,9 +135,9 @@ def proven_upper_bound(
     """
 
     def attempt(
-        more_margin: np.ndarray | float, again: bool, work: float, rigid: np.ndarray | None = None
+        more_margin: np.ndarray | float, work: float, rigid: np.ndarray | None = None
     ) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, more_margin, again, rigid, work)
+        found = upper_bound(problem, more_margin, rigid, work)
         return found, check_velocity(problem, found.velocity)
 
     steep = problem.friction > STEEP
@@ -157,7 +157,7 @@ C = TypeVar("C", StressCheck, VelocityCheck)
 
 def _first_that_holds(
     name: str,
-    attempt: Callable[[np.ndarray | float, bool, float], tuple[F, C]],
+    attempt: Callable[[np.ndarray | float, float], tuple[F, C]],
     most_work: float,
     attempts: int = ATTEMPTS,
 ) -> tuple[F, C | None, list[str]]:
@@ -165,24 +165,28 @@ def _first_that_holds(
 
     The solver meets equations and margins nearly, and what corrects the equations may lead beyond the yield surface or
     against the flow rule. The next attempt keeps away from these, corner by corner, by some times what the last one
-    fell short of its margin, and is made with more regularisation where the solver broke down.
+    fell short of its margin. There is none after a solver that ended early: what it left falls short by what it left
+    undone, and with so much margin there would be no stress at all.
     """
     notes: list[str] = []
-    work = 0.0
-    more_margin: np.ndarray | float = 0.0
-    for _ in range(attempts):
-        found, check = attempt(more_margin, bool(notes), most_work - work)
-        work += found.solution.work
-        found = replace(found, solution=replace(found.solution, work=work))  # that of all attempts
-        if found.solution.none:
-            return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
-        if found.solution.ended:
-            notes.append(f"{name}: the solver ended early ({found.solution.ended})")
-        if check.holds:
-            return found, check, notes
-        if work >= most_work:
+    found, check = attempt(0.0, most_work)
+    work, more_margin = found.solution.work, np.zeros(found.shortfall.shape)
+    if found.solution.none:
+        return found, None, [f"{name}: {NONE_FOUND[found.solution.none]}"]
+    for _ in range(attempts - 1):
+        if check.holds or found.solution.ended or work >= most_work:
             break
-        more_margin = more_margin + SHORTFALLS * np.nan_to_num(found.shortfall)
+        more_margin += SHORTFALLS * found.shortfall
+        wider, check_of_wider = attempt(more_margin, most_work - work)
+        work += wider.solution.work
+        if wider.solution.none:
+            break
+        found, check = wider, check_of_wider
+    if found.solution.ended:
+        notes.append(f"{name}: the solver ended early ({found.solution.ended})")
+    found = replace(found, solution=replace(found.solution, work=work))  # that of all attempts
+    if check.holds:
+        return found, check, notes
     return found, None, [*notes, f"{name} refused: {check}"]
 
 

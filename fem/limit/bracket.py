@@ -94,7 +94,7 @@ class MeshBounds:
     work : float
         Work of both programs in seconds of the reference machine, counted and not measured (``fem.cone_program``).
     failed : tuple of BoundSide
-        The bounds that are missing because the solver ended early.
+        The bounds that are missing because the solver ended early, or its answer did not pass the check.
     """
 
     cells: int

@@ -57,13 +57,12 @@ class LowerBound:
 
 
 def lower_bound(
-    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, again: bool = False, most_work: float = math.inf
+    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, most_work: float = math.inf
 ) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
-    ``again`` asks a solver that has no answer for more regularisation. After ``most_work`` (s of the reference machine)
-    it ends with what it has.
+    After ``most_work`` (s of the reference machine) the solver ends with what it has.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -86,7 +85,7 @@ def lower_bound(
         tension=np.repeat(problem.tension, 3)[free[::3]],
         bare=bare_corners(problem).ravel()[free[::3]],
     )
-    solution = cone_program.solve(program, again, most_work=most_work)
+    solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work)
     found = solution.stress.ravel()
     found = found + smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))

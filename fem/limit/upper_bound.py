@@ -55,15 +55,14 @@ class UpperBound:
 def upper_bound(
     problem: LimitProblem,
     more_margin: np.ndarray | float = 0.0,
-    again: bool = False,
     rigid: np.ndarray | None = None,
     most_work: float = math.inf,
 ) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
-    ``again`` asks a solver that has no answer for more regularisation. Cells of ``rigid`` (m,), a mask, are held: the
-    bound stays one, if a larger one. After ``most_work`` (s of the reference machine) the solver ends with what it has.
+    Cells of ``rigid`` (m,), a mask, are held: the bound stays one, if a larger one. After ``most_work`` (s of the
+    reference machine) the solver ends with what it has.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -92,7 +91,8 @@ def upper_bound(
         strain_share=STRAIN_MARGIN,
         tension=np.repeat(problem.tension, 3)[corners],
     )
-    solution = cone_program.solve(program, again, max(1.0, len(problem.mesh.cells) / COARSE), most_work)
+    magnified = max(1.0, len(problem.mesh.cells) / COARSE)
+    solution = cone_program.solve(program, magnified=magnified, most_work=most_work)
     dilates = program.friction > 0.0
     dilates[program.torn] = True
     rates = _corrected(program, solution.rates, dilates)

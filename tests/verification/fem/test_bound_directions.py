@@ -18,7 +18,7 @@ TWO_FACES = {
     "name": "two_faces",
     "surface": [[0.0, 5.0], [30.0, 5.0], [55.0, 15.0], [65.0, 15.0], [80.0, 5.5], [110.0, 5.5]],
     "base": {"elevation": -5.0},
-    "strata": [layer("fill", cohesion="15 kPa", friction_angle="25 deg", density="1.9 t/m^3")],
+    "strata": [layer("fill", cohesion="15 kPa", friction_angle="25 deg")],
     "fem": {"sides": "fixed"},
 }
 

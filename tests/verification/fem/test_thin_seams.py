@@ -1,0 +1,50 @@
+"""Lower bounds of benches with a thin weak seam: found on every mesh, and not lost on finer ones."""
+
+import itertools
+
+import pytest
+
+from fem.limit.adaptive_bounds import BoundSearch
+from fem.limit.bounds import body_of, first_mesh
+from fem.limit.bracket import Limits
+from fem.settings import FemSettings
+from meshes.section.section import Section
+from tests.support.sections import layer
+
+DENSITIES = ("density_ordinary", "density_seismic")
+
+
+def bench(seam, above=("0 kPa", "36.8 deg"), thickness=0.4, depth=9.67, slope=2.0):
+    """A bench 20 m high with a level seam, all of ψ = 0."""
+    soils = {"above": above, "seam": seam, "below": ("0 kPa", "40 deg")}
+    bottoms = (20.0 - depth, 20.0 - depth - thickness)
+    strata = [
+        layer(
+            name, cohesion=cohesion, friction_angle=friction, density_ordinary="20 kN/m^3", density_seismic="20 kN/m^3"
+        )
+        for name, (cohesion, friction) in soils.items()
+    ]
+    for stratum, bottom in zip(strata, bottoms, strict=False):
+        stratum["bottom"] = {"elevation": bottom}
+    surface = [[-30.0, 0.0], [0.0, 0.0], [20.0 * slope, 20.0], [70.0, 20.0]]
+    return Section.parse({"name": "bench", "surface": surface, "base": {"elevation": -8.0}, "strata": strata})
+
+
+@pytest.mark.parametrize(
+    "section",
+    [
+        bench(("20.7 kPa", "0 deg")),  # NumericalError on every mesh but the first: -0.0017 to 0.0207, now 0.017
+        bench(("25 kPa", "0 deg"), thickness=0.3, depth=14.0),
+        bench(("6 kPa", "13 deg"), above=("3 kPa", "35 deg"), thickness=0.5),
+    ],
+)
+def test_no_finer_mesh_loses_the_lower_bound(section):
+    """Davis's substitute; the stress field of a mesh is admissible on all that are made from it by bisection."""
+    fem, mesh = FemSettings(direction="downhill"), first_mesh(section, 6000)
+    search = BoundSearch(mesh, body_of(section, mesh, fem, davis=True), Limits(1e-3, 2000))
+    while search.found.ended is None:
+        search.advance()
+    found = [one.lower for one in search.found.meshes]
+    assert len(found) >= 3
+    assert all(one.failed == () for one in search.found.meshes)
+    assert all(after >= before - 1e-4 for before, after in itertools.pairwise(found))
