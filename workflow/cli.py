@@ -120,13 +120,12 @@ def run_all(
     """The whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
     from workflow.request import Request
     from workflow.run.plan import Choice
-    from workflow.terminal import Voice, execute, say, show_plan, show_strata
+    from workflow.terminal import Voice, execute, show_plan, show_strata
 
     choice = Choice.of(stages.STAGES, start, only or (), force)
     voice = Voice.of(quiet, verbose, json)
     request = Request.of(section, folder, {}, settings)
-    if voice.speaks and request.notice:
-        say(request.notice)
+    _mind(voice, request, "run", choice.chosen)
     if voice.speaks and not dry_run:
         show_strata(request.given)
     if dry_run:
@@ -205,7 +204,7 @@ def fem(
     beside: tuple[str, ...] = ()
     if safety_factor:
         request = request.with_safety_factors()
-        beside = ("bounds",)
+        beside = () if request.given.bounds.run is False else ("bounds",)
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
@@ -317,7 +316,7 @@ def bounds(
     _up_to("bounds", request, force, Voice.of(quiet, verbose, json))
 
 
-def _of_stage(name: str, stage: str, words: str) -> None:
+def _of_stage(stage: str, words: str) -> None:
     """A command that runs a stage, and before it what it needs."""
 
     def command(
@@ -334,13 +333,13 @@ def _of_stage(name: str, stage: str, words: str) -> None:
 
         _up_to(stage, Request.of(section, folder, {}, settings), force, Voice.of(quiet, verbose, json))
 
-    app.command(name, help=words)(command)
+    app.command(stages.command_of(stage), help=words)(command)
 
 
-_of_stage("liquefaction", "triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
-_of_stage("liquefied", "liquefied", "Whether the ground still stands once layers have liquefied, and its Kh.")
-_of_stage("response", "response", "How the layers answer a record of the rock below, with depth, and k_max.")
-_of_stage("calibrate", "calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")
+_of_stage("triggering", "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
+_of_stage("liquefied", "Whether the ground still stands once layers have liquefied, and its Kh.")
+_of_stage("response", "How the layers answer a record of the rock below, with depth, and k_max.")
+_of_stage("calibrate", "Calibrate the discs so that they fail at the Kh that the finite elements found.")
 
 
 @app.command()
@@ -372,12 +371,23 @@ def _up_to(
 ) -> None:
     """Run a stage, others beside it, and before them what they need and is not there yet."""
     from workflow.run.plan import Choice
-    from workflow.terminal import execute, say
+    from workflow.terminal import execute
 
-    if voice.speaks and request.notice:
-        say(request.notice)
     job = request.job(**more)
-    execute(job, Choice.up_to(job.stages, stage, force, beside), voice)
+    choice = Choice.up_to(job.stages, stage, force, beside)
+    _mind(voice, request, stages.command_of(stage), choice.chosen)
+    execute(job, choice, voice)
+
+
+def _mind(voice: "Voice", request: "Request", command: str, chosen: Sequence[str]) -> None:
+    """Say what of an earlier command still holds, and what of the command line is not read."""
+    from workflow.terminal import say
+    from workflow.unread import in_words
+
+    names = [one.name or one.callback.__name__ for one in app.registered_commands if one.callback]
+    for line in [request.notice, *in_words(request.unread(chosen), command, names)]:
+        if line and voice.speaks:
+            say(line)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:

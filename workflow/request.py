@@ -14,6 +14,7 @@ from workflow.run.mesh_options import kept
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.settings import Input, merged
+from workflow.unread import keys_of, unread
 
 Tables = Mapping[str, Mapping[str, Any]]
 
@@ -28,12 +29,16 @@ class Request:
     store : the folder
     mesh_options : settings of the mesh by the command line, of this command or of an earlier one
     carried : whether those are of an earlier one
+    section : the file of the section
+    tables : settings and options of the command line
     """
 
     given: Input
     store: Store
     mesh_options: dict[str, Any]
     carried: bool
+    section: Path
+    tables: Tables
 
     @classmethod
     def of(
@@ -59,7 +64,7 @@ class Request:
             from workflow.stages.shaking import shaking_of
 
             shaking_of(read, ())
-        return cls(read, store, mesh or carried, bool(carried))
+        return cls(read, store, mesh or carried, bool(carried), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
         """Raise InputError for numbers of cases in which no stratum liquefies."""
@@ -77,8 +82,20 @@ class Request:
         kept."""
         asked = tuple(sorted({0.0, *self.given.fem.kh, *self.given.fem.safety_factor_at}))
         wanted = self.given.fem.model_copy(update={"safety_factor_at": asked})
-        bounds = self.given.bounds.model_copy(update={"run": True, "safety_factor": True})
+        bounds = self.given.bounds.model_copy(update={"safety_factor": True})
         return replace(self, given=self.given.model_copy(update={"fem": wanted, "bounds": bounds}))
+
+    def unread(self, chosen: Sequence[str]) -> list[str]:
+        """The settings of the command line that none of the ``chosen`` stages reads."""
+
+        def without(name: str) -> Job:
+            rest = {
+                table: {key: value for key, value in values.items() if f"{table}.{key}" != name}
+                for table, values in self.tables.items()
+            }
+            return replace(self, given=Input.load(self.section, rest)).job()
+
+        return unread(keys_of(self.tables), self.job(), chosen, without)
 
     @property
     def notice(self) -> str:

@@ -63,8 +63,8 @@ class BoundSearch:
             low, low_notes, stress = proven_lower_bound(problem, left)
             high, high_notes, mechanism = above.result()
         missing: tuple[tuple[BoundSide, bool], ...] = (
-            ("lower", stress is None and bool(low.solution.ended)),
-            ("upper", mechanism is None and bool(high.solution.ended)),
+            ("lower", stress is None and not low.solution.none),
+            ("upper", mechanism is None and not high.solution.none),
         )
         this = MeshBounds(
             len(problem.mesh.cells),
@@ -143,7 +143,7 @@ def proven_upper_bound(
     steep = problem.friction > STEEP
     some = bool(steep.any() and not steep.all())
     found, check, notes = _first_that_holds("upper bound", attempt, most_work, 1 if some else ATTEMPTS)
-    if check is None and some and found.solution.none != "no stress":
+    if check is None and some:
         before, held = found.solution.work, partial(attempt, rigid=steep)
         found, check, more_notes = _first_that_holds("upper bound, steep ground held", held, most_work - before)
         found = replace(found, solution=replace(found.solution, work=before + found.solution.work))

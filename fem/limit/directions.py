@@ -79,8 +79,10 @@ class DirectionSearch(BoundSearch):
 
 
 def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
-    """Which sides of the section move by more than a tenth of the largest velocity."""
+    """Which sides of the section move by more than a tenth of the largest velocity; none where the section repeats."""
     mesh = mechanism.problem.mesh
+    if mesh.repeats:
+        return ()
     speed = np.zeros(len(mesh.points))
     speed[mesh.cells] = np.hypot(*np.moveaxis(mechanism.velocity[:, :3], -1, 0))
     sides: tuple[SectionSide, ...] = ("left", "right")

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 NAMES = ("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report")
 
 
+def command_of(stage: str) -> str:
+    """The command that runs up to a stage; where there is none of its own, `noshiro run` does."""
+    return {"triggering": "liquefaction"}.get(stage, stage)
+
+
 def __getattr__(name: str) -> Any:
     """STAGES, the declarations of all stages, once they are needed (PEP 562)."""
     if name != "STAGES":

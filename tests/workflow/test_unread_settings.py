@@ -1,0 +1,72 @@
+"""Settings of the command line that a command does not read are told; `noshiro fem` heeds bounds.run."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.support.command_line import run
+from tests.support.sections import written
+from tests.support.settings_reads import KEYS
+from workflow.request import Request
+from workflow.stages import STAGES, command_of
+from workflow.unread import in_words
+
+NAMES = [stage.name for stage in STAGES]
+
+
+def told(capsys: pytest.CaptureFixture[str]) -> str:
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = (
+        "--set",
+        "bounds.run=false",
+        "--set",
+        "fem.sides=fixed",
+        "--set",
+        "mesh.size='5 m'",
+        "--set",
+        "study.samples=3",
+    )
+    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
+    words = told(capsys)
+    assert "noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run." in words
+    assert "noshiro mesh does not read fem.sides; it is read by noshiro fem and" in words
+    assert "noshiro mesh does not read study.samples; it is read by noshiro study." in words
+    assert "does not read mesh" not in words
+
+
+def test_a_run_reads_all_but_the_settings_of_studies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ("--dry-run", "--set", "bounds.gap=0.1", "--set", "figures.report_width=800", "--set", "study.samples=3")
+    assert run("run", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
+    words = told(capsys)
+    assert "noshiro run does not read study.samples; it is read by noshiro study." in words
+    assert words.count("does not read") == 1
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_every_setting_is_read_by_some_command(key: str) -> None:
+    """Whatever is told not to be read has a command that does: none is left without."""
+    commands = [command_of(name) for name in NAMES]
+    [line] = in_words([key], "mesh", commands)
+    assert "it is read by noshiro " in line
+
+
+def test_what_follows_from_other_settings_counts_as_read(tmp_path: Path) -> None:
+    """dem.workers is how many processes any command may take."""
+    request = Request.of(written(tmp_path), tmp_path / "out", {}, ["dem.workers=1", "slide.kh=0.05"])
+    assert request.unread(("mesh",)) == ["slide.kh"]
+    assert request.unread(tuple(NAMES)) == []
+
+
+def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They took 87 of 180 s."""
+    chosen = []
+    monkeypatch.setattr("workflow.terminal.execute", lambda job, choice, voice: chosen.append(choice.chosen))
+    path = written(tmp_path)
+    run("fem", path, "--out", tmp_path / "out", "--safety-factor")
+    run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")
+    assert chosen == [("mesh", "fem", "bounds"), ("mesh", "fem")]

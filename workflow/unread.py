@@ -1,0 +1,68 @@
+"""Settings of the command line that a command does not read: it says so, and which commands read them.
+
+What a command reads follows from what its stages declare (``Stage.reads``), and from what changes their inputs.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from meshes.errors import InputError
+from workflow.run.fingerprint import inputs
+from workflow.run.stage import Job, Stage
+
+# What every command that runs stages reads, whatever they are: how many processes it may take.
+OF_EVERY_RUN = ("dem.workers",)
+# Read by `noshiro study` alone; the report tells of them as of every setting.
+OF_STUDIES = ("study", "uncertain")
+
+
+def keys_of(settings: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Settings as "table.key"."""
+    return [f"{table}.{key}" for table, values in settings.items() for key in values]
+
+
+def is_read(key: str, reads: Iterable[str]) -> bool:
+    """Whether "table.key" is among settings that are read, whole tables or one key of them."""
+    return bool({key, key.split(".")[0]} & set(reads))
+
+
+def reads_of(stages: Sequence[Stage]) -> list[str]:
+    """The settings that stages read, and the engine that runs them; of one that tells of all only what is not for
+    studies."""
+    found = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
+    return [*found, *OF_EVERY_RUN]
+
+
+def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
+    """Those of the ``settings`` that none of the ``chosen`` stages reads; ``without`` is the job without one of them.
+
+    What a stage takes from settings that it does not read itself, such as strengths that follow from blow counts, shows
+    in its inputs.
+    """
+    stages = [stage for stage in job.stages if stage.name in chosen]
+    reads = reads_of(stages)
+    computing = [stage for stage in stages if not stage.of_all]
+    return [key for key in settings if not is_read(key, reads) and not _changes(computing, job, key, without)]
+
+
+def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str], Job]) -> bool:
+    """Whether any of the stages has other inputs without a setting, or there is no input without it."""
+    try:
+        other = without(key)
+    except InputError:
+        return True
+    return any(inputs(stage, job) != inputs(stage, other) for stage in stages)
+
+
+def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
+    """One sentence for each setting that a ``command`` does not read, with those of the ``commands`` that do."""
+    from workflow.stages import STAGES, command_of
+
+    reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}
+    told = []
+    for key in keys:
+        others = [name for name, its in reads.items() if name in commands and name != command and is_read(key, its)]
+        others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
+        does = " and ".join(f"noshiro {name}" for name in others) or "no command"
+        told.append(f"Mind: noshiro {command} does not read {key}; it is read by {does}.")
+    return told
