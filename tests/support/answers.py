@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from fem.loads import Direction
 from fem.strength import flow_of
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
@@ -33,12 +34,12 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
     )  # fmt: skip
 
 
-def bounds(run: Input, lower: float, upper: float) -> BoundsAnswer:
-    direction = DirectionPart(direction="downhill", towards="right", lower=lower, upper=upper, leaves=(), history=())
+def bounds(run: Input, lower: float, upper: float, direction: Direction = "downhill") -> BoundsAnswer:
+    part = DirectionPart(direction=direction, towards="right", lower=lower, upper=upper, leaves=(), history=())
     return BoundsAnswer(
-        section=SectionLabel.of(run), lower=lower, upper=upper, directions=(direction,), gap=0.1,
+        section=SectionLabel.of(run), lower=lower, upper=upper, directions=(part,), gap=0.1,
         verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, skins=(),
-        least_depth=0.5, sides="roller", direction="downhill", vertical=0.0,
+        least_depth=0.5, sides="roller", direction=direction, vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip
 

@@ -137,7 +137,7 @@ def told_by_bounds(run: Input, **more: Any) -> list[str]:
     """What bounds of 0.2799 to 0.2815 (S-13, psi = phi) say to a critical Kh of 0.237 by Davis's estimate and more."""
     other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
-    strict = bounds(run, 0.2799, 0.2815).model_copy(update=more)
+    strict = bounds(run, 0.2799, 0.2815, more.pop("direction", "downhill")).model_copy(update=more)
     return [f"{doubt.what} {doubt.remedy}" for doubt in results(run, fem=answer, bounds=strict).doubts]
 
 
