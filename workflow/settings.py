@@ -103,8 +103,11 @@ class SlidingBlockSettings(Model):
     kh: float | None = Field(
         default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
     )
-    seconds: float = Field(
-        default=10.0, gt=0.0, le=3600.0, description="how long the constant coefficient acts (s), such as 10"
+    seconds: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=3600.0,
+        description="how long the constant coefficient acts (s); by default as long as on the slides, else 10",
     )
 
     def in_use(self) -> Accelerogram:

@@ -94,11 +94,11 @@ class EarthquakeSettings(Model):
             return ""
         if found is None or let_expect.low <= found.median <= let_expect.high:
             return ""
-        between = f"{let_expect.low / GAL:.0f} to {let_expect.high / GAL:.0f}; {let_expect.relation}"
+        low, median, high = (value / GAL for value in (let_expect.low, let_expect.median, let_expect.high))
+        expectation = f"{median:.0f} gal are expected of M {self.magnitude:g} at {self.distance / 1000.0:g} km"
         return (
-            f"earthquake: the peak is {found.median / GAL:.0f} gal, {found.relation}, where M {self.magnitude:g} at "
-            f"{self.distance / 1000.0:g} km lets {let_expect.median / GAL:.0f} gal expect ({between}): the peak "
-            "counts, and relations that need the distance are not used"
+            f"earthquake: its peak is {found.median / GAL:.0f} gal, {found.relation}, where {expectation} ({low:.0f} "
+            f"to {high:.0f}; {let_expect.relation}): the peak counts, and relations that need the distance are not used"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:

@@ -23,14 +23,21 @@ HAMADA_VALIDITY = (
 )
 
 
+FOR_EVER = 10.0  # s for which a block is pushed where slides are pushed for ever
+
 NO_LINE = np.zeros((0, 2))
 
-__all__ = ["Estimate", "Kind", "constant_kh", "estimates", "mean_inclination"]
+__all__ = ["Estimate", "Kind", "constant_kh", "constant_seconds", "estimates", "mean_inclination"]
 
 
 def constant_kh(given: Input) -> float:
     """The constant Kh as set for the sliding block, or that of the slides."""
     return given.slide.kh if given.sliding_block.kh is None else given.sliding_block.kh
+
+
+def constant_seconds(given: Input) -> float:
+    """How long the constant Kh pushes the block (s): as set for it, else as long as the slides, else 10."""
+    return given.sliding_block.seconds or given.slide.kh_seconds or FOR_EVER
 
 
 def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
@@ -48,7 +55,7 @@ def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE
 
 
 def _constant(given: Input, kc: float) -> Estimate:
-    kh, seconds = constant_kh(given), given.sliding_block.seconds
+    kh, seconds = constant_kh(given), constant_seconds(given)
     slide = rectangular_pulse(kc, kh, seconds)
     words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f} {flow_words(given)}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"

@@ -14,6 +14,7 @@ from tests.support.borings import bored, test
 from tests.support.records import motion, peer
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import duration_of_magnitude, significant_duration
+from workflow.estimates.comparison import constant_seconds
 from workflow.estimates.empirical import empirical
 from workflow.settings import Input
 
@@ -56,6 +57,12 @@ def test_what_the_slides_are_given_goes_before_the_earthquake(tmp_path: Path) ->
     assert shaken(LEVEE, kh="earthquake").slide == shaken(LEVEE).slide
 
 
+def test_the_block_is_pushed_as_long_as_the_slides() -> None:
+    assert constant_seconds(shaken(LEVEE)) == shaken(LEVEE).slide.kh_seconds
+    assert constant_seconds(shaken(LEVEE, kh=0.1)) == 10.0
+    assert constant_seconds(Input.parse({**bored(), "sliding_block": {"seconds": 4.0}})) == 4.0
+
+
 def test_a_record_says_how_long(tmp_path: Path) -> None:
     """Constant power from 2 to 12 s: 5 to 95 % of it takes 9 s."""
     time = 0.01 * np.arange(2000)
@@ -79,7 +86,7 @@ def test_a_sample_of_the_earthquake_pushes_its_own_slides() -> None:
 def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
     """Fukushima & Tanaka (1990) expect 143 gal of M 7.4 at 60 km, one standard deviation 88 to 231; 250 were given."""
     told = shaken(LEVEE).earthquake.contradiction()
-    assert "the peak is 245 gal, as given, where M 7.4 at 60 km lets 143 gal expect (88 to 231;" in told
+    assert "its peak is 245 gal, as given, where 143 gal are expected of M 7.4 at 60 km (88 to 231;" in told
     assert "relations that need the distance are not used" in told
     assert shaken({**LEVEE, "peak_acceleration": "200 gal"}).earthquake.contradiction() == ""
     assert shaken({**LEVEE, "peak_acceleration": "60 gal"}).earthquake.contradiction() != ""
@@ -107,4 +114,4 @@ def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert command_line.run("run", path, "--dry-run", "--out", tmp_path / "run") == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "Mind: slide, kh = 0.16" in out
-    assert "143 gal expect" in out
+    assert "143 gal are expected" in out
