@@ -20,7 +20,7 @@ At λ = 1 all three are the same. Angles are in radians, cohesion in Pa.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, assert_never
 
 import numpy as np
 
@@ -96,11 +96,15 @@ def strength_of(strata: Sequence[Stratum], flow: FlowSetting, factor: float = 1.
     if flow == "section":
         return Strength(cohesion, friction, np.minimum(dilation, friction), tension)
     if flow == "davis":
-        beta = {
-            "A": davis_factor(given, dilation),
-            "B": davis_factor(friction, np.arctan(np.tan(dilation) / factor)),
-            "C": davis_factor(friction, np.minimum(dilation, friction)),
-        }[form]
+        match form:
+            case "A":
+                beta = davis_factor(given, dilation)
+            case "B":
+                beta = davis_factor(friction, np.arctan(np.tan(dilation) / factor))
+            case "C":
+                beta = davis_factor(friction, np.minimum(dilation, friction))
+            case _:
+                assert_never(form)
         cohesion, friction = beta * cohesion, np.arctan(beta * np.tan(friction))
     return Strength(cohesion, friction, friction, tension)
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
 from workflow.report.numbers import between, coefficient
 from workflow.results.continuum import FemAnswer
@@ -91,9 +92,17 @@ def _halved(results: Results) -> float | None:
 def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
     """Strict bounds of the same sides, direction and flow rule, closed from both sides."""
     bounds = results.bounds
-    if bounds is None or (bounds.sides, bounds.direction) != (fem.settings.sides, fem.direction):
+    if bounds is None or bounds.sides != fem.settings.sides:
         return None
-    own = {"associated": bounds, "davis": bounds.substitute, "section": None}[fem.flow]
+    match fem.flow:
+        case "associated":
+            own = bounds.towards(fem.direction)
+        case "davis":
+            own = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
+        case "section":
+            own = None
+        case _:
+            assert_never(fem.flow)
     if own is None or own.lower is None or own.upper is None:
         return None
     return own.lower, own.upper

@@ -146,7 +146,7 @@ def _direction_part(found: "DirectionBounds") -> DirectionPart:
 
 
 def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
-    gap = f"The gap of {100 * found.gap:.2f} %"
+    gap = f"The gap of {_gap(found)}"
     if found.ended == "gap":
         return "bracketed", f"{gap} is below the {100 * asked.gap:g} % asked for."
     if found.ended == "enough":
@@ -159,6 +159,11 @@ def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
         return "wide", f"{gap} is above the {100 * asked.gap:g} % asked for: {why}"
     bounds = (("lower", found.stress), ("upper", found.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
+
+
+def _gap(found: "Bracket") -> str:
+    """How far the bounds are apart, as a share of their mean; in Kh where zero is between them, and there is none."""
+    return f"{100 * found.gap:.2f} %" if found.lower * found.upper > 0.0 else f"{found.upper - found.lower:.4f} in Kh"
 
 
 def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:
@@ -183,7 +188,7 @@ def in_words(found: "SmallerKhBounds") -> str:
     """The bracket as a person reads it."""
     low = f"{found.lower:.4f}" if found.stress else "no lower bound"
     high = f"{found.upper:.4f}" if found.mechanism else "no upper bound"
-    gap = f", gap {100 * found.gap:.2f} %" if math.isfinite(found.gap) else ""
+    gap = f", gap {_gap(found)}" if math.isfinite(found.gap) else ""
     first = found.directions[0]
     to = f"force {first.direction} (to the {first.towards})"
     return f"{low} <= Kh <= {high}{gap}, {to}, {found.meshes[-1].cells} triangles"

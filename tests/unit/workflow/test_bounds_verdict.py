@@ -2,7 +2,6 @@
 
 from typing import get_args
 
-import numpy as np
 import pytest
 
 from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
@@ -15,10 +14,12 @@ class Found(DirectionBounds):
     """Bounds without the fields that prove them."""
 
     lower, upper = -0.0733, 0.0608
+    gap = 2.0
 
 
 class Smaller(SmallerKhBounds):
     lower, upper = -0.0733, 0.0608
+    gap = 2.0
 
 
 def found(ended):
@@ -50,4 +51,4 @@ def test_every_reason_has_its_words(ended):
     }
     assert words[ended] in part.reason
     assert (part.verdict == "unstable") == (ended == "enough")
-    assert not np.isnan(part.cells)
+    assert ended in ("gap", "enough") or "The gap of 0.1341 in Kh is above the 2 %" in part.reason
