@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationErro
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.cutting import cut, in_file
-from meshes.section.dense_lines import CELL, thinned_lines
+from meshes.section.dense_lines import CELL, MANY, thinned_lines
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
@@ -223,6 +223,8 @@ class Section(Model):
         """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
         lines = {place: points for place, line in self._lines_by_place().items()
                  if len(points := line.points(*self.given_extent)) > 2}  # fmt: skip
+        if sum(map(len, lines.values())) + len(self.surface) <= MANY:
+            return self
         height = float(self.layering.areas().sum()) / (self.extent[1] - self.extent[0])
         found, tolerance = thinned_lines({**lines, ("surface",): np.array(self.surface, dtype=float)}, CELL * height)
         if tolerance == 0.0:
