@@ -10,7 +10,7 @@ from meshes.section.cutting import BELOW_WATER, by_stratum
 from meshes.section.layering import Layering
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
-from meshes.thinning import stepped
+from meshes.thinning import stepped, without_needless
 
 # More quadrilaterals than this need more memory than most machines have (gmsh alone takes about 1 kB for each).
 MOST_QUADRILATERALS = 5_000_000
@@ -127,7 +127,8 @@ class MeshSettings(Model):
         if self.method_for(section) == "mapped":
             return section.layering, []
         least = self.least_thickness or THINNEST * self.cell_size(section) / self.refine
-        return stepped(section.layering, least, names)
+        layers, told = stepped(section.layering, least, names)
+        return without_needless(layers, self.cell_size(section) / self.refine), told
 
     def notices(self, section: Section) -> list[str]:
         """What a person has to know of the mesh before it is made, one sentence each."""

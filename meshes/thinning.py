@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from meshes.section.cutting import spoken
+from meshes.section.cutting import BELOW_WATER, spoken
+from meshes.section.dense_lines import kept
 from meshes.section.layering import Layering
 
 # Wedges blunter than this (deg) are left as they are.
@@ -18,6 +19,12 @@ SHARP = 20.0
 # A tip that holds more than this share of its stratum is the stratum: the step then has a smaller one of these shares
 # of the thickness wished for, or the tip stays.
 MOST, SMALLER = 0.5, (1.0, 0.5, 0.25)
+# A stretch of a stratum thinner than this share of the thickness wished for is a neck, if it is not longer than so many
+# of these.
+NECK, LONGEST_NECK = 0.6, 20.0
+# A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
+# divided by this.
+BEND, OUTLINE = 1.0 / 20.0, 5.0
 
 
 def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
@@ -26,6 +33,11 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
     They are cut nearer to their ends where they would hold too much of their stratum, or it is nowhere as thick.
     """
     notices: list[str] = []
+
+    def longest(k: int) -> float:
+        same = names[k] + BELOW_WATER in names or names[k].endswith(BELOW_WATER)
+        return least * LONGEST_NECK * (3.0 if same else 1.0)  # the same soil lies beside what water cut off
+
     for k in (None, *range(layers.strata)):
         for tip in _tips(layers, k):
             cut = _step_of(layers, k, *tip, least)
@@ -37,6 +49,13 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
+            )
+        for start, end in [] if k is None else _necks(layers, k, least, longest(k)):
+            area = layers.areas()[k]
+            layers = _without(_with_breakpoint(_with_breakpoint(layers, start), end), k, start, end)
+            notices.append(
+                f"mesh: stratum {spoken(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m; "
+                f"in the mesh it ends there in steps, without {area - layers.areas()[k]:.2g} m²"
             )
     return _without_empty_ends(layers), notices
 
@@ -59,6 +78,33 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
         if right <= 0.0 < left and sharp:
             found.append((float(layers.x[i + 1]), -1))
     return found
+
+
+def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
+    """Stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much thinner.
+
+    On one side at least it is thick; the other may be the section's. What is thin all over is left alone.
+    """
+    thick = _thickness(layers, k)
+    found: list[list[float]] = []  # from, to, and the smallest thickness there
+    for i, (left, right) in enumerate(thick):
+        if min(left, right) >= least:
+            continue
+        at = [float(layers.x[i]), float(layers.x[i + 1])]
+        if max(left, right) >= least:
+            root = at[0] + (at[1] - at[0]) * (least - left) / (right - left)
+            at[0 if left > right else 1] = root
+        if found and abs(found[-1][1] - at[0]) <= layers.tolerance:
+            found[-1][1:] = [at[1], min(found[-1][2], left, right)]
+        else:
+            found.append([*at, float(min(left, right))])
+    sides = (layers.x[0], layers.x[-1])
+    return [
+        (start, end)
+        for start, end, thinnest in found
+        if 0.0 < thinnest <= NECK * least and end - start <= longest and (start, end) != sides
+        and layers.areas()[k] > 2.0 * least * (end - start)
+    ]  # fmt: skip
 
 
 def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float, float] | None:
@@ -139,3 +185,24 @@ def _without_empty_ends(layers: Layering) -> Layering:
         left=layers.left[first : last + 1],
         right=layers.right[first : last + 1],
     )
+
+
+def without_needless(layers: Layering, cell: float) -> Layering:
+    """The layers without breakpoints near others, beside cells (m), at which lines bend by next to nothing.
+
+    Ground and base keep within a fifth of what other lines do. Where strata begin, end or step, breakpoints stay.
+    """
+    near = 0.5 * cell
+    gaps = np.diff(layers.x)
+    before, after = layers.right[:-1], layers.left[1:]
+    there = layers.present()
+    fixed = np.ones(len(layers.x), dtype=bool)
+    fixed[1:-1] = (gaps[:-1] >= near) & (gaps[1:] >= near)
+    fixed[1:-1] |= (there[:-1] != there[1:]).any(axis=1) | (np.abs(before - after) > layers.tolerance).any(axis=1)
+    weights = np.ones(layers.strata + 1)
+    weights[[0, -1]] = OUTLINE
+    left = np.vstack([layers.left[:1], before, layers.right[-1:]]) * weights
+    right = np.vstack([layers.left[:1], after, layers.right[-1:]]) * weights
+    keep = kept(layers.x, [(left[:, k], right[:, k]) for k in range(layers.strata + 1)], fixed, BEND * cell)
+    ends = np.flatnonzero(keep)
+    return replace(layers, x=layers.x[keep], left=layers.left[ends[:-1]], right=layers.right[ends[1:] - 1])

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from meshes.section.dense_lines import CELL
 from meshes.section.layering import Layering
 from meshes.section.liquefies import Cases
 from meshes.section.polyline import Line, limits
@@ -13,6 +14,9 @@ from meshes.section.stratum import Stratum
 
 # What is added to the name of a stratum for the part of it that lies below water.
 BELOW_WATER = ", below water"
+# Pockets that water cuts off a stratum are left out up to this length and thickness, and of any length up to the
+# thickness of a film, all in cells of the default size.
+LONGEST_POCKET, THICKEST_POCKET, FILM = 15.0, 1.0 / 6.0, 1.0 / 12.0
 Value = TypeVar("Value")
 
 
@@ -73,6 +77,33 @@ def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
     return Halves(x, level, np.stack([top - level, level - bottom]))
 
 
+def without_pockets(parts: Halves, cell: float) -> Halves:
+    """The halves without pockets of either that are small beside cells (m), and beside the other half.
+
+    Their corners would be as sharp as the angle at which water meets a layer.
+    """
+    level, thickness = parts.level.copy(), parts.thickness.copy()
+    whole = thickness.sum(axis=0)
+    for part in (0, 1):
+        for first, last in _runs(thickness[part]):
+            here = slice(first, last)
+            short = parts.x[last] - parts.x[first] <= LONGEST_POCKET * cell
+            thin = thickness[part, here].max() <= (THICKEST_POCKET if short else FILM) * cell
+            if thin and np.all(2.0 * thickness[part, here] <= whole[here]):
+                level[here] += thickness[0, here] if part == 0 else -thickness[1, here]
+                thickness[1 - part, here], thickness[part, here] = whole[here], 0.0
+    return Halves(parts.x, level, thickness)
+
+
+def _runs(thick: np.ndarray) -> list[tuple[int, int]]:
+    """First interval, and that after the last, of every run of intervals (n, 2) with a thickness that hang together."""
+    runs: list[tuple[int, int]] = []
+    for i in np.flatnonzero(thick.max(axis=1) > 0.0):
+        joined = runs and runs[-1][1] == i and min(thick[i - 1, 1], thick[i, 0]) > 0.0
+        runs.append((runs.pop()[0] if joined else int(i), int(i) + 1))
+    return runs
+
+
 def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list[np.ndarray]:
     """Top and bottom of stratum k and the water level, each (intervals, 2), at both ends of the intervals."""
     middle = 0.5 * (x[1:] + x[:-1])
@@ -103,13 +134,15 @@ def cut(
     """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
 
     New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy.
+    What water cuts off in pockets smaller than cells stays with the rest; pore pressures know nothing of that.
     """
     found: list[Stratum] = []
+    cell = CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
         if level is None:
             found.append(stratum)
             continue
-        parts = halves(layers, k, level)
+        parts = without_pockets(halves(layers, k, level), cell)
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
             found.append(stratum.model_copy(update={"bottom": parts.line(*given), "liquefies_in": Cases()}))

@@ -6,18 +6,23 @@ has a point those are left out between which all lines stay within a tolerance (
 lie on each other still do, and none crosses another.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from meshes.section.polyline import limits
+from meshes.section.polyline import Line, Points, limits
 from meshes.section.simplified import needed
+from meshes.section.stratum import Stratum
+from meshes.section.water import Water
 
 # The default size of cells, as a share of the mean height of a section.
 CELL = 1.0 / 12.0
 # Points nearer to each other than this share of a cell are dense; with so many of them a section is thinned.
 NEAR, MANY = 0.25, 30
+# At an end of a line counts what this point from there has, if it is near.
+INSIDE = 4
 # How far a line may move, in cells: as little as leaves no points near each other, but no more than the second.
 LEAST, MOST, GROWTH = 1.0 / 40.0, 0.5, 1.5
 ROUNDING = 1e-9
@@ -56,10 +61,15 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
         hard |= (np.isfinite(left) != np.isfinite(right)) | (both & (np.abs(right - left) > ROUNDING))
     reach = _reach(x, hard, 0.5 * near)
     sides = {place: (_median(left, reach), _median(right, reach)) for place, (left, right) in sides.items()}
+    for left, right in sides.values():  # at the ends there is no median: that of a neighbour is nearer to the ground
+        if x[INSIDE] - x[0] <= near / 3.0 and not hard[1 : INSIDE + 1].any():
+            right[0] = right[INSIDE]
+        if x[-1] - x[-1 - INSIDE] <= near / 3.0 and not hard[-1 - INSIDE : -1].any():
+            left[-1] = left[-1 - INSIDE]
     fixed = hard | np.concatenate([[True], (gaps[:-1] >= near) & (gaps[1:] >= near), [True]])
     tolerance = LEAST * cell
     while True:
-        keep = _kept(x, list(sides.values()), fixed, tolerance)
+        keep = kept(x, list(sides.values()), fixed, tolerance)
         found = {place: _rebuilt(x[keep], left[keep], right[keep]) for place, (left, right) in sides.items()}
         short = np.hypot(*np.diff(found[("surface",)][1:-1], axis=0).T) < near
         if not short.any() or tolerance * GROWTH > MOST * cell:
@@ -68,6 +78,42 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     moved = {place: len(points) != len(lines[place]) or not np.allclose(points, lines[place], atol=1e-6)
              for place, points in found.items()}  # fmt: skip
     return {place: points if moved[place] else lines[place] for place, points in found.items()}, tolerance
+
+
+def lines_by_place(
+    surface: Points, base: Line, drawn: Line | None, strata: Sequence[Stratum], water: Water | None
+) -> dict[Place, np.ndarray]:
+    """The lines of a section that have several points, by their places in what its file holds."""
+    lines: dict[Place, Line | None] = {("base",): base, ("water_table",): drawn}
+    for k, stratum in enumerate(strata):
+        lines[("strata", k, "bottom")] = stratum.bottom
+        lines[("strata", k, "piezometric_level")] = stratum.piezometric_level
+    if water is not None:
+        lines |= {("water", "table"): water.table, ("water", "after_drawdown"): water.after_drawdown}
+    found: dict[Place, np.ndarray] = {("surface",): np.array(surface, dtype=float)}
+    for place, line in lines.items():
+        kind = "elevation" if line is not None and line.depth is None else "depth"
+        if line is not None and isinstance(getattr(line, kind), tuple):
+            found[(*place, kind)] = np.array(getattr(line, kind), dtype=float)
+    return found
+
+
+def with_lines(data: dict[str, Any], lines: Mapping[Place, np.ndarray]) -> dict[str, Any]:
+    """What a file holds with other lines in their places."""
+    for place, points in lines.items():
+        inside: Any = data
+        for step in place[:-1]:
+            inside = inside[step]
+        inside[place[-1]] = points.tolist()
+    return data
+
+
+def mean_height(surface: Points, base: Line) -> float:
+    """Mean height (m) of a section."""
+    ground = np.array(surface, dtype=float)
+    low = base.points(float(ground[0, 0]), float(ground[-1, 0]))
+    means = [float(0.5 * (z[1:] + z[:-1]) @ np.diff(x) / (x[-1] - x[0])) for x, z in (ground.T, low.T)]
+    return means[1] if base.elevation is None else means[0] - means[1]
 
 
 def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
@@ -96,8 +142,20 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)
 
 
-def _kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float) -> np.ndarray:
-    """Which x (n,) keep all lines within the tolerance, with those that are ``fixed``."""
+def kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float) -> np.ndarray:
+    """Which x keep all lines within a tolerance, with those that are fixed.
+
+    Parameters
+    ----------
+    x : ndarray (n,)
+        Places (m), rising.
+    sides : list of two ndarray (n,)
+        Values of each line just left and just right of each x, not numbers where it is not.
+    fixed : ndarray (n,) of bool
+        Places that stay: the first and the last one, and all where a line steps or ends.
+    tolerance : float
+        By how much a line may differ from the chord between places that stay.
+    """
     keep = fixed.copy()
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
     ends = np.flatnonzero(fixed)

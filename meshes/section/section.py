@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationErro
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
 from meshes.section.cutting import cut, in_file
-from meshes.section.dense_lines import CELL, MANY, thinned_lines
+from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
@@ -221,37 +221,17 @@ class Section(Model):
 
     def thinned(self) -> Self:
         """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
-        lines = {place: points for place, line in self._lines_by_place().items()
-                 if len(points := line.points(*self.given_extent)) > 2}  # fmt: skip
-        if sum(map(len, lines.values())) + len(self.surface) <= MANY:
-            return self
-        height = float(self.layering.areas().sum()) / (self.extent[1] - self.extent[0])
-        found, tolerance = thinned_lines({**lines, ("surface",): np.array(self.surface, dtype=float)}, CELL * height)
+        lines = lines_by_place(self.surface, self.base, self.water_table, self.strata, self.water)
+        found, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
         if tolerance == 0.0:
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
-        for place, points in found.items():
-            inside: Any = data
-            for step in place[:-1]:
-                inside = inside[step]
-            inside[place[-1]] = points.tolist()
-        changed = type(self).model_validate(data)
+        changed = type(self).model_validate(with_lines(data, found))
         changed._thinning = (
             f"geometry: lines have more points than cells can use; those left, {len(changed.surface)} of "
             f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median"
         )
         return changed
-
-    def _lines_by_place(self) -> dict[tuple[str | int, ...], Line]:
-        """The lines beside the ground, by their places in the data, down to "elevation" or "depth"."""
-        lines: dict[tuple[str | int, ...], Line | None] = {("base",): self.base, ("water_table",): self.water_table}
-        for k, stratum in enumerate(self.strata):
-            lines[("strata", k, "bottom")] = stratum.bottom
-            lines[("strata", k, "piezometric_level")] = stratum.piezometric_level
-        if self.water is not None:
-            lines |= {("water", "table"): self.water.table, ("water", "after_drawdown"): self.water.after_drawdown}
-        return {(*place, "depth" if line.elevation is None else "elevation"): line
-                for place, line in lines.items() if line is not None}  # fmt: skip
 
     def cut_at_water(self) -> Self:
         """The section with the strata cut where water crosses them, and the saturated density below it."""
