@@ -1,6 +1,6 @@
 """All that is said of a section: critical Kh to both sides, ψ = φ and Davis's estimate, factors of safety, doubts."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
@@ -25,7 +25,6 @@ from fem.meanwhile import Meanwhile, stop_if_left
 from fem.mesh_sequence import AdaptiveResult
 from fem.path import EquilibriumPath
 from fem.settings import FemSettings
-from fem.skin import Skin
 from fem.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
 from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.errors import NoAnswerError
@@ -86,16 +85,34 @@ def assess(
     settings: FemSettings,
     comm: Any,
     listener: AssessmentListener,
-    box_depth: float = 0.0,
 ) -> Assessment:
     """Find the critical Kh and what stands beside it, beginning with a ``first`` mesh.
 
-    ``box_depth`` (m): in the rigid box, failures of cohesionless faces are left out down to this depth at least. Raises
-    InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its weight.
+    Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
+    weight.
     """
     settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
     with Meanwhile(comm.size == 1) as meanwhile:
-        return _Search(section, meshing, first, comm, listener, meanwhile).assessed(settings, box_depth)
+        return _Search(section, meshing, first, comm, listener, meanwhile).assessed(settings)
+
+
+def box_below_faces(
+    section: Section,
+    meshing: MeshSettings,
+    first: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: AssessmentListener,
+) -> AdaptiveResult[CriticalResult]:
+    """The critical Kh between fixed sides, in one direction, without failures of cohesionless faces that are less deep
+    than ``settings.least_depth``: below them it is another ground, with meshes of its own.
+
+    Raises InputError, NoEquilibriumError, UnstableError.
+    """
+    settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
+    with Meanwhile(comm.size == 1) as meanwhile:
+        search = _Search(section, meshing, first, comm, listener, meanwhile)
+        return search.rigid_box(settings, None, first, below_faces=True)
 
 
 def _together(
@@ -144,7 +161,7 @@ class _Search:
     listener: AssessmentListener
     meanwhile: Meanwhile
 
-    def assessed(self, settings: FemSettings, box_depth: float) -> Assessment:
+    def assessed(self, settings: FemSettings) -> Assessment:
         """All answers; those that do not hang on each other are looked for side by side."""
         safety = None
         if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
@@ -152,15 +169,15 @@ class _Search:
         try:
             adapted = self.limit_loads(settings)
             if adapted is None:
-                found = self.by_path(settings, box_depth, safety)
+                found = self.by_path(settings, safety)
             else:
-                found = _standing(self.with_limit_loads(adapted, settings, box_depth, safety))
+                found = _standing(self.with_limit_loads(adapted, settings, safety))
         except UnstableError as error:
             raise self.fails(settings, error) from error
         return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
 
     def with_limit_loads(
-        self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, box_depth: float, safety: list[Safety] | None
+        self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
         """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError.
 
@@ -168,13 +185,13 @@ class _Search:
         whether ψ = φ shows a better mesh: it hardly ever does.
         """
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
-        box = self.begin_box(one_way, adapted, adapted.mesh, box_depth, adapted.result.skins)
+        box = self.begin_box(one_way, adapted, adapted.mesh)
         safety = self.begin_safety(one_way) if safety is None else safety
         beside = self.meanwhile.begin(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
         found, other = beside.result()
         if found is not adapted:
-            box = self.begin_box(one_way, found, found.mesh, box_depth, found.result.skins)
+            box = self.begin_box(one_way, found, found.mesh)
             critical = self.path_to(found, one_way)
         return _together(critical, found.mesh, found, found.other, other, box, safety)
 
@@ -183,7 +200,7 @@ class _Search:
         start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
         return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
 
-    def by_path(self, settings: FemSettings, box_depth: float, safety: list[Safety] | None) -> Assessment:
+    def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
         """The answers where paths have to do alone; raises UnstableError."""
         mesh, beside = self.first, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
@@ -193,7 +210,7 @@ class _Search:
             beside = self.by_other_flow(one_way)
         box = None
         if critical.verdict != "undecided":
-            box = self.begin_box(one_way, None, mesh, box_depth, critical.skins)
+            box = self.begin_box(one_way, None, mesh)
         safety = self.begin_safety(one_way) if safety is None else safety
         return _together(critical, mesh, None, opposite, beside, box, safety)
 
@@ -202,20 +219,13 @@ class _Search:
         return [self.meanwhile.begin(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
-        self,
-        settings: FemSettings,
-        adapted: AdaptiveResult[AtOnce] | None,
-        mesh: QuadMesh,
-        box_depth: float,
-        skins: Sequence[Skin],
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
     ) -> "Future[AdaptiveResult[CriticalResult]] | None":
-        """Begin with the answer between fixed sides, if it is asked for and another one; ``box_depth`` as in
-        ``assess``, ``skins`` are the faces that roll down before the ground fails."""
-        deeper = box_depth > settings.least_depth and bool(skins)
-        same = settings.sides == "fixed" and not deeper and not self.dilates_more(settings)
+        """Begin with the answer between fixed sides, if it is asked for and another one."""
+        same = settings.sides == "fixed" and not self.dilates_more(settings)
         if not settings.rigid_box or same:
             return None
-        return self.meanwhile.begin(partial(self.rigid_box, settings, adapted, mesh, box_depth if deeper else 0.0))
+        return self.meanwhile.begin(partial(self.rigid_box, settings, adapted, mesh))
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
         """Tells how far a path is."""
@@ -274,27 +284,30 @@ class _Search:
         return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.meanwhile)
 
     def rigid_box(
-        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, depth: float
+        self,
+        settings: FemSettings,
+        adapted: AdaptiveResult[AtOnce] | None,
+        mesh: QuadMesh,
+        below_faces: bool = False,
     ) -> AdaptiveResult[CriticalResult]:
-        """The answer between fixed sides, with a push where the ground fails, as discs are pushed; no failures of
-        cohesionless faces that are less deep. By Davis's estimate in place of ψ = φ, where such ground stands."""
+        """The answer between fixed sides, with a push where the ground fails, as discs are pushed. By Davis's estimate
+        in place of ψ = φ, where such ground stands. ``below_faces``: as in `box_below_faces`."""
         if self.dilates_more(settings):
             try:
                 low = settings.model_copy(update={"flow": "davis"})
-                return self.between_fixed_sides(low, adapted, mesh, depth)
+                return self.between_fixed_sides(low, adapted, mesh, below_faces)
             except NoAnswerError:
                 pass
-        return self.between_fixed_sides(settings, adapted, mesh, depth)
+        return self.between_fixed_sides(settings, adapted, mesh, below_faces)
 
     def between_fixed_sides(
-        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, depth: float
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, below_faces: bool
     ) -> AdaptiveResult[CriticalResult]:
         """The same by the flow rule of the ``settings``."""
-        depth = max(depth, settings.least_depth)
-        fixed = settings.model_copy(update={"sides": "fixed", "kh": (), "least_depth": depth})
+        fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
         start, limit = None, None
-        if adapted and depth > settings.least_depth:  # another ground just below the faces
-            limit = self.at_once("Kh, fixed sides", fixed)
+        if below_faces:
+            limit = self.at_once("Kh, fixed sides", fixed) if is_associated(self.section.strata, fixed.flow) else None
         elif adapted and settings.sides != "tied":
             limit = answer_between(
                 self.section, self.meshing, adapted, fixed, self.comm, self._saying("Kh, fixed sides")

@@ -103,7 +103,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
         calibration_told.model_copy(update=tests).write(store)
     calibrate_pictures(given, store, team)
     calibration = found.calibration
-    if calibration is not None and calibration.verdict != "calibrated" and given.dem.out_of_reach == "stop":
+    if given.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
             calibration.reason,
             f"take another packing, dem.seed = {given.dem.seed + 1}, since packings differ by a tenth, or more "

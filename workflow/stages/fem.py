@@ -40,9 +40,6 @@ if TYPE_CHECKING:
 # Settings of [fem] that change nothing in the critical Kh and the path to it: factors of safety are found beside that.
 WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
 
-# Radii of discs down to which they cannot fail like a cohesionless face, grain by grain: two discs.
-DISCS_DEEP = 4.0
-
 
 def work(job: Job) -> None:
     """Find the critical Kh with all ranks that there are."""
@@ -91,24 +88,20 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         )
 
     progress("gravity", None)
-    depth = DISCS_DEEP * given.dem.mean_radius(given) if given.dem.model == "soil" else 0.0
-    found = assess(given, given.mesh, mesh, given.fem, comm, tell, depth)
+    found = assess(given, given.mesh, mesh, given.fem, comm, tell)
     result = found.critical
     if store is not None:
         with store.writing(FEM_FILE) as path:
             save(found.mesh, path)
-        answer_of(given, found, depth).write(store)
+        answer_of(given, found).write(store)
         write_fields(given, found.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswer:
-    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety.
-
-    ``depth`` (m): of failures that the discs of the rigid box cannot show.
-    """
+def answer_of(given: Input, found: "Assessment") -> FemAnswer:
+    """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     from fem.judges import is_doubtful
     from fem.slip_surface import slip_surface
 
@@ -154,7 +147,7 @@ def answer_of(given: Input, found: "Assessment", depth: float = 0.0) -> FemAnswe
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
-        rigid_box=_rigid_box(found.rigid_box, depth),
+        rigid_box=rigid_box_of(found.rigid_box) if found.rigid_box else None,
     )
 
 
@@ -174,12 +167,11 @@ def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
     )
 
 
-def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> RigidBox | None:
-    """What is kept of the same search with fixed sides; ``depth`` as in ``answer_of``."""
+def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
+    """What is kept of the same search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less
+    deep were left out."""
     from fem.slip_surface import slip_surface
 
-    if found is None:
-        return None
     return RigidBox(
         kc=found.result.kc,
         kc_upper=found.result.upper,
@@ -188,7 +180,7 @@ def _rigid_box(found: "AdaptiveResult[CriticalResult] | None", depth: float) -> 
         reason=found.result.reason,
         slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
         curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
-        deeper_than_m=depth if found.result.skins else None,
+        deeper_than_m=depth,
     )
 
 
@@ -261,7 +253,7 @@ STAGE = Stage(
     draw=draw,
     drawn_after=True,
     needs=("mesh",),
-    reads=("fem", "dem.model", "dem.radius", "dem.elements"),  # of [dem] how small the failures are that discs can show
+    reads=("fem",),
     ignores=lambda given: ("fem.threads",),
     seconds=lambda given: 12.0 if given.mesh.columns or given.fem.accuracy == 0.0 else 100.0,
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),

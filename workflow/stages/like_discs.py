@@ -13,6 +13,7 @@ from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.fem import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.as_discs import AsDiscs
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
+
+
+# Radii of discs down to which they cannot fail like a cohesionless face, grain by grain: two discs.
+DISCS_DEEP = 4.0
 
 
 class _TakesTooLongError(NoAnswerError):
@@ -44,7 +49,7 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
 
     from fem.as_discs import dilating_fully
 
-    fem = FemAnswer.read(store)
+    fem = _in_the_box_of_discs(given, store, FemAnswer.read(store), tell)
     known = LikeDiscs.of(fem)
     if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(given.strata):
         return known
@@ -71,6 +76,28 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
             "yielding_m": displacement_at(curve, found.kc, YIELDED), "slip_surface": line(found.slip_surface),
         }
     )  # fmt: skip
+
+
+def _in_the_box_of_discs(given: Input, store: Store, fem: FemAnswer, tell: Tell) -> FemAnswer:
+    """The answer of the stage `fem` with a rigid box in which faces fail no less deep than discs can; as it is where no
+    face fails before the ground, or where there is no answer below the faces."""
+    from mpi4py import MPI
+
+    from fem.assessment import box_below_faces
+
+    depth = DISCS_DEEP * given.dem.mean_radius(given)
+    if not given.fem.rigid_box or not fem.skins or depth <= given.fem.least_depth:
+        return fem
+    settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+
+    def told(what: str, path: "EquilibriumPath | None") -> None:
+        tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
+
+    try:
+        found = box_below_faces(given, given.mesh, stored_mesh(given, store), settings, MPI.COMM_SELF, told)
+    except NoAnswerError:
+        return fem
+    return fem.model_copy(update={"rigid_box": rigid_box_of(found, depth)})
 
 
 def _with_psi_as_given(

@@ -172,7 +172,15 @@ STAGE = Stage(
     work=work,
     needs=("mesh",),
     reads=("fem",),
-    ignores=lambda given: (*WITHOUT_EFFECT, "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box"),
+    ignores=lambda given: (
+        *WITHOUT_EFFECT,
+        "fem.accuracy",
+        "fem.kh",
+        "fem.max_cells",
+        "fem.rigid_box",
+        "bounds.max_cells",
+        "bounds.gap",
+    ),  # it has its own
     takes=lambda given: {"what liquefies": cases_as_data(given, LOST)},
     beside=("mesh",),
     seconds=lambda given: 20.0,

@@ -41,7 +41,7 @@ def _excess_above(given: Input, store: Store, line: np.ndarray, fem: FemAnswer) 
     from fem.given_surface import critical_above
 
     mesh = fem_mesh(given, store, fem.mesh.method)
-    like = LikeDiscs.of(fem)
+    like = LikeDiscs.read(store) if given.dem.model == "soil" else LikeDiscs.of(fem)
     wish = {"sides": like.sides, "direction": fem.direction, "least_depth": like.deeper_than_m or given.fem.least_depth}
     settings = given.fem.model_copy(update=wish)
     try:
