@@ -15,16 +15,16 @@ PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 HEAD = """# Published slopes
 
 Slopes on which others have published numbers, with what this program finds: strict bounds by limit analysis (ψ = φ),
-and finite elements with ψ = φ and with Davis's substitute of ψ, which is zero unless a file says otherwise. Every
-case is a section as users write it, with a table `[published]`. Made by `make verify`; `noshiro verify acads` runs
-those whose names begin so.
+and finite elements with ψ = φ, the answer of `noshiro fem`, and by Davis's estimate for ψ, which is zero unless a file
+says otherwise, and which is no bound. Every case is a section as users write it, with a table `[published]`. Made by
+`make verify`; `noshiro verify acads` runs those whose names begin so.
 
 A published number is no truth: where the bounds exclude it, the remarks say so. **Right** is a case whose elements
 agree with its bounds (at most {below:g} % below, {above:g} % above) and in which the median of each kind of published
 value is no further from them than {tolerances}. **Explained** is one that does not, for a reason that stands in its
 file.
 
-Davis's substitute is in form B, whose factor of safety for one soil without dilation is √(F² - tan² φ) where cohesion
+Davis's estimate is in form B, whose factor of safety for one soil without dilation is √(F² - tan² φ) where cohesion
 is small, F that of ψ = φ (Tschuchnigg, Schweiger & Sloan 2015). Where it is below 1 the ground would have to be
 stronger, hence steeper in φ, and the steeper φ the more Davis takes off: on steep friction it comes out far below F,
 as 0.57 beside 1.01 for spencer_1969 with φ = 40°. Read it as a slope that fails by Davis's strength, and as how many
@@ -115,7 +115,7 @@ def _speed(answers: Collection[Answer]) -> str:
     bounds, associated, davis = (median(values) for values in spent)
     return (
         f"At the median the bounds are {100 * median(gaps):.1f} % apart after {bounds:.1f} s; the elements take "
-        f"{associated:.1f} s with ψ = φ and {davis:.1f} s with Davis's substitute, all of one core."
+        f"{associated:.1f} s with ψ = φ and {davis:.1f} s by Davis's estimate, all of one core."
     )
 
 

@@ -109,7 +109,7 @@ def _contradictions(found: Answer) -> Iterator[str]:
         yield f"elements with ψ = φ find {elements:.4g}, {100 * (elements / upper - 1):.0f} % above the upper bound"
     top = upper if upper is not None else elements
     if found.davis is not None and top is not None and found.davis > (1.0 + ABOVE + NO_STRONGER) * top:
-        yield f"elements find {found.davis:.4g} with Davis's substitute, more than with ψ = φ"
+        yield f"elements find {found.davis:.4g} by Davis's estimate, more than with ψ = φ"
 
 
 def _apart(case: Case, found: Answer) -> Iterator[str]:
