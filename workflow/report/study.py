@@ -5,10 +5,11 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
+from workflow.estimates.estimate import flow_words
 from workflow.report.captions import collect
 from workflow.report.numbers import number
 from workflow.results.cases import Spread
-from workflow.results.study import Result, StudyAnswer
+from workflow.results.study import WORDS, Result, StudyAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.uncertain.distribution import Distribution
@@ -51,6 +52,8 @@ def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
     drawn = f"{answer.samples} samples of {len(given.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
     without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
     yield f"{drawn}, seed {answer.seed}{without}."
+    if any(result.title == WORDS["kc"] for result in answer.results):
+        yield f"The critical Kh, which blocks resist with as well, is {flow_words(given)}."
     for result in answer.results:
         spread = result.spread
         if spread.median is None or result.is_detail:
