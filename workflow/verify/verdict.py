@@ -40,7 +40,7 @@ def judge(case: Case, found: Answer | None) -> Verdict:
     """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
     if found is None:
         return Verdict("not run", ())
-    faults = [*_contradictions(found), *(f"no answer by {text}" for text in _missing(case, found))]
+    faults = [*_contradictions(found), *(f"no answer by {text}" for text in found.failures)]
     apart = list(_apart(case, found))
     if faults:
         return Verdict("wrong", (*faults, *apart))
@@ -91,13 +91,6 @@ def outside(case: Case, found: Answer) -> Iterator[str]:
 def _named(value: Value) -> str:
     low, high = value.ends
     return f"{low:g}" + (f" to {high:g}" if high > low else "") + f" ({value.author}, {value.method})"
-
-
-def _missing(case: Case, found: Answer) -> Iterator[str]:
-    """What there should be an answer by, and is none."""
-    for text in found.failures:
-        if not (text.startswith("bounds") and case.fem.sides == "tied"):
-            yield text
 
 
 def _contradictions(found: Answer) -> Iterator[str]:
