@@ -199,14 +199,14 @@ def _doubts(record: Accelerogram, stated: float | None) -> Iterator[str]:
         yield text
     longest = float(np.diff(record.time).max())
     if longest > COARSE:
-        yield f"its steps of time are up to {longest:g} s long; expected up to {COARSE:g} s: are its times in seconds?"
+        yield f"its steps of time are up to {longest:g} s long; expected up to {COARSE:g} s; check their unit"
     if stated is not None and abs(record.peak - stated) > STATED * stated:
         yield f"its peak is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
 
 
 def _size(peak: float) -> str:
     if peak > STRONG:
-        return f"its peak is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g: is that its unit?"
+        return f"its peak is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g; check its unit"
     if peak < FAINT:
-        return f"its peak is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal: is that its unit?"
+        return f"its peak is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal; check its unit"
     return ""

@@ -8,17 +8,18 @@ from pydantic import Field, ValidationError
 
 from dem.settings import SlideSettings
 from meshes.errors import InputError
-from meshes.section.quantity import Coordinate, Density, Length
+from meshes.section.quantity import GRAVITY, Coordinate, Density, Length
 from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
-from workflow.earthquake.accelerogram import Accelerogram
+from workflow.earthquake.accelerogram import STRONG, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import GAL, Mechanism, Motion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
 from workflow.earthquake.equivalent_kh import EquivalentKh, equivalent_kh
 
 EARTHQUAKE = "earthquake"  # in place of the Kh of the slides and of its seconds: those that stand for [earthquake]
+PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
@@ -102,14 +103,23 @@ class EarthquakeSettings(Model):
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
-        """What contradicts itself, and where the Kh of the slides comes from, if there are any and it is of here."""
-        told, found = self.contradiction(), self.equivalent()
-        if slide is None or found is None or slide.accelerogram:
-            return [told] if told else []
-        if (slide.kh, slide.kh_seconds) != (found.kh, found.seconds):
-            return [told] if told else []
-        pushed = f"slide, kh = {found.kh:g} of [earthquake]: {found.words}; all that time it pushes one way"
-        return [told, pushed] if told else [pushed]
+        """What is doubtful, what contradicts itself, and where the Kh of the slides comes from, if it is of here."""
+        told, found = [self._unlikely_peak(), self.contradiction()], self.equivalent()
+        pushed = (slide.kh, slide.kh_seconds) if slide is not None and not slide.accelerogram else None
+        if found is not None and pushed == (found.kh, found.seconds):
+            told.append(f"slide, kh = {found.kh:g} of [earthquake]: {found.words}; all that time it pushes one way")
+        return [text for text in told if text]
+
+    def _unlikely_peak(self) -> str:
+        """That a peak is above what was recorded, or a plain number that may be meant in g; empty where neither."""
+        if self.peak_acceleration is None:
+            return ""
+        peak = float(self.peak_acceleration)
+        plain = not isinstance(getattr(self.peak_acceleration, "written", peak), str)
+        if peak > STRONG or (plain and peak < PLAIN_IN_G):
+            unit = "a plain number, in m/s^2" if plain else "as written"
+            return f"earthquake, peak_acceleration is {peak / GRAVITY:.3g} g, {unit}; check its unit"
+        return ""
 
     def equivalent(self) -> EquivalentKh | None:
         """The constant Kh that stands for it, and for how long; None where nothing says its peak."""

@@ -93,6 +93,22 @@ def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
     assert shaken({key: LEVEE[key] for key in ("magnitude", "distance")}).earthquake.contradiction() == ""
 
 
+@pytest.mark.parametrize(
+    ("peak", "told"),
+    [
+        (0.25, "peak_acceleration is 0.0255 g, a plain number, in m/s^2; check its unit"),
+        ("3.5 g", "peak_acceleration is 3.5 g, as written; check its unit"),
+        ("0.1 g", ""),
+        (2.5, ""),
+    ],
+)
+def test_a_peak_in_another_unit_is_doubted(peak: str | float, told: str) -> None:
+    doubts = [
+        text for text in shaken({"magnitude": 7.4, "peak_acceleration": peak}).notices if "check its unit" in text
+    ]
+    assert doubts == ([f"earthquake, {told}"] if told else [])
+
+
 def test_the_distance_that_was_overruled_is_not_used() -> None:
     data = bored()
     data["triggering"]["borings"][0]["spt"] = [test(3.0, 5, fines=10, d50=0.00025), test(5.0, 6, fines=10, d50=0.00025)]

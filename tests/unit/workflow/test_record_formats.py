@@ -177,7 +177,7 @@ def test_milliseconds_are_read_and_asked_for() -> None:
     assert "are 10 s apart" in refused(columns(time, values, "time,acc (m/s^2)"))
     assert "the heading gives the time" not in refused(columns(time, values, "t (h),acc (m/s^2)"))
     [remark] = read_text(columns(0.25 * np.arange(200), values, "time (s),acc (m/s^2)")).remarks
-    assert remark == "its steps of time are up to 0.25 s long; expected up to 0.1 s: are its times in seconds?"
+    assert remark == "its steps of time are up to 0.25 s long; expected up to 0.1 s; check their unit"
 
 
 @given(seed=st.integers(0, 10**6), offset=st.floats(0.011, 0.2), sign=st.sampled_from([-1.0, 1.0]))
@@ -208,7 +208,7 @@ def test_peaks_are_doubted() -> None:
     values /= np.abs(values).max()
     time = 0.01 * np.arange(300)
     strong = read_text(columns(time, 3.5 * values, "time (s),a (g)"))
-    assert strong.remarks == ("its peak is 3.5 g, above 3 g: is that its unit?",)
+    assert strong.remarks == ("its peak is 3.5 g, above 3 g; check its unit",)
     assert "its peak is 40 g" in refused(columns(time, 40.0 * values, "time (s),a (g)"))
     faint = read_text(columns(time, 0.3 * values, "time (s),a (gal)"))
     assert "its peak is 0.3 gal, below 0.98 gal" in faint.remarks[0]
