@@ -21,7 +21,7 @@ LENGTHS = (
     "SCPT_DPTH", "WSTG_DPTH", "WSTD_POST",
 )  # fmt: skip
 KINDS: dict[str, Kind] = {**dict.fromkeys(LENGTHS, COORDINATE), **dict.fromkeys(UNITS, STRENGTH)}
-AGS3 = re.compile(r'^\s*"?\*\*\??[A-Z]', re.MULTILINE)
+AGS3 = re.compile(r'^\s*"?(\*\*\??\w+)', re.MULTILINE)
 
 Row = Mapping[str, str]
 
@@ -62,8 +62,8 @@ def read_groups(path: Path) -> Groups:
     text, notice = read_text(path)
     if not re.search(r'^\s*"?GROUP', text, re.MULTILINE):
         if line := AGS3.search(text):
-            told = f'is AGS3, which has groups such as {line[0].strip()}..." of a line each; expected AGS4'
-            raise InputError(str(path), [f"{told}: the AGS Format Data group names programs that convert it"])
+            told = f'is AGS3, whose groups begin with a line such as "{line[1]}"; expected AGS4'
+            raise InputError(str(path), [f"{told}, into which other programs convert it"])
         raise InputError(str(path), ["holds no GROUP; expected AGS4, with a group LOCA of the borings"])
     lines = "".join(line + "\n" for line in text.splitlines() if line.strip(' ,"'))  # a blank line ends no group
     try:
@@ -120,4 +120,5 @@ def _departures(ags4: Any, path: Path, lines: str) -> list[str]:
     rule, told = next(iter(rules.items()))
     first = f"line {told[0]['line']}, {told[0]['desc']}" if str(told[0]["line"]).isdigit() else told[0]["desc"]
     counts = ", ".join(f"{rule} ({len(told)})" for rule, told in rules.items())
+    first = first.rstrip(".")
     return [f"{path.name} departs from rules of AGS4, as python-ags4 counts: {counts}; the first: rule {rule}, {first}"]
