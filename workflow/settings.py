@@ -314,7 +314,7 @@ class Input(Section):
             if own.liquefies_in.triggered and its.share is None and reaches_water(self, k)
         ]
         if untested:
-            told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or numbers of cases'
+            told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
             raise InputError(self.name, [f"{where}, {told}" for where in untested])
         numbers = range(1, len(self.slide.cases) + len(self.triggering.cases) + 1)
         strata = [

@@ -12,6 +12,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.surface import Surface
 from dem.slides.volume import shortening
+from meshes.section.cutting import spoken
 
 LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
@@ -148,7 +149,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
             told.append(
-                f'stratum "{start.springs.layers[k].name}" liquefies and is {thick:.2g} m thick in discs, less than '
-                f"two discs: a radius of {thick / 4.0:.2g} m would show it"
+                f"stratum {spoken(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, less "
+                f"than two discs: a radius of {thick / 4.0:.2g} m would show it"
             )
     return told

@@ -23,6 +23,8 @@ from workflow.stages import STAGES
 
 Reads = dict[str, set[str]]
 
+ELSEWHERE = "mesh.least_thickness"  # is read by the process of gmsh, which nobody looks into
+
 # What stages take of these tables is worked out when the input is read: F_L, cases, and what liquefies in them.
 TAKEN = ("earthquake", "triggering", "slide.cases")
 
@@ -53,10 +55,10 @@ def shaken(folder: Path) -> Input:
     """The paper's discs beside a path with ψ as given, borings, and a record that makes strata liquefy by their F_L."""
     data = tomllib.loads(small_run.written(folder).read_text())
     tests = [{"depth": 1.0 + k, "N": 4} for k in range(8)]
-    for stratum in data["strata"]:
-        stratum["liquefies_in"] = "triggered"
+    del data["strata"][0]["liquefies_in"]
+    data["strata"][1] |= {"liquefies_in": "triggered", "cohesion": "60 kPa"}
     quake = str(folder / "quake.csv")
-    cases = [{"stiffness": 0.1, "residual": 0.1}]
+    cases = [{"stiffness": 0.1, "residual_strength": "60 kPa"}]
     data |= {
         "mesh": {"method": "free", "size": 3.0},
         "site_response": {"record": quake, "scale": 0.1, "slip_depth": 4.0},
@@ -115,7 +117,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Re
             for key in KEYS
             if not key.startswith(TAKEN)
             for name in stale(given, altered(given, key)) - {"report"}  # it lists all that is not the default
-            if not any(key in read[other] for other in with_needed(name))
+            if key != ELSEWHERE and not any(key in read[other] for other in with_needed(name))
         }
         assert needless == set()
 

@@ -88,7 +88,7 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
         yield f"Pushed {other.direction} it is {kh}{_out_at(other.at_sides)}."
     for skin in answer.skins:
         yield (
-            f'Grains of "{skin.stratum}" roll down the face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m '
+            f"Grains of {spoken(skin.stratum)} roll down the face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m "
             f"({skin.angle_deg:.0f}°) at Kh = {max(skin.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
         )
 
@@ -108,8 +108,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     for face in answer.skins:
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
-            f"Grains roll down the face of {face.stratum} from x = {face.start:g} to {face.end:g} m {when}. What "
-            f"follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
+            f"Grains roll down the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
+            f"What follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
         )
     yield f"{proven(bool(answer.skins))} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":

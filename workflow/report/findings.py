@@ -155,8 +155,9 @@ def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
         yield f"Pushed {other.direction} it fails at Kh of about {coefficient(other.kc)}{cut}."
     for skin in fem.skins:
         yield (
-            f"Before that, at Kh = {coefficient(max(skin.kh, 0.0))}, single grains of {skin.stratum} roll down its "
-            f"face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m."
+            f"Before that, at Kh = {coefficient(max(skin.kh, 0.0))}, single grains of "
+            f"{spoken(skin.stratum, quoted=False)} roll down its face from x = {skin.start_x_m:g} to "
+            f"{skin.end_x_m:g} m."
         )
     bounds = results.bounds
     if bounds is not None and bounds.lower is not None and bounds.upper is not None:
@@ -268,12 +269,14 @@ APART = {
 def _cases_are(given: Input) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
     numbers = sorted({number for stratum in given.strata for number in stratum.liquefies_in})
-    cases = [dict(given.cases[number - 1]) for number in numbers]
+    cases = [{**dict(one := given.cases[number - 1]), "damping": one.damping_left} for number in numbers]
     layers = [spoken(stratum.name, quoted=False) for stratum in given.strata if stratum.liquefies_in]
     told, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
         shown = _shown(name, [case[name] for case in cases])
+        if shown == "1" and name not in APART:
+            continue  # as it was
         if shown != "0":
             told.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
         elif name not in APART:
@@ -292,7 +295,7 @@ def _shown(name: str, values: Sequence[Any]) -> str:
     each = []
     for stratum in strata or [""]:
         told = [factor(value.get(stratum, 0.0) if isinstance(value, dict) else value, name) for value in values]
-        where = f" in {stratum}" if len(strata) > 1 else ""
+        where = f" in {spoken(stratum, quoted=False)}" if len(strata) > 1 else ""
         each.append(listed(told if len(set(told)) > 1 else told[:1]) + where)
     return ", ".join(each)
 

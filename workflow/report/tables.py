@@ -48,7 +48,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             f"{start:.4g}-{end:.4g}",
             f"{stratum.youngs_modulus / 1e6:.4g}",
             f"{stratum.poissons_ratio:g}",
-            f"{stratum.density_ordinary / 1e3:.4g}/{stratum.density_seismic / 1e3:.4g}",
+            "/".join(dict.fromkeys(f"{d / 1e3:.4g}" for d in (stratum.density_ordinary, stratum.density_seismic))),
             f"{stratum.cohesion / 1e3:.4g}"
             + (f" + {stratum.cohesion_increase / 1e3:.3g} z" if stratum.cohesion_increase else "")
             + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),

@@ -9,6 +9,7 @@ from meshes.errors import InputError
 from meshes.section.cutting import by_stratum, in_file, spoken
 from tests.support.sections import layer
 from workflow.earthquake.column import _layers
+from workflow.report.findings import _cases_are
 from workflow.settings import Input
 
 
@@ -80,3 +81,14 @@ def test_notices_name_strata_as_the_file_does() -> None:
     assert 'stratum "sand" below water thins out' in told
     assert ", below water" not in told
     assert "strata 3" not in told
+
+
+def test_cases_are_told_by_what_they_change() -> None:
+    """A stiffness that stays and dashpots that follow it are no news, and no case leaves "None of its damping"."""
+    (told,) = _cases_are(cut(slide={"cases": [{"residual_strength": {"sand": "4 kPa"}}]}))
+    assert told == (
+        "In case 1 liquefaction leaves sand below water with a residual strength of 4 kPa, and none of its friction "
+        "and cohesion."
+    )
+    (told,) = _cases_are(cut(slide={"cases": [{"stiffness": 0.25}]}))
+    assert "0.25 of its stiffness and 0.5 of its damping" in told

@@ -1,0 +1,118 @@
+"""A river levee as a practitioner states it, with its borings and a record: through all commands without a stumble."""
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.support import TOP
+from tests.support.command_line import run
+
+Ask = Callable[..., str]
+
+FILES = TOP / "tests/support/levee"
+UNCERTAIN = """
+[uncertain]
+"strata.Loose sand.friction_angle" = { normal = ["31 deg", "2 deg"], between = ["27 deg", "35 deg"] }
+"strata.Levee fill.cohesion" = { uniform = ["0 kPa", "6 kPa"] }
+"strata.Soft clay.cohesion" = { lognormal = ["40 kPa", "10 kPa"] }
+"""
+COARSE = {"mesh.size": "5 m", "fem.accuracy": "0", "fem.direction": "downhill"}
+SMALL = {
+    **COARSE, "mesh.size": "3 m", "bounds.max_cells": "400", "bounds.seconds": "60", "variants.which": '["sides"]',
+    "dem.elements": "250", "dem.resolution": "0.05", "dem.tolerance": "0.05", "dem.out_of_reach": "go on",
+    "dem.element_tests": "false", "slide.seeds": "[]", "slide.duration": "2", "slide.frames": "2",
+}  # fmt: skip
+
+
+def options(settings: dict[str, str]) -> list[str]:
+    return [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where its files lie, and the commands are given."""
+    for file in FILES.iterdir():
+        shutil.copy(file, tmp_path / file.name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def said(folder: Path, capsys: pytest.CaptureFixture[str]) -> Ask:
+    """What a command says, in one line of text; it ends well, and in words that a person understands."""
+
+    def ask(*arguments: str) -> str:
+        code = run(*arguments)
+        heard = capsys.readouterr()
+        told = " ".join((heard.out + heard.err).split())
+        assert code == 0, told
+        for stumble in ("Traceback", "<sub>", "{{", "None of its", ", below water roll", '", below water'):
+            assert stumble not in told
+        return told
+
+    return ask
+
+
+def test_from_the_file_to_what_liquefies(said: Ask) -> None:
+    told = said("check", "levee.toml")
+    assert "The section is sound" in told
+    assert 'strata 4 "Soft clay": its cohesion grows with depth' in told  # its number in the file, which water cuts
+    assert '"Levee fill, below water"' not in told
+    told = said("liquefaction", "levee.toml")
+    assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in told
+    assert told.count(" does not liquefy") >= 4
+    risks = dict(re.findall(r"(B-\d \w+): P_L = [\d.]+, risk ([a-z ]+)\.", told))
+    assert risks == {"B-1 river": "very high", "B-2 crest": "high", "B-3 land": "very high"}
+    told = said("run", "levee.toml", "--dry-run")
+    assert "it has not run yet" in told
+
+
+def test_from_the_borings_to_what_liquefies(said: Ask, folder: Path) -> None:
+    """Three borings in a table, in which the ground is at a depth of "0.0 mm"."""
+    told = said("section", "levee_borings.csv", "--out", "section.toml")
+    assert "3 borings" in told
+    told = said("check", "section.toml")
+    assert "The section is sound" in told
+    text = (folder / "section.toml").read_text(encoding="utf-8")
+    head, sand = text.split('name = "Loose sand"')  # in the fill above it no blow count lies below the water
+    text = head + 'name = "Loose sand"' + sand.replace('# liquefies_in = "triggered" ', 'liquefies_in = "triggered" ')
+    text = re.sub(r"(?m)^# (\[earthquake\]|magnitude|peak_acceleration)", r"\1", text)
+    (folder / "section.toml").write_text(text, encoding="utf-8")
+    told = said("liquefaction", "section.toml")
+    assert '"Loose sand" liquefies: F_L is below 1 in 100 % of it' in told
+    assert '"Dense sand" does not liquefy' in told
+
+
+def test_samples_of_it_have_answers(said: Ask, folder: Path) -> None:
+    """Layers left to the blow counts, water, a record, and a cohesion that may be next to nothing."""
+    with (folder / "levee.toml").open("a", encoding="utf-8") as file:
+        file.write(UNCERTAIN)
+    told = said("study", "levee.toml", "--samples", "2", "--workers", "1", "--out", "study", *options(COARSE))
+    assert "2 samples of 3 uncertain numbers" in told
+    assert "all with an answer" in told
+    answer = json.loads((folder / "study/study.json").read_text())
+    assert (answer["failed"], answer["without"]) == (0, [])
+    assert {one["name"]: one["samples"] for one in answer["results"]}["block_slide_m"] == 2
+
+
+@pytest.mark.slow
+def test_the_whole_run_and_a_study_with_slides(said: Ask, folder: Path) -> None:
+    said("fem", "levee.toml", *options(SMALL), "--safety-factor")
+    told = said("run", "levee.toml", *options(SMALL))
+    assert "Report: " in told
+    page = (folder / "runs/levee/report.html").read_text(encoding="utf-8")
+    assert "&lt;sub" not in page
+    assert "R-7, first issue" in page
+    summary = json.loads((folder / "runs/levee/summary.json").read_text())
+    assert summary["fem"]["kc"] > 0.0
+    assert set(summary["cases"]) == {"1", "2"}
+    again = said("run", "levee.toml", *options({**SMALL, "slide.frames": "3"}))
+    assert "liquefied: nothing has changed: reused" in again
+    with (folder / "levee.toml").open("a", encoding="utf-8") as file:
+        file.write(UNCERTAIN)
+    told = said("study", "levee.toml", "--samples", "2", "--only", "slide", "--out", "study", *options(SMALL))
+    assert "all with an answer" in told
