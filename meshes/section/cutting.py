@@ -78,7 +78,7 @@ def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
 
 
 def without_pockets(parts: Halves, cell: float) -> Halves:
-    """The halves without pockets of either that are small beside cells (m), and beside the other half.
+    """The halves without pockets of either that end in a tip and are small beside cells (m) and the other half.
 
     Their corners would be as sharp as the angle at which water meets a layer.
     """
@@ -89,7 +89,8 @@ def without_pockets(parts: Halves, cell: float) -> Halves:
             here = slice(first, last)
             short = parts.x[last] - parts.x[first] <= LONGEST_POCKET * cell
             thin = thickness[part, here].max() <= (THICKEST_POCKET if short else FILM) * cell
-            if thin and np.all(2.0 * thickness[part, here] <= whole[here]):
+            sharp = min(thickness[part, first, 0], thickness[part, last - 1, 1]) <= 0.0
+            if thin and sharp and np.all(2.0 * thickness[part, here] <= whole[here]):
                 level[here] += thickness[0, here] if part == 0 else -thickness[1, here]
                 thickness[1 - part, here], thickness[part, here] = whole[here], 0.0
     return Halves(parts.x, level, thickness)
