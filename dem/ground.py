@@ -67,9 +67,9 @@ class Ground:
         return c * u + s * v, -s * u + c * v
 
     def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
-        """The discs at rest, without pore springs, under gravity. Soil discs do not turn."""
-        gravity, soil = tilted_gravity(self.tilt), settings.model == "soil"
-        model = self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model, turns=not soil)
+        """The discs at rest, without pore springs, under gravity."""
+        gravity = tilted_gravity(self.tilt)
+        model = self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model)
         if self.section is not None:
             places = self.to_section(model.x, model.z)
             model.drift_x, model.drift_z = self._own(still_water(self.section, places, model))

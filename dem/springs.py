@@ -46,6 +46,7 @@ SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
 SOIL_DAMPING = 0.1  # of sqrt(m K), in soil discs
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
+ROLLING = 5.0  # mu_r of discs of soil with friction: they turn, and hardly roll (`laboratory.strength_map`)
 NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
 
 Mean = Literal["arithmetic", "harmonic"]
@@ -291,9 +292,8 @@ def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:
 class PairTable:
     """Constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the boundary.
 
-    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines, and a block of n + 1
-    columns more for each strength that lines have of their own (`lines.with_line_strengths`);
-    alpha ((n + 1)**2,): reach of new pore springs; line_block: number of the block of each line, empty if all 0.
+    pairs (CONSTANTS, (n + 1)**2) between discs; lines (CONSTANTS, n + 1) against rigid lines, a block more for each
+    strength of their own (`dem.lines`), line_block its number by line; alpha ((n + 1)**2,): reach of new pore springs.
     """
 
     layers: tuple[LayerSprings, ...]

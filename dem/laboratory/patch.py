@@ -26,9 +26,9 @@ PackingKind = Literal["lattice", "random"]
 
 # columns and rows by default, frame included; a frame stiffens what lies near, where that is not affine anyway
 SIZES: dict[PackingKind, tuple[int, int]] = {"lattice": (12, 14), "random": (24, 27)}
-POROSITY = (
-    0.23  # of soil discs: between dense ones, which lose a third of their peak, and loose ones, slow to be strong
-)
+# of soil discs: between dense ones, which have more of a peak, and loose ones (0.25), which have hardly any but want
+# twice the strain, so that slopes of them fail at a fifth less Kh within the displacements that count
+POROSITY = 0.23
 VOID_RATIO = POROSITY / (1.0 - POROSITY)
 # of a random patch before it is confined: the first that its seed can do
 POROSITIES: dict[Law, tuple[float, ...]] = {"paper": (0.2, 0.21, 0.22, 0.24), "soil": (POROSITY, 0.235, 0.24, 0.25)}
@@ -61,7 +61,7 @@ class Sample:
     size : (int, int) or None
         Columns and rows, frame included; `SIZES` if None.
     law : "paper" or "soil"
-        Of the contacts; soil discs do not turn, and lie as loosely as in the slope.
+        Of the contacts; soil discs lie as loosely as in the slope.
     """
 
     layer: LayerSprings
@@ -298,6 +298,6 @@ def _patch(
     cn, ct = (DASHPOTS * float(np.sqrt(mass * k)) for k in (layer.kn, layer.ks))
     model = DiscModel.create(
         x, z, radius, [replace(layer, cn=cn, ct=ct)], np.where(frame, -1, 0), skin=SKIN * float(radius.mean()),
-        law=law, turns=law == "paper",
+        law=law,
     )  # fmt: skip
     return Patch(model, model.fixed.copy(), np.array([-half, half]))

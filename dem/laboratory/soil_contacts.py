@@ -11,12 +11,12 @@ import numpy as np
 
 from dem.laboratory.element_table import SHARES
 from dem.laboratory.strength_map import ContactStrength, StrengthMap, strength_map
-from dem.springs import LayerSprings, Strength, soil_discs
+from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
 
 SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
 USUAL = 800.0  # kn over the stress where no modulus is given
 LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
-NEAR = 0.07  # of the strength wanted
+NEAR = 0.09  # of the strength wanted
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 
@@ -40,6 +40,8 @@ class SoilContacts:
         C of the contacts over the mean diameter (Pa).
     stiffness : float
         kn of the contacts (N/m).
+    turns : bool
+        Whether the discs turn: those of soil with friction do, those of clay do not.
     notes : tuple of str
         What could not be had, in sentences.
     """
@@ -51,11 +53,12 @@ class SoilContacts:
     friction: float
     cohesion: float
     stiffness: float
+    turns: bool
     notes: tuple[str, ...]
 
     def strength(self, radius: float) -> Strength:
         """What contacts of discs of this mean radius (m) hold."""
-        return Strength(self.friction, self.cohesion * 2.0 * radius)
+        return Strength(self.friction, self.cohesion * 2.0 * radius, ROLLING if self.turns else np.inf)
 
     def discs(
         self,
@@ -139,7 +142,7 @@ def soil_contacts(
         E (Pa); if None, contacts are 800 times as stiff as the stress, which is stiff enough for their strength not to
         depend on it.
     table
-        The map of strengths; the one of the package if None.
+        The map of strengths; that of the package for soil of this kind if None.
 
     Returns
     -------
@@ -157,7 +160,8 @@ def soil_contacts(
         )
     if not (cohesion >= 0.0 and 0.0 <= friction_angle < 0.5 * np.pi and cohesion + friction_angle > 0.0):
         raise ValueError(f"soil contacts: expected some strength, not c = {cohesion} Pa and phi = {friction_angle} rad")
-    table = table or strength_map()
+    turns = friction_angle > 0.0
+    table = table or strength_map(turns)
     pressures = np.array(SHARES) * stress
     wanted = mohr_coulomb_strength(cohesion, friction_angle, pressures)
     cohesive = cohesion > 0.0
@@ -174,7 +178,9 @@ def soil_contacts(
     found = table.fit(aimed / gain, pressures, cohesive)
     found = replace(found, expected=found.expected * gain)
     notes = (*_on_strength(found, wanted, reach, pressures), *_on_stiffness(stiffness, real, stress))
-    return SoilContacts(stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, notes)
+    return SoilContacts(
+        stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, turns, notes
+    )
 
 
 def constant_strength_contacts(strength: float, stress: float) -> ContactStrength:
@@ -207,8 +213,8 @@ def _on_strength(found: ContactStrength, wanted: np.ndarray, reach: np.ndarray, 
         return []
     told = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
     return [
-        f"discs keep some friction where the soil has none: their strength is off by {told} at a quarter, a half "
-        "and all of the layer's stress"
+        f"the strength of discs is off by {told} at a quarter, a half and all of the layer's stress: they keep some "
+        "friction where clay has none, and are stronger at little stress where they are stiff"
     ]
 
 

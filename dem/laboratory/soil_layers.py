@@ -10,7 +10,7 @@ import numpy as np
 
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_contacts import SoilContacts, mohr_coulomb_strength, soil_contacts
-from dem.laboratory.strength_map import StrengthMap, strength_map
+from dem.laboratory.strength_map import StrengthMap
 from dem.springs import LayerSprings
 from meshes.section.growth import evened
 from meshes.section.section import Section, Stratum
@@ -43,13 +43,12 @@ def failure_strength(stratum: Stratum, pressure: np.ndarray) -> np.ndarray:
 def soil_layers(section: Section, known: StrengthMap | None = None) -> list[SoilLayer]:
     """All strata of a section, from the top down; one cohesion each, where it grows with depth that of the middle."""
     strata = evened(section.strata, section.layering)
-    table = known or strength_map()
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
-    return [_fitted(s, float(v) if v > 0.0 else typical, table) for s, v in zip(strata, stresses, strict=True)]
+    return [_fitted(s, float(v) if v > 0.0 else typical, known) for s, v in zip(strata, stresses, strict=True)]
 
 
-def _fitted(stratum: Stratum, stress: float, table: StrengthMap) -> SoilLayer:
+def _fitted(stratum: Stratum, stress: float, table: StrengthMap | None) -> SoilLayer:
     contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus, table)
     return SoilLayer(**vars(contacts), stratum=stratum)
 

@@ -1,16 +1,22 @@
 """Strength and stiffness of random patches of soil discs, over the two groups that govern them.
 
-Discs that do not turn, of law "soil", in random packings of porosity `patch.POROSITY`. Once they are stiff for their
-stress (kappa = kn / p above 200) their strength at a confining pressure p depends on two numbers, and by a few per cent
-on kappa: the friction mu of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion
-C of a contact (N per metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them
-together as a pressure a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 %
-of axial compression, after any peak: the continuum is perfectly plastic, and knows no peak.
+Discs of law "soil" in random packings of porosity `patch.POROSITY`. Stiff for their stress (kappa = kn / p above 200),
+their strength at a confining pressure p depends on two numbers, and by a few per cent on kappa: the friction mu
+of their contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of a contact (N per
+metre), which bears `springs.ATTRACTION` times as much pull. What pulls at contacts presses them together as a pressure
+a C / (2 r) would, and counts in kappa. Strength is half the deviator that is left at 8 to 15 % of axial compression, as
+the continuum is perfectly plastic, and knows no peak. The peak is that of the mean course of all patches: that of each
+is its largest jerk as well.
+
+There are two maps. Discs of soil with friction turn, and roll over each other no more than the spring of rolling gives
+way (`springs.ROLLING`): ground that turns as a whole costs nothing. Discs that could not turn had a biaxial strength
+alike, and no less of a peak, but columns of them ran two thirds as far as sand does. Discs of clay, whose contacts
+pull, do not turn: those that do roll where they are pulled at, and a face falls off that stands by limit analysis.
 
 Discs without friction at their contacts still have some 8 degrees by their geometry. A clay has none: its contacts have
 a friction below zero beside their cohesion, so that they hold less where they are pressed harder.
 
-The map is computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.
+The maps are computed once, by `python -m dem.laboratory.make_map`, and kept beside this file.
 """
 
 import csv
@@ -32,9 +38,10 @@ LOOSENS = 0.22, 0.16
 # at 29, measured with mu = -0.2 and C/(2 r p) of 0.8 to 6.4.
 SOFT, SOFTER = 15.5, 1.6
 # Those without cohesion are weaker, since discs pressed into each other dilate less: strength goes with kappa to this
-# power up to `DENSEST`, measured from 200 to there with mu of 0.2 (0.027), 0.35 (0.021) and 0.5 (0.058), 48 seeds each.
-# A cohesion number of 0.4 leaves a seventh of it (mu = 0.3), as the weight of EARLY over it and EARLY does.
-DILATES, DENSEST = 0.027, 6000.0
+# power up to `DENSEST`. Of discs that turn it is 0.91, 0.99, 1.12, 1.26 of the pressure at kappa 200, 400, 1600, 6000
+# (mu = 0.35, 16 seeds each). A cohesion number of 0.4 leaves a seventh of it (mu = 0.3, discs that do not turn), as the
+# weight of EARLY over it and EARLY does.
+DILATES, DENSEST = 0.1, 6000.0
 EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
@@ -140,7 +147,7 @@ class StrengthMap:
         scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
         best = min(
             (
-                least_squares(miss, [mu, c], bounds=bounds, x_scale=[0.1, scale])
+                least_squares(miss, [min(mu, float(self.friction[-1])), c], bounds=bounds, x_scale=[0.1, scale])
                 for mu, c in ((-0.1, scale), (0.05, scale), (0.3, 1e-3 * scale), (0.3, scale))
             ),
             key=lambda found: found.cost,
@@ -152,11 +159,13 @@ class StrengthMap:
         return ContactStrength(mu, c, self.strength(mu, c, pressure))
 
 
-@lru_cache(maxsize=1)
-def strength_map() -> StrengthMap:
-    """The map that comes with the package."""
+@lru_cache(maxsize=2)
+def strength_map(turns: bool = True) -> StrengthMap:
+    """The map that comes with the package: of discs that turn, as those of soil with friction, or of those that do
+    not, as those of clay."""
     with (files("dem.laboratory") / MAP).open(encoding="utf-8") as source:
-        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
+        every = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
+    rows = [row for row in every if row["turns"] == turns]
     friction, cohesion = (np.array(sorted({row[key] for row in rows})) for key in ("friction", "cohesion_number"))
     by_place = {(row["friction"], row["cohesion_number"]): row for row in rows}
 

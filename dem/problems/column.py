@@ -16,7 +16,7 @@ from dem.springs import SMOOTH, LayerSprings
 
 G = 9.81  # m/s2
 WALL, FLOOR, GATE = range(3)  # numbers of the rigid lines
-SINKS = 0.01  # of the height, in settling
+SINKS = 0.015  # of the height, in settling
 ROUGHNESS = 0.4  # mean radii that the tops of the floor's discs lie below z = 0, at most
 AT_REST = 1e-7  # of g times the height: kinetic energy per mass
 STILL = 1e-3  # of the width

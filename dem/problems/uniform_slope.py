@@ -6,6 +6,7 @@ out (p from the weight alone), and the block on top slides as Newmark's does.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,14 +20,13 @@ from dem.settings import Case, SlideSettings
 from dem.slides.liquefaction import Slider
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import LayerSprings
-from dem.tied_packing import tied_packing
+from dem.tied_packing import TiedPacking, tied_packing
 
 G = 9.81  # m/s2
 SETTLES, TILTS, RESTS = 6.0, 5, 3.0  # s on the level, steps of a second in which it is tilted, s after that
 LATER = 60.0  # s after a push, until which a slope is followed
-STILL = 1e-3  # m in `LOOK` s
+STILL = 5e-3  # m in `LOOK` s: a crust goes on swinging by less for a while
 LOOK = 0.5  # s
-PACKED = 0.93  # of the void ratio of a packing is left where it has settled
 
 LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs, from the lowest layer up
 
@@ -75,21 +75,23 @@ class UniformSlope:
         self.angle, self.radius = angle, radius
         columns, rows = (round(way / (2.0 * radius)) for way in (length, sum(thickness)))
         bare = tied_packing(columns, rows, radius, porosity=POROSITY, seed=seed).without_upper_plate()
-        layers = list(layers_of(PACKED * VOID_RATIO))
+        layers = list(layers_of(VOID_RATIO))
         if len(layers) != len(thickness):
             raise ValueError(f"{len(thickness)} layers have a thickness, {len(layers)} have springs")
-        layer = np.searchsorted(np.cumsum(thickness)[:-1], bare.z, side="right")
-        layer = np.where(bare.layer < 0, -1, layer).astype(np.int32)
-        self.model = DiscModel.create(
-            bare.x, bare.z, bare.radius, layers, layer, law="soil", period=(bare.length, 0.0), gravity=(0.0, -G),
-            skin=0.2 * radius,
-        )  # fmt: skip
+        self.model = _discs(bare, layers)
+        self._on(SETTLES)
+        free = ~self.model.fixed
+        top = float(np.sort((self.model.z + self.model.radius)[free])[-columns // 2 :].mean())
+        void_ratio = bare.length * top / float(np.sum(np.pi * self.model.radius[free] ** 2)) - 1.0
+        # what has settled is as heavy as the soil, and divided into layers where these are to lie
+        settled = replace(bare, x=self.model.x, z=self.model.z)
+        self.model = _discs(settled, layers_of(void_ratio), thickness)
         self._settle()
         packing = Packing(self.model.x, self.model.z, self.model.radius, self.model.layer, self.model.lines)
         self.ground = Ground(packing, "random", radius, 0, angle, (0.0, 0.0), 1)
 
     def _settle(self) -> None:
-        self._on(SETTLES)
+        self._on(RESTS)
         for tilt in np.linspace(0.0, self.angle, TILTS + 1)[1:]:
             self.model.gravity = tilted_gravity(tilt, G)
             self._on(1.0)
@@ -165,6 +167,15 @@ class UniformSlope:
             model, still=STILL, longest=seconds + later, every=LOOK, at_least=seconds + 1.0, on_look=look
         )
         return Push(self.angle, kh, seconds, np.array(rows), rest)
+
+
+def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequence[float] = ()) -> DiscModel:
+    """Discs of a tied packing on the level, in layers of some thickness from z = 0 up; in the first one without any."""
+    layer = np.searchsorted(np.cumsum(thickness)[:-1], packing.z, side="right") if len(thickness) else 0
+    return DiscModel.create(
+        packing.x, packing.z, packing.radius, layers, np.where(packing.layer < 0, -1, layer), law="soil",
+        period=(packing.length, 0.0), gravity=(0.0, -G), skin=0.2 * float(packing.radius.mean()),
+    )  # fmt: skip
 
 
 class Push:

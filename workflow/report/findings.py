@@ -13,6 +13,7 @@ from workflow.report.after import in_short
 from workflow.report.contradictions import is_weaker
 from workflow.report.doubtful import of_cases
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
+from workflow.report.model_error import model_error
 from workflow.report.numbers import about, coefficient, listed, span
 from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
@@ -186,6 +187,7 @@ def _slides(results: Results) -> Iterator[str]:
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
+    yield from model_error(results)
     for other, its in (results.cases.sets if results.cases is not None else {}).items():
         if other != first and its:
             yield f"Computed with {springs.get(other, other)} instead:"

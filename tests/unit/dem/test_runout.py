@@ -58,7 +58,7 @@ def test_contacts_without_a_section() -> None:
     sand = dem.soil_contacts(0.0, np.radians(35.0), 1e5)
     sine = np.sin(np.radians(35.0))
     assert sand.wanted == pytest.approx(np.array([0.25, 0.5, 1.0]) * 1e5 * sine / (1.0 - sine))
-    assert sand.expected == pytest.approx(sand.wanted, rel=0.03)
+    assert sand.expected == pytest.approx(sand.wanted, rel=0.08)
     assert sand.cohesion == 0.0
     clay = dem.soil_contacts(5e4, 0.0, 1e5, 15e6)
     assert clay.expected == pytest.approx(np.full(3, 5e4), rel=0.07)

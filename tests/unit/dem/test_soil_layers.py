@@ -31,24 +31,37 @@ def test_failure_strength_is_that_of_mohr_and_coulomb() -> None:
     assert failure_strength(sand, PRESSURES) == pytest.approx(0.5 * (major - PRESSURES))
 
 
-def test_the_map_rises_with_friction_and_with_cohesion() -> None:
-    """Where contacts hold anything: of a negative friction, that is beyond a cohesion number of about its size."""
-    table = strength_map()
+@pytest.mark.parametrize("turns", [True, False])
+def test_the_map_rises_with_friction_and_with_cohesion(turns: bool) -> None:
+    """Where contacts hold anything: of a negative friction, that is beyond a cohesion number of about its size. Discs
+    that turn and hold on to each other firmly lose after their peak what they gain by more friction: rock, and no soil.
+    """
+    table = strength_map(turns)
     holds = table.cohesion > 1.2 * np.maximum(-table.friction, 0.0)[:, None]
     holds |= table.friction[:, None] >= 0.0
-    rise = np.diff(table.after, axis=0)[:, 1:], np.diff(table.after, axis=1)
-    assert (rise[0][holds[:-1, 1:]] > 0.0).all()
-    assert (rise[1][holds[:, :-1]] > 0.0).all()
-    assert ((table.after[~holds] > 0.13) & (table.after[~holds] < 0.23)).all()  # what the geometry of discs holds
+    soils = (table.friction[:, None] <= 0.4) & (table.cohesion <= 6.4)
+    rise = np.diff(table.after, axis=0), np.diff(table.after, axis=1)
+    own = table.cohesion > 0.0
+    assert (rise[0][(holds & soils)[:-1] & soils[1:] & own] > 0.0).all()
+    assert (rise[1][holds[:, :-1] & soils[:, 1:]] > 0.0).all()
+    assert ((table.after[~holds] > 0.1) & (table.after[~holds] < 0.25)).all()  # what the geometry of discs holds
     assert (table.after < table.peak).all()
-    # three quarters of the peak are left after it, but for discs that hardly have strength, or no soil's
-    soils = np.ix_(table.friction > 0.0, table.cohesion <= 3.2)
-    assert (table.after / table.peak)[soils].min() > 0.7
-    assert 0.57 < table.modulus[table.friction > 0.0].min() < table.modulus[table.friction > 0.0].max() < 0.63
+    assert (table.after / table.peak)[soils & holds].min() > 0.65
+
+
+def test_the_peak_of_sand_is_told() -> None:
+    """Of the mean course of 24 patches: 3, 8, 13, 17 % beyond what is left of sand of 22, 28, 33 and 36 degrees (the
+    mean of the largest jerks of each patch, as it was told before, was 25 % beyond). In a packing of porosity 0.25 it
+    is 3, 3, 5 and 13 %, but strength comes at twice the strain."""
+    table = strength_map()
+    sand = [int(np.flatnonzero(table.friction == mu)[0]) for mu in (0.2, 0.3, 0.4, 0.5)]
+    after, peak = table.after[sand, 0], table.peak[sand, 0]
+    assert np.degrees(np.arcsin(after / (1.0 + after))) == pytest.approx([21.8, 28.1, 32.9, 36.5], abs=0.3)
+    assert peak / after == pytest.approx([1.03, 1.08, 1.13, 1.17], abs=0.02)
 
 
 @settings(deadline=None)
-@given(st.floats(22.0, 45.0))
+@given(st.floats(20.0, 39.5))
 def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
     phi = np.radians(degrees)
     wanted = PRESSURES * np.sin(phi) / (1.0 - np.sin(phi))
@@ -62,17 +75,23 @@ def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
 def test_any_clay_is_met_at_all_stresses(cohesion_over_stress: float) -> None:
     """Its contacts hold less where they are pressed harder, since the geometry of discs has friction and clay none."""
     wanted = np.full(3, cohesion_over_stress * PRESSURES[-1])
-    found = strength_map().fit(wanted, PRESSURES)
+    found = strength_map(turns=False).fit(wanted, PRESSURES)
     assert found.friction < 0.0
-    assert found.expected == pytest.approx(wanted, rel=0.05)
+    assert found.expected == pytest.approx(wanted, rel=0.07)
 
 
 def test_every_layer_of_s13() -> None:
     layers = {one.stratum.name: one for one in soil_layers(Section.read(SECTIONS / "s13.toml"))}
-    assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.02)
+    # stiff discs are a little stronger at little stress, as sand is: 7 % to either side of the middle
+    assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.08)
     asd = layers["5 Asd"]
     kappa = asd.stiffness / (0.5 * asd.stress)
-    assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.574 * (kappa / 400.0) ** -0.22, rel=0.01)
+    assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.493 * (kappa / 400.0) ** -0.22, rel=0.02)
+    assert all(one.turns == (one.stratum.friction_angle > 0.0) for one in layers.values())
+    springs = [one.springs(0.75, 0.3) for one in layers.values()]
+    assert all(
+        np.isfinite(own.rolling_friction) == one.turns for own, one in zip(springs, layers.values(), strict=True)
+    )
     assert all(one.stiffness >= SOFTEST * one.stress for one in layers.values())
     assert "as strong as this soil" in refusals([layers["10 Base"]])[0]
     assert refusals([layers["10 Base"]])[0].startswith('stratum "10 Base"')
@@ -94,10 +113,13 @@ def test_weight_and_mass_are_those_of_the_soil() -> None:
 
 
 def test_stiff_sand_is_asked_for_less_since_its_discs_dilate_more() -> None:
-    """0.615 to 0.674 of the pressure with mu = 0.2 and kappa from 200 to 6000, mean of 48 patches each."""
+    """0.911 to 1.26 of the pressure with mu = 0.35 and kappa of 200 to 6000, 16 patches each."""
     table = strength_map()
-    stiff, soft = (float(table.gained_by_softness(kappa * 1e5, np.array(1e5), 0.0)) for kappa in (6000.0, 200.0))
-    assert stiff / soft == pytest.approx(0.674 / 0.615, rel=0.02)
+    measured = {200.0: 0.911, 400.0: 0.991, 1600.0: 1.123, 6000.0: 1.26}
+    gain = {kappa: float(table.gained_by_softness(kappa * 1e5, np.array(1e5), 0.0)) for kappa in measured}
+    for kappa, strength in measured.items():
+        assert gain[kappa] == pytest.approx(strength / 0.991, rel=0.04)
+    stiff = gain[6000.0]
     assert float(table.gained_by_softness(400.0 * 1e5, np.array(1e5), 0.0)) == 1.0
     one, ten = (soil_layers(homogeneous(cohesion="0 kPa", youngs_modulus=f"{e} MPa"))[0] for e in (20, 200))
     assert ten.friction < one.friction

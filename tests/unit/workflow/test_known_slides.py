@@ -8,6 +8,7 @@ import pytest
 from dem.problems.uniform_slope import G, newmark_slide
 from meshes.errors import InputError
 from workflow.estimates.slide_error import SlideError, error_of
+from workflow.report import model_error
 from workflow.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
 from workflow.verify.slides.collection import errors
 from workflow.verify.slides.page import text
@@ -118,3 +119,19 @@ def test_a_file_with_faults_is_refused_in_words(tmp_path: Path) -> None:
     with pytest.raises(InputError, match='there is no case "nowhere"'):
         read_cases(ROOT / FOLDER, ("nowhere",))
     assert isinstance(CASES["column_33_100"], SlideCase)
+
+
+def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(model_error, "slide_error", lambda flows: SlideError("flow failures", 3.0, 6, 9))
+    told = model_error.error_sentence([1.234, 2.345], True)
+    assert told == (
+        "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with that the largest "
+        "slide is 0.4 to 7 m."
+    )
+    assert model_error.error_sentence([0.0], True) == ""
+    monkeypatch.setattr(model_error, "slide_error", lambda flows: SlideError("lateral spreads", 10.0, 0, 9))
+    assert model_error.error_sentence([1.0], False).endswith("no more than an order of magnitude.")
+    monkeypatch.setattr(model_error, "slide_error", lambda flows: None)
+    assert model_error.error_sentence([1.0], None) == ""

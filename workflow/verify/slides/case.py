@@ -66,6 +66,7 @@ class Ground(Model):
     """A section as users write it, whose other tables stand beside this one: the slide at a place of its surface."""
 
     kind: Literal["section"]
+    section: str = Field(default="", description="its file, seen from that of the case, if not the same")
     case: str = Field(description="name or number of the case of the slide")
     at: float | Literal["front", "largest", "crest"] = Field(
         description='x of the surface (m), its largest slide, the run-out of its "front", or how much its crest sinks'
@@ -121,6 +122,8 @@ def read_case(path: Path) -> SlideCase:
         if unknown := sorted(set(data) - {"name", "title"}):
             raise InputError(str(path), [f"{', '.join(unknown)}: not used by a problem of this kind"])
         return SlideCase(name, title, known)
+    if known.problem.section:
+        return SlideCase(name, title, known, Input.load(path.parent / known.problem.section))
     return SlideCase(name, title, known, Input.parse(data, str(path)))
 
 

@@ -3,12 +3,12 @@
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from dem.errors import DemError
-from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
+from dem.laboratory.soil_contacts import soil_contacts
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
 from dem.problems import uniform_slope
@@ -17,8 +17,10 @@ from dem.search.deposit import deposit
 from dem.settings import Case
 from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
+from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
+from workflow.settings import Input
 from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
 from workflow.verify.slides.record import Line, SlideAnswer
 
@@ -47,7 +49,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     for seed in range(seeds or case.known.seeds):
         try:
             found.append(find(case, case.known.problem, seed))
-        except (DemError, InputError, ValueError) as error:
+        except (NoAnswerError, InputError, ValueError) as error:
             failure = f"packing {seed}: {error}"
             break
     seconds = round(time.process_time() - begun, 1)
@@ -122,7 +124,30 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
     given = case.given
     if given is None:
         raise ValueError(f"{case.name}: a section is wanted")
-    number = _number(wanted.case, given.cases)
+    start, end, slide = _slid(Sliding(given), _number(wanted.case, given.cases), seed)
+    value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, start, end)
+    before, after = np.array(slide.surface_before), np.array(slide.surface_after)
+    return value, slide.loose_share, slide.settled, _thinned(before), _thinned(after)
+
+
+class Sliding:
+    """An input, told from another by what it says and not by what it is called: several cases may be of one ground."""
+
+    def __init__(self, given: Input) -> None:
+        self.given = given
+        self.key = given.model_dump_json(exclude={"name", "title", "free_face"})
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sliding) and self.key == other.key
+
+
+@lru_cache(maxsize=8)
+def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscModel, Slide]:
+    """Discs at rest, where they came to lie, and the slide in between."""
+    given = sliding.given
     soil = soil_layers(given)
     settings = given.dem.model_copy(update={"seed": seed})
     lies = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
@@ -130,10 +155,8 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
     slider = Slider(lies.settled, lies.ground, strata, given.cases[number - 1], given.slide)
     slide = slider.run()
     if not slide.rows or slide.reason.startswith("stopped"):
-        raise ValueError(f"{case.name}: {slide.reason}")
-    value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, lies.settled, slider.model)
-    before, after = np.array(slide.surface_before), np.array(slide.surface_after)
-    return value, loose_share(slider.model), slide.settled, _thinned(before), _thinned(after)
+        raise ValueError(slide.reason)
+    return lies.settled, slider.model, slide
 
 
 def _number(case: str, cases: tuple[Case, ...]) -> int:
@@ -162,14 +185,6 @@ _FINDERS: dict[type, Callable[[SlideCase, Any, int], Found]] = {
     UniformSlope: _uniform_slope,
     Ground: _section,
 }
-
-
-def contacts_of(case: SlideCase) -> SoilContacts | None:
-    """The contacts of a column, for tests; None of other problems."""
-    problem = case.known.problem
-    if not isinstance(problem, Column) or problem.weight_over_strength > 0.0:
-        return None
-    return soil_contacts(0.0, problem.friction_angle, 0.5 * problem.density * G * problem.height)
 
 
 def with_commit(answer: SlideAnswer, commit: str) -> SlideAnswer:

@@ -1,0 +1,35 @@
+"""What a slide of the discs stands for, by the error of the model on slides that are known."""
+
+from collections.abc import Iterator, Sequence
+
+from workflow.estimates.slide_error import slide_error
+from workflow.report.numbers import span
+from workflow.results.results import Results
+
+
+def model_error(results: Results) -> Iterator[str]:
+    """The sentence on the slides of a run: over the cases, the packings, and the error of the model."""
+    _, cases = results.case_set()
+    slides = [case.slide_max_m for case in cases.values()]
+    random = results.cases.random if results.cases is not None else None
+    for case in random.cases.values() if random is not None else ():
+        slides += case.slide_max_m.values
+    known = {case.flows for case in cases.values()}
+    flows = known.pop() if len(known) == 1 else None
+    if said := error_sentence(slides, flows):
+        yield said
+
+
+def error_sentence(slides: Sequence[float], flows: bool | None) -> str:
+    """How far off the discs were on known slides, and between what these slides (m) lie with that.
+
+    Empty where the collection has nothing to say, or nothing slides. flows: whether they flow by their weight alone;
+    None where that is not known.
+    """
+    error = slide_error(flows)
+    moved = [one for one in slides if one > 0.0]
+    if error is None or not moved:
+        return ""
+    if not error.held:
+        return f"{error.sentence()}: what discs say of such slides is no more than an order of magnitude."
+    return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."
