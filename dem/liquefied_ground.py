@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_pairs import (
     AREA,
     AT_X,
@@ -15,6 +16,8 @@ from dem.kernels.liquefied_pairs import (
     DENSITY,
     FIELDS,
     FITTED,
+    FORCE_X,
+    FORCE_Z,
     MEMORY,
     NOW,
     PRESSURE,
@@ -23,7 +26,6 @@ from dem.kernels.liquefied_pairs import (
     STRAIN,
     STRENGTH,
     VISCOSITY,
-    densities,
 )
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
 from dem.ranges import Ranges, at_once
@@ -35,8 +37,8 @@ VISCOUS = 0.3  # viscosity of volume over density, speed of sound in the water, 
 LEAST_STRAIN = 0.004  # at which residual strength is reached: stiffer bonds want shorter steps
 MOST_STRAIN = 0.02  # so that the strength is there before 5 %
 LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
-SOFTEST = 1.2  # step between two looks at pairs times the highest frequency that they may have
-MOST_STEPS = 4  # between two looks
+SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
+MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
 NEEDED = 3  # columns of cells in a period
 
 
@@ -83,7 +85,20 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = at_once) -> None:
     found = in_ranges(find, len(state))
     first, second, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
     state.bonds = np.concatenate([state.bonds, np.zeros((1, MEMORY))])[old]
+    before = _in_pairs(state)
     state.liquefied_i, state.liquefied_j = order[first], order[second]
+    # who comes near for the first time was not followed until now, and nothing holds who is no longer near
+    now = _in_pairs(state)
+    came = now & ~before
+    state.liquefied[came, AT_X], state.liquefied[came, AT_Z] = state.x[came], state.z[came]
+    state.liquefied[~now, FORCE_X] = state.liquefied[~now, FORCE_Z] = 0.0
+
+
+def _in_pairs(state: DiscState) -> np.ndarray:
+    """Mask (n,) of the discs that have a liquefied one within reach, or are one."""
+    found = np.zeros(len(state), bool)
+    found[state.liquefied_i] = found[state.liquefied_j] = True
+    return found
 
 
 def liquefy(model: DiscState, onset: Onset) -> None:

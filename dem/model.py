@@ -171,6 +171,9 @@ class DiscModel(DiscState):
 
         found = in_ranges(find, len(self))
         i, j, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+        if self._gone.any():  # contacts that liquefied ground has lost would be computed in vain
+            there = ~self._gone[self.kind(order[i], order[j])]
+            i, j, old = i[there], j[there], old[there]
         share_out(i, j, len(self))
         owner, other = order[i], order[j]
         # a pair may have changed its owner
@@ -183,6 +186,11 @@ class DiscModel(DiscState):
         before = np.array([kept.get(key, -1) for key in zip(self.line_disc, line, strict=True)], int)
         for name in LINE_MEMORY:
             setattr(self, name, np.append(getattr(self, name), 0.0)[before])
+
+    @property
+    def _gone(self) -> np.ndarray:
+        """Mask of the kinds of pairs that have neither element nor pore spring."""
+        return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
         """What pairs of a new list remember, see `carry_over`."""
@@ -244,8 +252,11 @@ class DiscModel(DiscState):
             for name in names:
                 values = getattr(self, name)
                 values *= ratio[: len(values)]  # no discs of the paper remember rolling
+        gone = self._gone
         self.springs = new
         self._change_forces(before)
+        if not np.array_equal(gone, self._gone):
+            self.make_list()
 
     def remove_lines(self, which: Sequence[int]) -> None:
         """Takes rigid lines away, by their numbers: a gate that opens. What the others remember stays.

@@ -20,7 +20,9 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
-from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied, members_of
+from dem.kernels.liquefied_lists import members_of, place_pairs
+from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied
+from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_motion, place_fields, place_motion
 from dem.kernels.records import SHARED
 from dem.model import DiscModel
@@ -135,17 +137,31 @@ def _swings(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
     """Liquefied discs and their pairs; number: that of each disc in spatial order."""
     slots = slices * LANES
-    ends = np.arange(slices + 1) * LANES
     first, second = number[model.liquefied_i], number[model.liquefied_j]
+    lane, start = place_pairs(first, slices)
+    lanes = int(start[-1]) * LANES
     discs = np.zeros((slots if len(first) else 0, FIELDS))
     if len(first):
         discs[: len(model)] = model.liquefied[model.order]
-    member, members = members_of(first, second, slots)
+    numbers = np.zeros((2, lanes), np.int32)
+    numbers[:, lane] = first, second
+    memory = large_zeros(int(start[-1]), BOND_MEMORY, LANES)
+    memory[lane // LANES, :, lane % LANES] = model.bonds
+    member, members = members_of(first, second, lane, slots)
     near = np.flatnonzero(np.diff(members))
     return Liquefied(
-        discs, first, second, model.bonds.copy(), np.zeros((len(first), WORKING)), np.searchsorted(first, ends),
-        member, members, near, np.searchsorted(near, ends), model.reach, model.steps_held,
+        discs, numbers[0], numbers[1], memory.reshape(-1), large_zeros(lanes * WORKING), start, member, members, near,
+        np.searchsorted(near, np.arange(slices + 1) * LANES), model.reach, model.steps_held,
     )  # fmt: skip
+
+
+def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
+    """What bonds remember (pairs, MEMORY), back from their lanes."""
+    number = np.empty(len(model), np.int32)
+    number[model.order] = np.arange(len(model), dtype=np.int32)
+    lane, start = place_pairs(number[model.liquefied_i], len(layout.chunk_start) - 1)
+    memory = layout.liquefied.memory.reshape(int(start[-1]), BOND_MEMORY, LANES)
+    return np.ascontiguousarray(memory[lane // LANES, :, lane % LANES])
 
 
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
@@ -169,7 +185,7 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = at_once) -> Non
     model.pair_i, model.pair_j = owner, other
     if len(layout.liquefied.first):
         model.liquefied[model.order] = layout.liquefied.discs[: len(model)]
-        model.bonds = layout.liquefied.memory.copy()
+        model.bonds = _bonds(layout, model)
     for name, values in zip(MEMORY + ROLLING_MEMORY, memory, strict=True):
         setattr(model, name, values)
     e = np.arange(len(model.line_disc))

@@ -15,10 +15,8 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.inner import inner
-from dem.kernels.liquefied_pairs import Liquefied
+from dem.kernels.liquefied_pairs import LANES, Liquefied
 from dem.kernels.records import EIGHT, SHARED
-
-LANES = 64
 
 # What partners read of a disc, eight doubles in a record of its own, a cache line; these are the offsets of the rows in
 # which they stand in the scratch. Rim speeds are radius times spin; *S are the velocities extrapolated to the end of

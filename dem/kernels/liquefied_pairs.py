@@ -23,10 +23,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from dem.kernels.inner import inner
+from dem.kernels.losses import both
 from dem.kernels.period import Period, image
+from dem.kernels.prefetch import wide_vectors
 
 # What a disc has, in a record of its own: how far it has liquefied (0 to 1), area with voids (m2); pressure u0 (Pa) and
 # density rho0 (-) at that time, stiffness K_w (Pa) and viscosity zeta (Pa s) of the pore water; residual strength (Pa)
@@ -35,22 +36,35 @@ from dem.kernels.period import Period, image
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, NOW, PUSH, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
 FIELDS = 16
-GIVEN = 8  # the first of these are given, the others found
+ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record of a disc that all share
 
-# What a pair remembers: how far its strength is mobilised, along and across (pull and slip positive, 1 together at
-# most); the same of the spring behind its dashpot; twice the energy that the bond stores at its limit (J); force
-# besides (N).
-ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS = range(7)
+# Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. What a pair remembers: how
+# far its strength is mobilised, along and across (pull and slip positive, 1 together at most); the same of the spring
+# behind its dashpot; twice the energy that the bond stores at its limit (J); force besides (N).
+LANES = 64
 MEMORY = 7
+ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS = (np.uint64(k * LANES) for k in range(MEMORY))
+REMEMBERED = np.uint64(MEMORY * LANES)
 
-# What is worked out for a pair, then overwritten by the force on its second disc.
-NX, NZ, APART, WIDTH, SLOPE, LEVER, RATE, SLIP, STRETCH, SPEED_T = range(10)
-PAIR_X, PAIR_Z = 0, 1
-WORKING = 10
+# What is worked out for a pair: where the second disc is from the first and how it moves (m, m/s), where it was at the
+# last look (m); what stands in between them (N m), areas (m2). The first seven give way to direction, speeds along and
+# across (m/s), stretch and slip (m), distance (m). Then what it adds to sums of its first and of its second disc:
+# density, rate of density, lever (m), which give way to strength and force.
+WORKING = 16
+DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2 = (
+    np.uint64(k * LANES) for k in range(WORKING)
+)
+NX, NZ, SPEED, TURN, STRETCH, SLIP, APART = DX, DZ, UX, UZ, OX, OZ, EDGE
+PUSHED, HELD, ROOM, TWICE = WIDTH_1, WIDTH_2, RATE_1, RATE_2
+FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
+WORKED = np.uint64(WORKING * LANES)
+TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's density lies; its forces, likewise
+
+FAR = 1e6  # reaches: how far apart lanes without a pair count
 
 RELAXES = 0.1  # s, in which the spring behind the dashpot of a bond gives way: ground at rest swings at 5 to 20 rad/s
 BEHIND = 0.5  # stiffness of that spring over the bond's
-FITTED = 1.0 / 0.93  # discs slip along surfaces that hold less than the mean of all directions
+FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
 LESS = 1e-12  # of a reach: what S is at least
 
 
@@ -61,16 +75,16 @@ class Liquefied(NamedTuple):
     ----------
     discs : (slots, FIELDS)
         Of every disc, in spatial order.
-    first, second : (pairs,)
-        Numbers of the two in spatial order, sorted by the first, then by the second.
-    memory : (pairs, MEMORY)
+    first, second : (lanes,)
+        Numbers of the two in spatial order, sorted by the first, then by the second; the same where there is no pair.
+    memory : (blocks * REMEMBERED,)
         See `ALONG` and what follows.
-    working : (pairs, WORKING)
-        Scratch.
+    working : (blocks * WORKED,)
+        Scratch, see `DX` and what follows.
     start : (slices + 1,)
-        First pair of each slice, by the first disc.
+        First block of each slice, by the first discs.
     member : (2 pairs,)
-        Pairs of every disc: twice the number, and one more where it is the second.
+        Where in `working` the density lies that pairs add to every disc.
     members : (slots + 1,)
         First of them of each disc.
     near : (discs with pairs,)
@@ -133,69 +147,87 @@ def water_energy(share: float, area: float, pressure: float, stiffness: float, d
 
 
 @inner(nogil=True, _nrt=False)
-def look_at_pairs(
-    begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, period: Period, booked: bool
-) -> float:
-    """Where the discs of some pairs will be in `ahead` seconds and how they move; shared: records of all discs.
+def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, ahead: float, booked: bool) -> None:
+    """How the discs of a block lie to each other, in `ahead` seconds, and move; shared: records of all discs."""
+    discs, w = wet.discs, wet.working
+    at = np.uint64(block) * WORKED
+    for lane in range(LANES):
+        q = at + np.uint64(lane)
+        c = block * LANES + lane
+        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
+        a, b = np.uint64(8 * i), np.uint64(8 * j)
+        ux, uz = shared[b + TWO] - shared[a + TWO], shared[b + THREE] - shared[a + THREE]
+        w[q + UX], w[q + UZ] = ux, uz
+        w[q + DX] = shared[b] - shared[a] + ahead * ux
+        w[q + DZ] = shared[b + ONE] - shared[a + ONE] + ahead * uz
+        w[q + OX] = discs[j, AT_X] - discs[i, AT_X]
+        w[q + OZ] = discs[j, AT_Z] - discs[i, AT_Z]
+        one, other = discs[i, AREA], discs[j, AREA]
+        w[q + AREA_1], w[q + AREA_2] = one, other
+        if booked:
+            # of a disc that has not liquefied the push is nothing
+            alone = (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0)
+            w[q + EDGE] = one * other * (discs[i, PUSH] + discs[j, PUSH]) if alone else 0.0
+
+
+@inner(nogil=True, _nrt=False)
+def look_at_pairs(block: int, wet: Liquefied, period: Period, booked: bool) -> float:
+    """Densities, levers and speeds of a block, once `fetch_motion` has been there.
 
     Returns the work (J) of the half that stands in for discs which have not liquefied, since the last look.
     """
-    discs, working, reach = wet.discs, wet.working, wet.reach
+    wide_vectors()
+    w, reach = wet.working, wet.reach
     work = 0.0
-    for c in range(begin, end):
-        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
-        a, b = 8 * i, 8 * j
-        ux, uz = shared[b + 2] - shared[a + 2], shared[b + 3] - shared[a + 3]
-        dx, dz = image(shared[b] - shared[a] + ahead * ux, shared[b + 1] - shared[a + 1] + ahead * uz, period)
+    for lane in range(LANES):
+        q = np.uint64(block) * WORKED + np.uint64(lane)
+        ux, uz = w[q + UX], w[q + UZ]
+        dx, dz = image(w[q + DX], w[q + DZ], period)
+        ox, oz = image(w[q + OX], w[q + OZ], period)
         square = dx * dx + dz * dz
-        apart = math.sqrt(square)
-        working[c, APART] = apart
-        ox, oz = image(discs[j, AT_X] - discs[i, AT_X], discs[j, AT_Z] - discs[i, AT_Z], period)
+        apart = math.sqrt(square if square > 0.0 else FAR * reach * reach)
         before = math.sqrt(ox * ox + oz * oz)
-        if booked and before < reach and (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0):
-            pushed = discs[i, PUSH] + discs[j, PUSH]  # one of them is nothing
-            push = -discs[i, AREA] * discs[j, AREA] * pushed * density_kernel(before, reach)[1]
-            work += (1.0 - 0.5 / wet.every) * push * ((dx - ox) * ox + (dz - oz) * oz) / before
-        if apart >= reach:
-            continue
         inverse = 1.0 / apart
         nx, nz = dx * inverse, dz * inverse
-        width, slope = density_kernel(apart, reach)
-        working[c, NX], working[c, NZ] = nx, nz
-        working[c, WIDTH], working[c, SLOPE] = width, slope
-        working[c, LEVER] = bond_kernel(apart, reach)
-        working[c, RATE] = ux * nx + uz * nz
-        working[c, SPEED_T] = uz * nx - ux * nz
-        working[c, STRETCH] = apart - before
-        working[c, SLIP] = 2.0 * (ox * dz - oz * dx) / (apart + before)
-    return work
+        inside = apart if apart < reach else reach
+        width, slope = density_kernel(inside, reach)
+        one, other, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
+        if booked:
+            was = before if before < reach else reach
+            push = -edge * density_kernel(was, reach)[1]
+            way = ((dx - ox) * ox + (dz - oz) * oz) / (before + LESS * reach)
+            work = both(work, push * way)
+        speed = ux * nx + uz * nz
+        lever = bond_kernel(inside, reach) * inside
+        w[q + NX], w[q + NZ], w[q + SPEED], w[q + TURN] = nx, nz, speed, uz * nx - ux * nz
+        w[q + STRETCH], w[q + SLIP] = apart - before, 2.0 * (ox * dz - oz * dx) / (apart + before)
+        w[q + APART], w[q + SLOPE] = apart, slope
+        w[q + WIDTH_1], w[q + WIDTH_2] = other * width, one * width
+        w[q + RATE_1], w[q + RATE_2] = other * slope * speed, one * slope * speed
+        w[q + LEVER_1], w[q + LEVER_2] = lever, lever
+    return (1.0 - 0.5 / wet.every) * work
 
 
 @inner(nogil=True, _nrt=False)
 def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahead: float, booked: bool) -> float:
     """Density, pressure and share of strength of some discs near; what viscosity took since the last look (J)."""
-    discs, working, reach = wet.discs, wet.working, wet.reach
+    discs, w, reach = wet.discs, wet.working, wet.reach
     own = 7.0 / (math.pi * reach * reach)
     lost = 0.0
     for k in range(begin, end):
         i = np.int64(wet.near[k])
-        at = 8 * i
-        discs[i, AT_X] = shared[at] + ahead * shared[at + 2]
-        discs[i, AT_Z] = shared[at + 1] + ahead * shared[at + 3]
-        if discs[i, SHARE] == 0.0:
-            continue
-        density, rate, levers = discs[i, AREA] * own, 0.0, LESS * reach
-        for m in range(wet.members[i], wet.members[i + 1]):
-            c = np.int64(wet.member[m]) >> 1
-            apart = working[c, APART]
-            if apart >= reach:
-                continue
-            j = np.int64(wet.first[c]) + np.int64(wet.second[c]) - i
-            area = discs[j, AREA]
-            density += area * working[c, WIDTH]
-            rate += area * working[c, SLOPE] * working[c, RATE]
-            levers += working[c, LEVER] * apart
+        at = np.uint64(8 * i)
+        discs[i, AT_X] = shared[at] + ahead * shared[at + TWO]
+        discs[i, AT_Z] = shared[at + ONE] + ahead * shared[at + THREE]
         share, area = discs[i, SHARE], discs[i, AREA]
+        if share == 0.0:
+            continue
+        density, rate, levers = area * own, 0.0, LESS * reach
+        for m in range(wet.members[i], wet.members[i + 1]):
+            q = np.uint64(wet.member[m])
+            density += w[q]
+            rate += w[q + TO_RATE]
+            levers += w[q + TO_LEVER]
         still = water_pressure(share, discs[i, PRESSURE], discs[i, STIFFNESS], density / discs[i, DENSITY] - 1.0)
         whole = still + share * discs[i, VISCOSITY] * rate
         whole = whole if whole > 0.0 else 0.0
@@ -214,127 +246,95 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, ahea
 def mobilised(along: float, across: float) -> tuple[float, float]:
     """Both parts of what a bond holds, over its limit, brought back to the limit."""
     square = along * along + across * across
-    scale = 1.0 / math.sqrt(square) if square > 1.0 else 1.0
+    scale = 1.0 / math.sqrt(square if square > 1.0 else 1.0)
     return along * scale, across * scale
 
 
 @inner(nogil=True, _nrt=False)
+def fetch_strength(block: int, wet: Liquefied) -> None:
+    """What the discs of a block push and hold, together: of one that has not liquefied both are nothing."""
+    discs, w = wet.discs, wet.working
+    for lane in range(LANES):
+        q = np.uint64(block) * WORKED + np.uint64(lane)
+        c = block * LANES + lane
+        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
+        w[q + PUSHED] = discs[i, PUSH] + discs[j, PUSH]
+        w[q + HELD] = discs[i, BOND] + discs[j, BOND]
+        w[q + ROOM] = discs[i, STRAIN] + discs[j, STRAIN]
+        w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
+
+
+@inner(nogil=True, _nrt=False)
 def press_pairs(
-    begin: int, end: int, wet: Liquefied, damping_time: float, kept: float, booked: bool
+    block: int, wet: Liquefied, damping_time: float, kept: float, booked: bool
 ) -> tuple[float, float, float]:
-    """Forces and memory of some pairs.
+    """Forces and memory of a block, once `fetch_strength` has been there.
 
-    Returns what their bonds took by slip and by dashpots since the last look, and the work of stand-ins at its end (J).
-
-    damping_time: dashpot over stiffness of a bond (s); kept: what the spring behind its other dashpot
-    keeps of itself from look to look.
+    Returns what its bonds took by slip and by dashpots since the last look, and the work of stand-ins at its end (J).
+    damping_time: dashpot over stiffness of a bond (s); kept: what the spring behind its other dashpot keeps of itself
+    from look to look.
     """
-    discs, working, memory, reach = wet.discs, wet.working, wet.memory, wet.reach
+    wide_vectors()
+    w, memory, reach = wet.working, wet.memory, wet.reach
     slid, damped, work = 0.0, 0.0, 0.0
     part = 0.5 / wet.every
-    for c in range(begin, end):
-        apart = working[c, APART]
-        if apart >= reach:
-            # its strength went to nothing on the way here
-            working[c, PAIR_X], working[c, PAIR_Z] = 0.0, 0.0
-            for k in range(MEMORY):
-                memory[c, k] = 0.0
-            continue
-        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
-        both = discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0
-        factor = 1.0 if both else 2.0
-        # of a disc that has not liquefied both are nothing
-        push = discs[i, PUSH] + discs[j, PUSH]
-        strength = discs[i, BOND] + discs[j, BOND]
-        strain = discs[i, STRAIN] + discs[j, STRAIN]
-        push *= -factor * discs[i, AREA] * discs[j, AREA] * working[c, SLOPE]
-        strength *= 0.5 * math.pi * FITTED * factor * working[c, LEVER]
-        room = 0.5 * factor * strain * apart  # way (m) at which the bond slips
-        stretch, slip = working[c, STRETCH], working[c, SLIP]
-        along, across = memory[c, ALONG], memory[c, ACROSS]
-        inverse = 1.0 / room
+    for lane in range(LANES):
+        q = np.uint64(block) * WORKED + np.uint64(lane)
+        r = np.uint64(block) * REMEMBERED + np.uint64(lane)
+        apart, factor = w[q + APART], w[q + TWICE]
+        here = 1.0 if apart < reach else 0.0
+        inside = apart if apart < reach else reach
+        push = -factor * w[q + PUSHED] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
+        strength = 0.5 * math.pi * FITTED * factor * w[q + HELD] * bond_kernel(inside, reach)
+        room = 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
+        stretch, slip = w[q + STRETCH], w[q + SLIP]
+        along, across = memory[r + ALONG], memory[r + ACROSS]
+        inverse = here / room
         tried_along, tried_across = along + stretch * inverse, across + slip * inverse
         new_along, new_across = mobilised(tried_along, tried_across)
         if booked:
-            damped += (1.0 - part) * (memory[c, DASH_ALONG] * stretch + memory[c, DASH_ACROSS] * slip)
-            work += 0.0 if both else 0.5 * part * push * stretch
+            dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
+            damped = both(damped, (1.0 - part) * dashed)
+            work = both(work, (factor - 1.0) * 0.5 * part * push * stretch)
             energy = strength * room
-            weaker = 0.5 * (memory[c, YIELD] - energy) * (along * along + across * across)
-            slid += weaker + 0.5 * energy * (
-                (along + new_along) * (tried_along - new_along) + (across + new_across) * (tried_across - new_across)
-            )
-            memory[c, YIELD] = energy
-        memory[c, ALONG], memory[c, ACROSS] = new_along, new_across
-        rate, turn = working[c, RATE] * inverse, working[c, SPEED_T] * inverse
+            weaker = 0.5 * (memory[r + YIELD] - energy) * (along * along + across * across)
+            cut = (along + new_along) * (tried_along - new_along) + (across + new_across) * (tried_across - new_across)
+            slid = both(slid, weaker + 0.5 * energy * cut)
+            memory[r + YIELD] = energy
         late_along, late_across = mobilised(
-            kept * (memory[c, LATE_ALONG] + BEHIND * stretch * inverse),
-            kept * (memory[c, LATE_ACROSS] + BEHIND * slip * inverse),
+            kept * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
+            kept * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
         )
-        memory[c, LATE_ALONG], memory[c, LATE_ACROSS] = late_along, late_across
+        ahead = damping_time * inverse
         soon_along, soon_across = mobilised(
-            new_along + late_along + rate * damping_time, new_across + late_across + turn * damping_time
+            new_along + late_along + w[q + SPEED] * ahead, new_across + late_across + w[q + TURN] * ahead
         )
         pull, drag = strength * soon_along, strength * soon_across
-        memory[c, DASH_ALONG] = pull - strength * new_along
-        memory[c, DASH_ACROSS] = drag - strength * new_across
+        dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
+        # beyond the reach strength has gone to nothing, and is forgotten
+        memory[r + ALONG], memory[r + ACROSS] = here * new_along, here * new_across
+        memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across
+        memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
         if booked:
-            damped += part * (memory[c, DASH_ALONG] * stretch + memory[c, DASH_ACROSS] * slip)
-        nx, nz = working[c, NX], working[c, NZ]
-        normal = push - pull
-        working[c, PAIR_X] = normal * nx + drag * nz
-        working[c, PAIR_Z] = normal * nz - drag * nx
+            damped = both(damped, part * (dash_along * stretch + dash_across * slip))
+        nx, nz, normal = w[q + NX], w[q + NZ], push - pull
+        fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
+        w[q + FORCE_X1], w[q + FORCE_X2], w[q + FORCE_Z1], w[q + FORCE_Z2] = -fx, fx, -fz, fz
     return slid, damped, work
 
 
 @inner(nogil=True, _nrt=False)
 def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
     """Forces on some of the discs near."""
-    discs, working = wet.discs, wet.working
+    discs, w = wet.discs, wet.working
     for k in range(begin, end):
         i = np.int64(wet.near[k])
         fx, fz = 0.0, 0.0
         for m in range(wet.members[i], wet.members[i + 1]):
-            c = np.int64(wet.member[m])
-            sign = 2.0 * (c & 1) - 1.0
-            fx += sign * working[c >> 1, PAIR_X]
-            fz += sign * working[c >> 1, PAIR_Z]
+            q = np.uint64(wet.member[m])
+            fx += w[q]
+            fz += w[q + TO_RATE]
         discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def members_of(first: np.ndarray, second: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
-    """`member` and `members` of pairs: of every disc its pairs, in the order of the list."""
-    members = np.zeros(slots + 1, np.int64)
-    for c in range(len(first)):
-        members[first[c] + 1] += 1
-        members[second[c] + 1] += 1
-    for i in range(slots):
-        members[i + 1] += members[i]
-    free = members[:-1].copy()
-    member = np.empty(2 * len(first), np.int32)
-    for c in range(len(first)):
-        for second_one in range(2):
-            i = second[c] if second_one else first[c]
-            member[free[i]] = 2 * c + second_one
-            free[i] += 1
-    return member, members
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def densities(
-    x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
-) -> np.ndarray:
-    """How densely areas (m2) lie at all discs (n,), of the pairs that are listed."""
-    out = area * (7.0 / (math.pi * reach * reach))
-    for c in range(len(first)):
-        i, j = first[c], second[c]
-        dx, dz = image(x[j] - x[i], z[j] - z[i], period)
-        apart = math.sqrt(dx * dx + dz * dz)
-        if apart < reach:
-            width = density_kernel(apart, reach)[0]
-            out[i] += area[j] * width
-            out[j] += area[i] * width
-    return out
 
 
 @inner(nogil=True)
@@ -356,7 +356,9 @@ def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> t
                 discs[i, SHARE], discs[i, AREA], discs[i, PRESSURE], discs[i, STIFFNESS], discs[i, DENSITY],
                 discs[i, NOW],
             )  # fmt: skip
-    for c in range(len(wet.first)):
-        along, across = wet.memory[c, ALONG], wet.memory[c, ACROSS]
-        bonds += 0.5 * wet.memory[c, YIELD] * (along * along + across * across)
+    for block in range(wet.start[-1]):
+        for lane in range(LANES):
+            r = np.uint64(block) * REMEMBERED + np.uint64(lane)
+            along, across = wet.memory[r + ALONG], wet.memory[r + ACROSS]
+            bonds += 0.5 * wet.memory[r + YIELD] * (along * along + across * across)
     return water, bonds

@@ -12,6 +12,9 @@ from dem.kernels.liquefied_pairs import (
     FORCE_X,
     FORCE_Z,
     RELAXES,
+    Liquefied,
+    fetch_motion,
+    fetch_strength,
     look_at_discs,
     look_at_pairs,
     press_pairs,
@@ -21,17 +24,37 @@ from dem.kernels.scratch import SUM_X, SUM_Z
 
 
 @inner(nogil=True, _nrt=False)
+def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, ahead: float) -> None:
+    """Densities, levers and speeds of the pairs of slice p, where discs will be in `ahead` seconds."""
+    wet = layout.liquefied
+    for block in range(wet.start[p], wet.start[p + 1]):
+        fetch_motion(block, wet, layout.shared, ahead, entries.kept)
+        work = look_at_pairs(block, wet, law.period, entries.kept)
+        if entries.kept:
+            entries.sums[p, STAND_IN] += work
+
+
+@inner(nogil=True, _nrt=False)
+def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, kept: float) -> None:
+    """Forces of the pairs of slice p; damping_time, kept: see `press_pairs`."""
+    for block in range(wet.start[p], wet.start[p + 1]):
+        fetch_strength(block, wet)
+        slid, damped, work = press_pairs(block, wet, damping_time, kept, entries.kept)
+        if entries.kept:
+            entries.sums[p, BONDS] += slid
+            entries.sums[p, VISCOSITY] += damped
+            entries.sums[p, STAND_IN] += work
+
+
+@inner(nogil=True, _nrt=False)
 def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> None:
     """Looks at the pairs of liquefied ground: their forces are held from now on; threads meet three times."""
     wet = layout.liquefied
-    slices = len(layout.chunk_start) - 1
-    begin, end = slices_of(team.thread, team.threads, slices)
-    ahead, damping_time = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    kept = math.exp(-damping_time / RELAXES)
+    begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
+    ahead, held = 0.5 * (wet.every - 1) * dt, wet.every * dt
+    kept = math.exp(-held / RELAXES)
     for p in range(begin, end):
-        work = look_at_pairs(wet.start[p], wet.start[p + 1], wet, layout.shared, ahead, law.period, entries.kept)
-        if entries.kept:
-            entries.sums[p, STAND_IN] += work
+        look_at_slice(p, layout, law, entries, ahead)
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
@@ -41,11 +64,7 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
-        slid, damped, work = press_pairs(wet.start[p], wet.start[p + 1], wet, damping_time, kept, entries.kept)
-        if entries.kept:
-            entries.sums[p, BONDS] += slid
-            entries.sums[p, VISCOSITY] += damped
-            entries.sums[p, STAND_IN] += work
+        press_slice(p, wet, entries, 0.5 * held, kept)
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):

@@ -64,14 +64,14 @@ class ShearedBox:
         liquefy(model, onset)
         set_share(model, np.ones(n))
         box = cls(model, packing.length, packing.height, strength)
-        box.run(1.0, balance=0.05)  # packed, and not yet at rest
+        box.run(1.0, balance=5e-3)  # packed, and not yet at rest
         model.energy_sums[:] = 0.0
         model.energy_known, model.turnover = np.nan, 0.0
         return box
 
     def run(self, seconds: float, *, share: float = STEP, **settings: object) -> object:
         dt = share * largest_step(self.model).seconds
-        return Engine(dt=dt, **{"balance": 0.01} | settings).run(self.model, seconds)  # type: ignore[arg-type]
+        return Engine(dt=dt, **{"balance": 1e-3} | settings).run(self.model, seconds)  # type: ignore[arg-type]
 
     def stress(self) -> tuple[float, float]:
         """Shear stress and pressure on the two plates, mean of both (Pa)."""

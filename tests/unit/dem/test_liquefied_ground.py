@@ -58,7 +58,7 @@ def test_kernels_are_one_over_the_plane() -> None:
 def test_threads_do_not_change_a_bit() -> None:
     one, three = heap(), heap()
     for model, threads in ((one, 1), (three, 3)):
-        Engine(dt=4e-4, threads=threads, balance=0.05).run(model, steps=400)
+        Engine(dt=4e-4, threads=threads, balance=5e-3).run(model, steps=400)
     assert one.lists_made > 3
     same(one, three)
 
@@ -66,7 +66,7 @@ def test_threads_do_not_change_a_bit() -> None:
 def test_stops_and_checkpoints_do_not_change_a_bit(tmp_path: Path) -> None:
     """Nor in the middle of steps over which forces are held, nor just before a list is made."""
     whole, part = heap(), heap()
-    engine = Engine(dt=4e-4, balance=0.05)
+    engine = Engine(dt=4e-4, balance=5e-3)
     engine.run(whole, steps=301)
     for steps in (3, 97, 1, 100):
         engine.run(part, steps=steps)
@@ -81,7 +81,7 @@ def test_free_ground_keeps_its_momentum() -> None:
     """Forces come in pairs: without weight and base the momentum of a cloud stays what it was."""
     model = heap(gravity=0.0, base=False)
     before = model.mass @ model.vx, model.mass @ model.vz
-    Engine(dt=4e-4, balance=0.05).run(model, steps=300)
+    Engine(dt=4e-4, balance=5e-3).run(model, steps=300)
     scale = float(model.mass @ np.hypot(model.vx, model.vz))
     assert abs(model.mass @ model.vx - before[0]) < 1e-9 * scale
     assert abs(model.mass @ model.vz - before[1]) < 1e-9 * scale
@@ -91,7 +91,7 @@ def test_energy_balances_better_with_smaller_steps() -> None:
     gaps = []
     for dt in (8e-4, 2e-4):
         model = heap()
-        ledger = Engine(dt=dt, balance=0.1).run(model, 0.4)
+        ledger = Engine(dt=dt, balance=1e-2).run(model, 0.4)
         assert ledger is not None
         gaps.append(abs(ledger.gap) / ledger.turnover)
         assert ledger.liquefied_slip > 0.0

@@ -1,0 +1,65 @@
+"""Kernel: pairs of liquefied ground in their lanes, which of them every disc has, and how densely areas lie."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from dem.kernels.liquefied_pairs import LANES, WIDTH_1, WIDTH_2, WORKING, density_kernel
+from dem.kernels.period import Period, image
+
+FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
+    """Lane of every pair, those of each slice from a block of their own on; and the first block of each slice."""
+    start = np.zeros(slices + 1, np.int64)
+    for c in range(len(first)):
+        start[first[c] // LANES + 1] += 1
+    lane = np.empty(len(first), np.int64)
+    c = 0
+    for p in range(slices):
+        count = start[p + 1]
+        for k in range(count):
+            lane[c] = start[p] * LANES + k
+            c += 1
+        start[p + 1] = start[p] + (count + LANES - 1) // LANES
+    return lane, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
+    """`member` and `members` of pairs in these lanes: of every disc its pairs, in the order of the list."""
+    members = np.zeros(slots + 1, np.int64)
+    for c in range(len(first)):
+        members[first[c] + 1] += 1
+        members[second[c] + 1] += 1
+    for i in range(slots):
+        members[i + 1] += members[i]
+    free = members[:-1].copy()
+    member = np.empty(2 * len(first), np.int64)
+    for c in range(len(first)):
+        at = lane[c] // LANES * WORKING * LANES + lane[c] % LANES
+        member[free[first[c]]] = at + FIRST
+        member[free[second[c]]] = at + SECOND
+        free[first[c]] += 1
+        free[second[c]] += 1
+    return member, members
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def densities(
+    x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
+) -> np.ndarray:
+    """How densely areas (m2) lie at all discs (n,), of the pairs that are listed."""
+    out = area * (7.0 / (math.pi * reach * reach))
+    for c in range(len(first)):
+        i, j = first[c], second[c]
+        dx, dz = image(x[j] - x[i], z[j] - z[i], period)
+        apart = math.sqrt(dx * dx + dz * dz)
+        if apart < reach:
+            width = density_kernel(apart, reach)[0]
+            out[i] += area[j] * width
+            out[j] += area[i] * width
+    return out
