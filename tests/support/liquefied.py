@@ -4,9 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
+from dem.slides.overburden import effective_overburden
 from dem.springs import LayerSprings, Strength, soil_discs
 from dem.tied_packing import TiedPacking, tied_packing
 
@@ -95,3 +97,52 @@ class ShearedBox:
                 seen.append(self.stress())
             found.append(np.mean(seen, axis=0))
         return np.array(found) / [self.strength, 1.0]
+
+
+class LayeredSlope:
+    """An endless slope of 4 degrees, its sides tied: 14 m of sand on 6 m that have liquefied under it."""
+
+    ANGLE, LENGTH, LOW, HIGH = np.radians(4.0), 40, 6, 20
+
+    def __init__(self, seed: int, ratio: float, radius: float = 0.5) -> None:
+        """ratio: residual strength over the stress across the slope at the onset."""
+        packing = tied_packing(self.LENGTH, self.HIGH, radius, porosity=0.23, seed=seed).without_upper_plate()
+        x, z, r, layer = on_a_deep_base(packing)
+        layer = np.where((layer >= 0) & (z > self.LOW), 1, layer)
+        layers = [sand(1.41e8, radius, "loose"), sand(1.41e8, radius)]
+        self.model = model = DiscModel.create(
+            x, z, r, layers, layer, law="soil", period=(packing.length, 0.0), gravity=(0.0, -GRAVITY), turns=False
+        )
+        self.on(6.0, ledger=False)
+        for tilt in np.linspace(0.0, self.ANGLE, 6)[1:]:
+            model.gravity = tilted_gravity(tilt, GRAVITY)
+            self.on(1.0, ledger=False)
+        self.on(2.0, ledger=False)
+        n, overburden, wet = len(model), effective_overburden(model), model.layer == 0
+        liquefy(model, Onset(wet, with_voids(model), overburden, ratio * overburden, np.full(n, LEAST_STRAIN)))
+        for share in np.arange(1, 21) / 20:
+            model.set_springs([replace(layers[0], faded=float(share)), layers[1]])
+            set_share(model, np.where(wet, share, 0.0))
+            self.on(0.25)
+        self.on(5.0)
+
+    def on(self, seconds: float, **settings: object) -> None:
+        Engine(dt=STEP * largest_step(self.model).seconds, **settings).run(self.model, seconds)  # type: ignore[arg-type]
+
+    def speed(self) -> float:
+        """Of the sand on top, along the slope (m/s)."""
+        return float(self.model.vx[self.model.layer == 1].mean())
+
+    def push(self, kh: float, seconds: float) -> tuple[float, np.ndarray]:
+        """How far the sand slides under a Kh that comes in a millisecond and goes again (m); speeds at half seconds."""
+        model, sand_on_top = self.model, self.model.layer == 1
+        before, begin = model.x.copy(), model.time
+        full = Acceleration.seismic(kh, tilt=self.ANGLE, g=GRAVITY)
+        times = begin + np.array([0.0, 1e-3, seconds, seconds + 1e-3])
+        on = np.array([0.0, 1.0, 1.0, 0.0])
+        model.acceleration = Acceleration(times, full.x[0] * on, full.z[0] * on)
+        speeds = []
+        while model.time < begin + seconds + 1.0 or abs(self.speed()) > 2e-3:
+            self.on(0.5)
+            speeds.append(self.speed())
+        return float((model.x - before)[sand_on_top].mean()), np.array(speeds)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.support.liquefied import ShearedBox
+from dem.problems.uniform_slope import newmark_slide
+from tests.support.liquefied import GRAVITY, LayeredSlope, ShearedBox
 
 SLOW = 0.046  # 1/s: an inertial number of 0.004 under 300 kPa
 
@@ -23,3 +24,20 @@ def test_pore_pressure_alone_has_no_strength() -> None:
     box = ShearedBox.of(0, 1e-3)
     held, pressure = box.shear(0.5, SLOW, balance=5e-3)[10:].T
     assert np.abs(held * 1e-3 / pressure).mean() < 0.005
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_an_endless_slope_slides_as_newmarks_block(seed: int) -> None:
+    """Kh of 0.8, then of 2 times yield for 10 s: the first moves less than half a metre, the second as far as a block
+    on a plane of that strength (Newmark 1965), whose speed shows a strength within 5 % of what was asked."""
+    ratio, seconds = 0.2, 10.0
+    slope = LayeredSlope(seed, ratio)
+    assert abs(slope.speed()) < 2e-3
+    critical = ratio - np.tan(slope.ANGLE)
+    assert slope.push(0.8 * critical, seconds)[0] < 0.5
+    slid, speed = slope.push(2.0 * critical, seconds)
+    assert slid == pytest.approx(newmark_slide(slope.ANGLE, ratio, 2.0 * critical, seconds), rel=0.25)
+    rate = np.polyfit(np.arange(4, 20) * 0.5, speed[3:19], 1)[0] / GRAVITY
+    sine, cosine = np.sin(slope.ANGLE), np.cos(slope.ANGLE)
+    assert (sine + 2.0 * critical * cosine - rate) / cosine == pytest.approx(ratio, rel=0.05)

@@ -134,13 +134,12 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
         assert slide.overlap < 0.5
         assert slide.escaped == 0
         assert slide.area_lost_share < LOST
-    one, two, three = (slide.rows[-1].slide_max_m for slide in slides)
-    assert one < two < three
-    assert one < 2.5
-    assert 1.5 < two < 7.0
-    assert 1.5 < three < 7.0
+    # of one residual strength; their stiffness tells them apart by some centimetres
+    far = [slide.rows[-1].slide_max_m for slide in slides]
+    assert 1.0 < min(far) <= max(far) < 2.5
+    assert far[0] < far[2]
     drops = [slide.rows[-1].settlement_uphill_m for slide in slides]
-    assert drops == sorted(drops)
+    assert 0.3 < min(drops) <= max(drops) < 0.7
 
 
 def test_discs_of_half_the_radius_slide_as_far(run: Input, layers: list[SoilLayer], slides: list[Slide]) -> None:
