@@ -3,9 +3,13 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
+from dem.kernels.liquefied_pairs import DENSITY as RHO0
+from dem.kernels.liquefied_pairs import STIFFNESS, STRAIN, STRENGTH
 from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
 from dem.slides.overburden import effective_overburden
@@ -146,3 +150,61 @@ class LayeredSlope:
             self.on(0.5)
             speeds.append(self.speed())
         return float((model.x - before)[sand_on_top].mean()), np.array(speeds)
+
+
+class Slump:
+    """A column of soil of one shear strength, 30 m high and 120 m wide, on a rough base that goes on to both sides.
+
+    It rests at eight times its strength, and is let go at once. Pore water a hundred times as stiff as the stress at
+    half height keeps its volume, with one density for all of it.
+    """
+
+    HEIGHT, HALF, REACH, FIRM, STIFF = 30.0, 60.0, 3.0, 8.0, 100.0
+
+    def __init__(self, seed: int, weight_over_strength: float, radius: float = 0.75) -> None:
+        columns, rows = round(self.HALF / radius), round(self.HEIGHT / (2.0 * radius))
+        packing = tied_packing(columns, rows, radius, porosity=0.21, seed=seed)
+        inside = packing.layer >= 0
+        along = np.arange(-self.HALF - self.REACH * self.HEIGHT, self.HALF + self.REACH * self.HEIGHT, 2.0 * radius)
+        deep = [(along + radius * (row % 2), np.full(len(along), -radius * (0.9 + 1.74 * row))) for row in range(DEEP)]
+        x = np.concatenate([packing.x[inside] - self.HALF, *(row[0] for row in deep)])
+        z = np.concatenate([packing.z[inside], *(row[1] for row in deep)])
+        r = np.concatenate([packing.radius[inside], np.full(DEEP * len(along), radius)])
+        self.free = np.arange(len(x)) < inside.sum()
+        self.model = model = DiscModel.create(
+            x, z, r, [replace(sand(1e8, radius), faded=1.0)], np.where(self.free, 0, -1), law="soil", turns=False,
+            gravity=(0.0, -GRAVITY),
+        )  # fmt: skip
+        self.area = np.pi * r**2 * 2.0 * self.HALF * self.HEIGHT / np.sum(np.pi * r[self.free] ** 2)
+        model.mass[:] = DENSITY * self.area
+        self.strength = DENSITY * GRAVITY * self.HEIGHT / weight_over_strength
+        half_way = np.full(len(x), 0.5 * DENSITY * GRAVITY * self.HEIGHT)
+        firm = np.full(len(x), self.FIRM * self.strength)
+        liquefy(model, Onset(self.free, self.area, half_way, firm, np.full(len(x), 0.02)))
+        set_share(model, np.ones(len(x)))
+        middle = self.free & (np.abs(x) < self.HALF - 5.0) & (z > 5.0) & (z < self.HEIGHT - 5.0)
+        model.liquefied[self.free, RHO0] = np.median(model.liquefied[middle, RHO0])
+        model.liquefied[self.free, STIFFNESS] = self.STIFF * half_way[self.free]
+        for _ in range(10):
+            self.on(0.3, balance=1e-2)  # packed, and not yet at rest
+            model.set_velocity(0.5 * model.vx, 0.5 * model.vz)
+        model.energy_sums[:] = 0.0
+        model.energy_known, model.turnover = np.nan, 0.0
+
+    def on(self, seconds: float, balance: float = 1e-3) -> None:
+        Engine(dt=0.8 * largest_step(self.model).seconds, balance=balance).run(self.model, seconds)
+
+    def let_go(self) -> tuple[float, float]:
+        """Run-out of 98 % of the mass over the height, once it has come to rest; share of the mass that is loose."""
+        model, free = self.model, self.free
+        model.liquefied[free, STRENGTH], model.liquefied[free, STRAIN] = self.strength, LEAST_STRAIN
+        for _ in range(10):
+            self.on(np.sqrt(self.HEIGHT / GRAVITY))
+        away = np.abs(model.x[free])
+        order = np.argsort(away)
+        share = np.cumsum(self.area[free][order]) / self.area[free].sum()
+        places = cKDTree(np.column_stack([model.x[free], model.z[free]]))
+        near = places.sparse_distance_matrix(places, 2.4 * float(model.radius.mean()))
+        joined = np.bincount(connected_components(near, directed=False)[1]).max()
+        out = (away[order][np.searchsorted(share, 0.98)] - self.HALF) / self.HEIGHT
+        return float(out), float(1.0 - joined / free.sum())
