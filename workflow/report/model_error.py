@@ -30,6 +30,6 @@ def error_sentence(slides: Sequence[float], flows: bool | None) -> str:
     moved = [one for one in slides if one > 0.0]
     if error is None or not moved:
         return ""
-    if not error.held:
-        return f"{error.sentence()}: what discs say of such slides is no more than an order of magnitude."
+    if 2 * error.held < error.cases:
+        return f"{error.sentence()}: how far such ground slides is not predicted by these discs."
     return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."

@@ -131,7 +131,7 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
         "slide is 0.4 to 7 m."
     )
     assert model_error.error_sentence([0.0], True) == ""
-    monkeypatch.setattr(model_error, "slide_error", lambda flows: SlideError("lateral spreads", 10.0, 0, 9))
-    assert model_error.error_sentence([1.0], False).endswith("no more than an order of magnitude.")
+    monkeypatch.setattr(model_error, "slide_error", lambda flows: SlideError("lateral spreads", 10.0, 3, 9))
+    assert model_error.error_sentence([1.0], False).endswith("is not predicted by these discs.")
     monkeypatch.setattr(model_error, "slide_error", lambda flows: None)
     assert model_error.error_sentence([1.0], None) == ""

@@ -1,0 +1,49 @@
+"""Known slides: the page tells of all, and what it tells is what the program finds; all of them in the long run."""
+
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+from tests.support.published import PUBLISHED
+from workflow.estimates.slide_error import TABLE
+from workflow.verify.slides.case import read_cases
+from workflow.verify.slides.collection import errors
+from workflow.verify.slides.predict import predict
+from workflow.verify.slides.record import FILE, read_answers
+from workflow.verify.slides.verdict import judge
+
+SLIDES = PUBLISHED.parent / "slides"
+CASES = {case.name: case for case in read_cases(SLIDES)}
+RECORDED = read_answers(SLIDES / FILE)
+
+
+def test_the_page_tells_of_every_case() -> None:
+    page = (SLIDES / "README.md").read_text(encoding="utf-8")
+    for name in CASES:
+        assert f"({name}.toml)" in page
+
+
+def test_reports_lean_on_the_answers_of_the_page() -> None:
+    table = (files("workflow.estimates") / TABLE).read_text(encoding="utf-8")
+    assert table == errors(list(CASES.values()), RECORDED)
+
+
+def test_columns_of_sand_run_as_far_as_sand_and_continuum() -> None:
+    """As high as wide and twice as high, recorded: within 15 % of the continuum, or within what was measured."""
+    for name in ("column_33_100", "column_33_200"):
+        low, high = CASES[name].measured
+        assert 0.85 * low < np.mean(RECORDED[name].values) < 1.15 * high
+
+
+def test_a_short_column_is_predicted_as_it_was_recorded() -> None:
+    """Half as high as wide, 300 discs: the first packing to a tenth of its width."""
+    found = predict(CASES["column_33_050"], 1)
+    assert not found.failure
+    assert found.values[0] == pytest.approx(RECORDED["column_33_050"].values[0], abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.known.group != "field"])
+def test_theory_and_experiments_are_met_within_a_factor_of_three(name: str) -> None:
+    assert judge(CASES[name], predict(CASES[name])).word not in ("failed", "beyond 3")
