@@ -11,9 +11,9 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.compiled import keep_compiled_kernels
 
 if TYPE_CHECKING:
-    from fem.critical import CriticalResult, critical_coefficient
     from fem.limit.bounds import kh_bounds
-    from fem.strength_reduction import SafetyFactor, safety_factor
+    from fem.search.critical import CriticalResult, critical_coefficient
+    from fem.search.strength_reduction import SafetyFactor, safety_factor
 
 keep_compiled_kernels()
 
@@ -29,10 +29,10 @@ __all__ = [
 ]
 
 _HOME = {
-    "CriticalResult": "fem.critical",
-    "critical_coefficient": "fem.critical",
-    "SafetyFactor": "fem.strength_reduction",
-    "safety_factor": "fem.strength_reduction",
+    "CriticalResult": "fem.search.critical",
+    "critical_coefficient": "fem.search.critical",
+    "SafetyFactor": "fem.search.strength_reduction",
+    "safety_factor": "fem.search.strength_reduction",
     "kh_bounds": "fem.limit.bounds",
 }
 

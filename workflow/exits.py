@@ -47,7 +47,7 @@ def ended_as_program(call: Callable[[], object]) -> None:
     try:
         ended(call)
     except SystemExit as stop:
-        threads = sys.modules.get("fem.meanwhile")
+        threads = sys.modules.get("fem.solvers.meanwhile")
         if threads is not None and threads.is_working():
             sys.stdout.flush()
             sys.stderr.flush()

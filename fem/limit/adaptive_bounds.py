@@ -13,7 +13,7 @@ from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds,
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
-from fem.meanwhile import Meanwhile
+from fem.solvers.meanwhile import Meanwhile
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 

@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.continuum.loads import Direction, lifted, push, soils
+from fem.continuum.repetition import refuse_other_sides
+from fem.continuum.shallow_failure import Skin, skins, strengthened
+from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.loads import Direction, lifted, push, soils
-from fem.repetition import refuse_other_sides
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import Skin, skins, strengthened
-from fem.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY

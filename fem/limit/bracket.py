@@ -92,7 +92,7 @@ class MeshBounds:
     notes : tuple of str
         What went wrong.
     work : float
-        Work of both programs in seconds of the reference machine, counted and not measured (``fem.cone_program``).
+        Work of both programs in seconds of the reference machine, counted and not measured (``cone_program.py``).
     failed : tuple of BoundSide
         The bounds that are missing because the solver ended early, or its answer did not pass the check.
     """

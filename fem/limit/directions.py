@@ -11,10 +11,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from fem.continuum.loads import Direction
 from fem.limit.adaptive_bounds import BoundSearch
 from fem.limit.bracket import Bracket, Limits, Mechanism
 from fem.limit.limit_problem import RigidPlasticBody
-from fem.loads import Direction
 from meshes.triangles import TriMesh
 
 # Share of the largest velocity with which a mechanism moves at a side through which it leaves the section.

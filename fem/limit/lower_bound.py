@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from fem import cone_program
-from fem.least_norm import smallest_correction
 from fem.limit.bound_checks import yield_slack
 from fem.limit.limit_problem import LimitProblem, bare_corners
 from fem.limit.point_freedom import DEPENDENT, stress_free_corners
+from fem.solvers import cone_program
+from fem.solvers.least_norm import smallest_correction
 
 # Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
 # unit size; in others it goes with their size, down to the second number.

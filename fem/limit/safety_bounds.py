@@ -14,11 +14,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from fem.continuum.loads import Direction
+from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
 from fem.limit.bounds import COARSE_CELLS, first_mesh, strengths
 from fem.limit.factor_search import FactorSearch, FactorWork, Start, Trial, gap_of_factors
-from fem.loads import Direction
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import faces_at, least_rolling_factor, strengthened
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh

@@ -4,9 +4,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from fem.continuum.side_stress import SideStress, k0_stress
 from fem.limit.limit_problem import edge_ends
 from fem.limit.upper_bound import add_edge_loads, strain_rates
-from fem.side_stress import SideStress, k0_stress
 from meshes.bisection import bisect
 from meshes.pore_loads import corner_pressure
 from meshes.section.quantity import GRAVITY
@@ -18,7 +18,7 @@ ENOUGH_CELLS = 3000
 
 
 def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
-    """The stress on the "left" and the "right" side, ``fem/side_stress.py``, with the resultants of triangles."""
+    """The stress on the "left" and the "right" side, ``side_stress.py``, with the resultants of triangles."""
     while len(mesh.cells) < ENOUGH_CELLS:
         mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))
     stress = _elastic_stress(section, mesh)

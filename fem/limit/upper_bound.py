@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from fem import cone_program
-from fem.least_norm import smallest_correction
 from fem.limit.limit_problem import LimitProblem
 from fem.limit.point_freedom import unstrained_points
+from fem.solvers import cone_program
+from fem.solvers.least_norm import smallest_correction
 from meshes.triangles import TriMesh
 
 # Volumetric strain rate beyond that of the flow rule, so that rounding does not break it: in units of velocity over

@@ -17,12 +17,12 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from fem.at_once import pushed
-from fem.continuation import NewtonSettings
-from fem.critical import seismic_path
-from fem.loads import sign_of
-from fem.path import EquilibriumPath
-from fem.plateau import growth_per_doubling
+from fem.continuum.loads import sign_of
+from fem.limit_load.limit_load import pushed
+from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.newton import NewtonSettings
+from fem.path.plateau import growth_per_doubling
+from fem.search.critical import seismic_path
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS

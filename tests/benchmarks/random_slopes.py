@@ -13,10 +13,10 @@ from typing import Any
 from mpi4py import MPI
 
 from fem import BoundsSettings, FemSettings, UnstableError, kh_bounds
-from fem.adaptive import adapted_answer, beside_full_dilation
-from fem.at_once import AtOnce
 from fem.limit.bracket import Bracket
-from fem.mesh_sequence import AdaptiveResult
+from fem.limit_load.limit_load import AtOnce
+from fem.search.adaptive import adapted_answer, beside_full_dilation
+from fem.search.mesh_sequence import AdaptiveResult
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
 from tests.support.random_sections import NUMBERS, random_section

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from fem.loads import Direction
-from fem.strength import flow_of
+from fem.continuum.loads import Direction
+from fem.continuum.strength import flow_of
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict

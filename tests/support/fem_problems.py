@@ -5,10 +5,10 @@ import math
 import numpy as np
 from mpi4py import MPI
 
-from fem.continuation import NewtonSettings, ProportionalLoad
-from fem.path import EquilibriumPath, PathSettings
-from fem.plane_strain import PlaneStrain
-from fem.plateau import PlateauRule, find_limit_load
+from fem.continuum.plane_strain import PlaneStrain
+from fem.path.equilibrium_path import EquilibriumPath, PathSettings
+from fem.path.newton import NewtonSettings, ProportionalLoad
+from fem.path.plateau import PlateauRule, find_limit_load
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 

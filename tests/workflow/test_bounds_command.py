@@ -45,8 +45,8 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
 
 def test_the_factor_of_safety_is_bounded_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Between the bounds lies that of the elements with ψ = φ, whose sides are held the same way."""
+    from fem.search.strength_reduction import safety_factor
     from fem.settings import FemSettings
-    from fem.strength_reduction import safety_factor
     from meshes.gmsh_model import generate
     from meshes.settings import MeshSettings
 

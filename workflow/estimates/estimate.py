@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.strength import davis_words, flow_of
+from fem.continuum.strength import davis_words, flow_of
 from workflow.settings import Input
 
 Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]

@@ -6,10 +6,10 @@ import numpy as np
 import pyvista as pv
 from matplotlib.patches import Patch
 
+from fem.continuum.shallow_failure import STRIP
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
-from fem.skin import STRIP
 from meshes.triangles import TriMesh
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
 from workflow.figures.ground import foot

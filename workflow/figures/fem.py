@@ -6,8 +6,8 @@ import numpy as np
 import pyvista as pv
 from matplotlib.lines import Line2D
 
-from fem.fields import State
-from fem.strength import flow_of
+from fem.continuum.fields import State
+from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, draw_section, foot

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.fields import State
+from fem.continuum.fields import State
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 
 from dem.ground import ground_of
 from dem.model import DiscModel
-from fem.fields import State
+from fem.continuum.fields import State
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fem.strength import flow_of
+from fem.continuum.strength import flow_of
 from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 from workflow.settings import Input
 

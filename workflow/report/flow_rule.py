@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from fem.strength import Flow
+from fem.continuum.strength import Flow
 from workflow.results.continuum import FemAnswer
 
 # When Davis's estimate counts, and when ψ = φ does.

@@ -8,7 +8,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from fem.strength import flow_of, is_dilating_fully
+from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
 from workflow.estimates.comparison import estimates
 from workflow.figures import fonts

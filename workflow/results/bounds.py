@@ -4,7 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from fem.loads import Direction
+from fem.continuum.loads import Direction
 from fem.settings import BoundsSettings, Sides
 from workflow.results.answer import Answer, Part, SectionLabel
 

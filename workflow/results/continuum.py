@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
+from fem.continuum.strength import Flow, davis_words
 from fem.settings import YIELDED, Element, FemSettings
-from fem.strength import Flow, davis_words
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
 if TYPE_CHECKING:

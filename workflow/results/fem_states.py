@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyvista as pv
 
-from fem.fields import State
+from fem.continuum.fields import State
 from meshes.quad_mesh import QuadMesh
 from workflow.results.continuum import FemAnswer
 from workflow.results.stored_mesh import fem_mesh

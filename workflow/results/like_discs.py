@@ -4,8 +4,8 @@ from typing import ClassVar, Self
 
 from pydantic import Field
 
+from fem.continuum.strength import Flow
 from fem.settings import YIELDED, Sides
-from fem.strength import Flow
 from workflow.results.answer import Answer, Line
 from workflow.results.continuum import FemAnswer, PathStep, RigidBox, Verdict, displacement_at
 

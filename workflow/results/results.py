@@ -115,7 +115,7 @@ class Results:
     @property
     def doubts(self) -> list[Doubt]:
         """What contradicts the critical Kh of the FEM, or is to be known beside it."""
-        from fem.judges import Computed, of_others
+        from fem.search.checks import Computed, of_others
 
         told = list(self.fem.doubts) if self.fem is not None else []
         others = [
@@ -129,7 +129,7 @@ class Results:
     def doubts_by_bounds(self) -> list[Doubt]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
         fixed sides those between sides that yield: what holds still at the sides takes no work from them."""
-        from fem.judges import of_bounds
+        from fem.search.checks import of_bounds
 
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:

@@ -4,8 +4,8 @@ from typing import ClassVar, Self
 
 from pydantic import Field
 
+from fem.continuum.strength import Flow
 from fem.settings import Element, Sides
-from fem.strength import Flow
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from fem import dolfinx_api
+from fem.solvers import dolfinx_api
 
 
 class Ranks:

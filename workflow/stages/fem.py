@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.strength import Flow
+from fem.continuum.strength import Flow
 from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
     Doubt,
@@ -28,12 +28,12 @@ from workflow.run.store import Store
 from workflow.settings import Input
 
 if TYPE_CHECKING:
-    from fem.assessment import Assessment
-    from fem.critical import CriticalResult
-    from fem.fields import State
-    from fem.mesh_sequence import AdaptiveResult
-    from fem.path import EquilibriumPath
-    from fem.strength_reduction import SafetyFactor
+    from fem.continuum.fields import State
+    from fem.path.equilibrium_path import EquilibriumPath
+    from fem.search.assessment import Assessment
+    from fem.search.critical import CriticalResult
+    from fem.search.mesh_sequence import AdaptiveResult
+    from fem.search.strength_reduction import SafetyFactor
     from meshes.quad_mesh import QuadMesh
 
 
@@ -73,7 +73,7 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
     when all is written, NoAnswerError if the path ended undecided.
     """
-    from fem.assessment import assess
+    from fem.search.assessment import assess
     from meshes.quad_mesh import save
 
     def tell(what: str, path: "EquilibriumPath | None") -> None:
@@ -102,8 +102,8 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
 
 def answer_of(given: Input, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
-    from fem.judges import is_doubtful
-    from fem.slip_surface import slip_surface
+    from fem.search.checks import is_doubtful
+    from fem.search.slip_surface import slip_surface
 
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
@@ -152,7 +152,7 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
 
 
 def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
-    from fem.fields import touched_sides
+    from fem.continuum.fields import touched_sides
 
     if found is None:
         return None
@@ -170,7 +170,7 @@ def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
 def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
     """What is kept of the same search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less
     deep were left out."""
-    from fem.slip_surface import slip_surface
+    from fem.search.slip_surface import slip_surface
 
     return RigidBox(
         kc=found.result.kc,
@@ -201,7 +201,7 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
 
 
 def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
-    from fem.slip_surface import slip_surface
+    from fem.search.slip_surface import slip_surface
 
     result, rest = found.result, found.rounds[-1].rest if found.rounds else np.inf
     return FactorOfSafety(

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from dem.team import Tell
+from fem.continuum.strength import is_dilating_fully
 from fem.settings import YIELDED, FemSettings
-from fem.strength import is_dilating_fully
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from workflow.results.answer import line
@@ -16,9 +16,9 @@ from workflow.settings import Input
 from workflow.stages.fem import rigid_box_of
 
 if TYPE_CHECKING:
-    from fem.as_discs import AsDiscs
-    from fem.path import EquilibriumPath
-    from fem.plateau import PathListener
+    from fem.path.equilibrium_path import EquilibriumPath
+    from fem.path.plateau import PathListener
+    from fem.search.dem_counterpart import AsDiscs
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
@@ -47,7 +47,7 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     """
     from mpi4py import MPI
 
-    from fem.as_discs import dilating_fully
+    from fem.search.dem_counterpart import dilating_fully
 
     fem = _in_the_box_of_discs(given, store, FemAnswer.read(store), tell)
     known = LikeDiscs.of(fem)
@@ -83,7 +83,7 @@ def _in_the_box_of_discs(given: Input, store: Store, fem: FemAnswer, tell: Tell)
     face fails before the ground, or where there is no answer below the faces."""
     from mpi4py import MPI
 
-    from fem.assessment import box_below_faces
+    from fem.search.assessment import box_below_faces
 
     depth = DISCS_DEEP * given.dem.mean_radius(given)
     if not given.fem.rigid_box or not fem.skins or depth <= given.fem.least_depth:
@@ -106,7 +106,7 @@ def _with_psi_as_given(
     """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
     from mpi4py import MPI
 
-    from fem.as_discs import as_discs
+    from fem.search.dem_counterpart import as_discs
 
     try:
         found = as_discs(given, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))

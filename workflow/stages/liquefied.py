@@ -15,7 +15,7 @@ from workflow.stages.fem import WITHOUT_EFFECT
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
-    from fem.liquefied_ground import Remains
+    from fem.search.liquefied_ground import Remains
     from meshes.quad_mesh import QuadMesh
 
 # Triangles and gap of the bounds: enough to tell standing from flowing, in seconds, as a rule; by how much finer they
@@ -39,7 +39,7 @@ def work(job: Job) -> None:
 
 def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
     """The numbers of the cases, by what is left of the strata that liquefy in them."""
-    from fem.liquefied_ground import Remains
+    from fem.search.liquefied_ground import Remains
 
     found: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
     for number, case in enumerate(given.cases, start=1):
@@ -55,7 +55,7 @@ def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int
 
 def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
     """What the ground bears in cases that leave the strata the same."""
-    from fem.liquefied_ground import liquefied_section
+    from fem.search.liquefied_ground import liquefied_section
 
     section = liquefied_section(given, remains)
     borne = _borne(
@@ -82,13 +82,13 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
     from mpi4py import MPI
 
-    from fem.at_once import AtOnce, critical_at_once
-    from fem.critical import CriticalResult, critical_coefficient
+    from fem.continuum.strength import flow_of, is_associated
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
-    from fem.liquefied_ground import weight_borne
-    from fem.strength import flow_of, is_associated
-    from fem.strength_reduction import safety_factor
+    from fem.limit_load.limit_load import AtOnce, critical_at_once
+    from fem.search.critical import CriticalResult, critical_coefficient
+    from fem.search.liquefied_ground import weight_borne
+    from fem.search.strength_reduction import safety_factor
 
     direction = "uphill" if given.fem.direction == "uphill" else "downhill"
     flow = flow_of(given.strata, given.fem.flow)

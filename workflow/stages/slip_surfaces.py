@@ -38,7 +38,7 @@ def _excess_above(given: Input, store: Store, line: np.ndarray, fem: FemAnswer) 
     """By which share the continuum bears more Kh where it may fail no deeper than the line; None without an answer."""
     from mpi4py import MPI
 
-    from fem.given_surface import critical_above
+    from fem.search.prescribed_surface import critical_above
 
     mesh = fem_mesh(given, store, fem.mesh.method)
     like = LikeDiscs.read(store) if given.dem.model == "soil" else LikeDiscs.of(fem)

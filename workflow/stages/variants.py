@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from dem.team import Tell
-from fem.strength import Flow, flow_of, is_dilating_fully
+from fem.continuum.strength import Flow, flow_of, is_dilating_fully
 from meshes.errors import NoAnswerError
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
@@ -15,9 +15,9 @@ from workflow.settings import Input
 from workflow.stages.fem import WITHOUT_EFFECT
 
 if TYPE_CHECKING:
-    from fem.at_once import AtOnce
-    from fem.critical import CriticalResult
-    from fem.path import EquilibriumPath
+    from fem.limit_load.limit_load import AtOnce
+    from fem.path.equilibrium_path import EquilibriumPath
+    from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
 
 LARGEST_STEP = 0.1
@@ -78,7 +78,7 @@ def on_a_mesh(
     change: tuple[str, str, Input], given: Input, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
     """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first."""
-    from fem.at_once import is_unique
+    from fem.limit_load.limit_load import is_unique
     from workflow.results.stored_mesh import stored_mesh
 
     name, words, with_it = change
@@ -96,7 +96,7 @@ def changed(given: Input, name: str, element: str) -> tuple[str, str, Input] | N
 
     ``element`` is the one that the answer was found with.
     """
-    from fem.at_once import is_unique
+    from fem.limit_load.limit_load import is_unique
 
     fem = given.fem
     if name == "mesh":
@@ -149,8 +149,8 @@ def _found(change: Change, tell: Tell) -> "AtOnce | CriticalResult":
     """The limit load at once where it is unique, else the end of a path; raises NoAnswerError."""
     from mpi4py import MPI
 
-    from fem.at_once import critical_at_once, is_unique
-    from fem.critical import critical_coefficient
+    from fem.limit_load.limit_load import critical_at_once, is_unique
+    from fem.search.critical import critical_coefficient
     from meshes.quad_mesh import divided
 
     def step(path: "EquilibriumPath") -> None:

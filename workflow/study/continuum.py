@@ -8,8 +8,8 @@ from workflow.settings import Input
 from workflow.study.sample import Numbers, Sample
 
 if TYPE_CHECKING:
-    from fem.at_once import AtOnce
-    from fem.critical import CriticalResult
+    from fem.limit_load.limit_load import AtOnce
+    from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
 
 
@@ -36,9 +36,9 @@ def continuum(given: Sample) -> Numbers:
 def _critical(read: Input, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
     from mpi4py import MPI
 
-    from fem.adaptive import adapted_answer
-    from fem.critical import critical_coefficient
-    from fem.strength import is_associated
+    from fem.continuum.strength import is_associated
+    from fem.search.adaptive import adapted_answer
+    from fem.search.critical import critical_coefficient
 
     if is_associated(read.strata, read.fem.flow):
         try:

@@ -6,13 +6,13 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Literal
 
-from fem.adaptive import adapted_answer, adapted_safety
-from fem.critical import CriticalResult, critical_coefficient
+from fem.continuum.strength import is_associated, is_dilating_fully
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
+from fem.search.adaptive import adapted_answer, adapted_safety
+from fem.search.critical import CriticalResult, critical_coefficient
+from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength import is_associated, is_dilating_fully
-from fem.strength_reduction import SafetyFactor, safety_factor
 from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.adaptive import next_mesh, strong_below
+from fem.continuum.shallow_failure import skins
 from fem.errors import UnstableError
-from fem.mesh_sequence import AdaptiveResult, MeshRound, Wish, solve_adaptively
+from fem.search.adaptive import next_mesh, strong_below
+from fem.search.mesh_sequence import AdaptiveResult, MeshRound, Wish, solve_adaptively
 from fem.settings import FemSettings
-from fem.skin import skins
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section

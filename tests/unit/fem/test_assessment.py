@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem import assessment
-from fem.assessment import assess
 from fem.errors import UnstableError
-from fem.meanwhile import IN_TURN
+from fem.search import assessment
+from fem.search.assessment import assess
 from fem.settings import FemSettings
+from fem.solvers.meanwhile import IN_TURN
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings

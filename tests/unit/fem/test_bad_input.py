@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import critical_coefficient
 from fem.errors import UnstableError
+from fem.search.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.gmsh_model import generate

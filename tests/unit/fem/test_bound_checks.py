@@ -115,7 +115,7 @@ def test_the_parts_of_the_gap_add_up_to_it(problem, low, high):
 
 
 def test_a_solver_that_ends_early_is_said(problem, monkeypatch):
-    from fem import cone_program
+    from fem.solvers import cone_program
 
     monkeypatch.setattr(cone_program, "MOST_ITERATIONS", 3)
     _, notes, _ = proven_lower_bound(problem)
@@ -123,7 +123,7 @@ def test_a_solver_that_ends_early_is_said(problem, monkeypatch):
 
 
 def test_a_solver_that_ends_early_is_asked_again(problem, low, monkeypatch):
-    from fem import cone_program
+    from fem.solvers import cone_program
 
     usual, most = cone_program._settings, iter([3, cone_program.MOST_ITERATIONS])
 

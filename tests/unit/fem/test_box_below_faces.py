@@ -2,7 +2,7 @@
 
 from mpi4py import MPI
 
-from fem.assessment import assess, box_below_faces
+from fem.search.assessment import assess, box_below_faces
 from meshes.gmsh_model import generate
 from tests.support.sections import layer
 from workflow.settings import Input

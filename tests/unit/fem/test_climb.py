@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import critical_coefficient
+from fem.search.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings

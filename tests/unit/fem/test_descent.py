@@ -5,7 +5,7 @@ import math
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fem.descent import LONGEST, MOST_LENGTHS, SLOPE_LEFT, Descent
+from fem.path.line_search import LONGEST, MOST_LENGTHS, SLOPE_LEFT, Descent
 
 
 @given(

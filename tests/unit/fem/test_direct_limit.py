@@ -3,10 +3,10 @@
 import pytest
 from mpi4py import MPI
 
-from fem import cone_program
-from fem.at_once import critical_at_once
 from fem.errors import UnstableError
+from fem.limit_load.limit_load import critical_at_once
 from fem.settings import FemSettings
+from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings

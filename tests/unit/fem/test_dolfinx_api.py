@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from fem import dolfinx_api
+from fem.solvers import dolfinx_api
 from meshes.errors import InputError
 
 
@@ -40,7 +40,7 @@ def test_it_leaves_libraries_that_are_loaded_later_to_themselves(use):
 import sys
 from mpi4py.MPI import COMM_SELF
 from numpy import array
-from fem import dolfinx_api
+from fem.solvers import dolfinx_api
 before = sys.getdlopenflags()
 dolfinx_api.{use}
 assert "dolfinx" in sys.modules

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.plane_strain import PlaneStrain
+from fem.continuum.plane_strain import PlaneStrain
 from meshes.quad_mesh import QuadMesh
 from tests.support.fem_problems import ELEMENTS, grid, soil
 

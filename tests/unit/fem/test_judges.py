@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.critical import CriticalResult
-from fem.fields import State, is_mechanism, touched_sides
-from fem.judges import (
+from fem.continuum.fields import State, is_mechanism, touched_sides
+from fem.search.checks import (
     Computed,
     doubts_of,
     is_doubtful,
@@ -18,7 +17,8 @@ from fem.judges import (
     of_verdict,
     touches_base,
 )
-from fem.slip_surface import slip_surface
+from fem.search.critical import CriticalResult
+from fem.search.slip_surface import slip_surface
 from meshes.quality import corner_angles
 from tests.support.fem_problems import grid
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.liquefied_ground import LEAST, Remains, liquefied_section, weight_borne
+from fem.search.liquefied_ground import LEAST, Remains, liquefied_section, weight_borne
 from meshes import generate
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.quantity import GRAVITY

@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from fem.blas import bears_threads
-from fem.meanwhile import IN_TURN, Meanwhile, interruptible, is_working
+from fem.solvers.blas_threads import bears_threads
+from fem.solvers.meanwhile import IN_TURN, Meanwhile, interruptible, is_working
 
 pytestmark = pytest.mark.skipif(not bears_threads(), reason="this BLAS is not to be called by two threads")
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem import continuation
-from fem.adaptive import next_mesh
-from fem.at_once import critical_at_once
-from fem.continuation import ProportionalLoad, residual_of
-from fem.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
-from fem.plane_strain import PlaneStrain
-from fem.pocket import ALIKE, Pocket
+from fem.continuum.plane_strain import PlaneStrain
+from fem.limit_load.limit_load import critical_at_once
+from fem.path import newton as continuation
+from fem.path.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
+from fem.path.newton import ProportionalLoad, residual_of
+from fem.path.nonlinear_elimination import ALIKE, Pocket
+from fem.search.adaptive import next_mesh
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.section import Section

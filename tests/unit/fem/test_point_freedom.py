@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.continuum.shallow_failure import skins, strengthened
 from fem.limit.adaptive_bounds import bracket, proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
 from fem.limit.point_freedom import stress_free_corners, unstrained_points
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import skins, strengthened
 from meshes.section.section import Section
 from meshes.triangles import triangulate
 from tests.support import SECTIONS

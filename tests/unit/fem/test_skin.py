@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from fem.continuum.shallow_failure import faces_at, skins, strengthened
 from fem.limit.bounds import governing_skins, kh_bounds
-from fem.liquefied_ground import Remains, liquefied_section
+from fem.search.liquefied_ground import Remains, liquefied_section
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import faces_at, skins, strengthened
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer

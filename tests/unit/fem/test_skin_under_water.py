@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fem.continuum.shallow_failure import Skin, faces_at, least_rolling_factor, skins, strengthened
 from fem.limit.bounds import first_mesh, kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
-from fem.skin import Skin, faces_at, least_rolling_factor, skins, strengthened
 from meshes.pore_loads import Pressure, at_ends, corner_pressure
 from meshes.section.section import Section
 from tests.support.water import WATER, soil

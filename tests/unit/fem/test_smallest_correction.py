@@ -5,11 +5,11 @@ import time
 import numpy as np
 from scipy import sparse
 
-from fem.least_norm import smallest_correction
 from fem.limit.bounds import body_of, first_mesh
 from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.lower_bound import equations, independent_equations
 from fem.settings import FemSettings
+from fem.solvers.least_norm import smallest_correction
 from meshes.section.section import Section
 from tests.support.sections import layer
 

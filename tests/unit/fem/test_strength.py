@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.strength import davis_factor, davis_words, flow_of, is_associated, strength_of
+from fem.continuum.strength import davis_factor, davis_words, flow_of, is_associated, strength_of
 from meshes.section.section import Section
 from tests.support.fem_problems import soil
 from tests.support.sections import layer, slope

@@ -37,7 +37,7 @@ print(json.dumps(found))
 CHANGES = {
     "meshes/section/layering.py": ("triggering response mesh fem variants bounds liquefied calibrate slide", ""),
     "fem/kernels/return_mapping.py": ("fem variants liquefied calibrate", ""),
-    "fem/cone_program.py": ("fem variants bounds liquefied calibrate", ""),
+    "fem/solvers/cone_program.py": ("fem variants bounds liquefied calibrate", ""),
     "dem/kernels/contact.py": ("calibrate slide", ""),
     "dem/table2_dem.csv": ("calibrate slide", ""),
     "dem/slides/liquefaction.py": ("slide", ""),

@@ -19,7 +19,7 @@ from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
-from fem.as_discs import as_discs
+from fem.search.dem_counterpart import as_discs
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
 from workflow.settings import Input

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.gravity import gravity_equilibrium
-from fem.plane_strain import PlaneStrain
+from fem.continuum.plane_strain import PlaneStrain
+from fem.path.gravity import gravity_equilibrium
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY

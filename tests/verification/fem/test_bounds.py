@@ -174,7 +174,7 @@ def test_finite_elements_with_associated_flow_converge_into_the_bracket(sides):
     """Reduced cells, 1x and 2x: 0.3585, 0.3557 (fixed), 0.2845, 0.2826 (roller)."""
     from mpi4py import MPI
 
-    from fem.critical import critical_coefficient
+    from fem.search.critical import critical_coefficient
     from meshes.gmsh_model import generate
     from meshes.settings import MeshSettings
 

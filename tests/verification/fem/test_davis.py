@@ -10,9 +10,9 @@ import math
 import pytest
 from mpi4py import MPI
 
-from fem.critical import critical_coefficient
+from fem.search.critical import critical_coefficient
+from fem.search.strength_reduction import safety_factor
 from fem.settings import FemSettings
-from fem.strength_reduction import safety_factor
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
 from tests.support.fem_problems import section, soil

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.adaptive import adapted_safety
-from fem.direct_factor import CLOSE
 from fem.errors import UnstableError
+from fem.limit_load.conic_safety_factor import CLOSE
+from fem.search.adaptive import adapted_safety
+from fem.search.strength_reduction import SafetyFactor, safety_at_once, safety_factor
 from fem.settings import FemSettings
-from fem.strength_reduction import SafetyFactor, safety_at_once, safety_factor
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section

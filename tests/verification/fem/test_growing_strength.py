@@ -9,8 +9,8 @@ from fem.limit.adaptive_bounds import bracket
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds
+from fem.search.strength_reduction import safety_factor
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength_reduction import safety_factor
 from meshes.gmsh_model import generate
 from meshes.section.growth import evened
 from meshes.section.section import Section

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.at_once import critical_at_once
-from fem.critical import critical_coefficient
+from fem.continuum.repetition import refuse_other_water
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
-from fem.repetition import refuse_other_water
+from fem.limit_load.limit_load import critical_at_once
+from fem.search.critical import critical_coefficient
+from fem.search.strength_reduction import safety_at_once, safety_factor
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength_reduction import safety_at_once, safety_factor
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section

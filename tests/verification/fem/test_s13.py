@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fem.critical import CriticalResult, critical_coefficient
-from fem.fields import touched_sides
+from fem.continuum.fields import touched_sides
+from fem.search.critical import CriticalResult, critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS, TOP
@@ -149,7 +149,7 @@ def test_two_runs_agree_to_the_last_bit():
 PROGRAM = """
 import sys
 from mpi4py import MPI
-from fem.critical import critical_coefficient
+from fem.search.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from workflow.settings import Input

@@ -8,15 +8,15 @@ import pytest
 from mpi4py import MPI
 
 from dem.slides.slip import compare
-from fem.adaptive import adapted_answer
-from fem.as_discs import as_discs, dilating_fully
-from fem.at_once import at_rest, critical_at_once
-from fem.cone_program import SOLVER_GAP
-from fem.critical import critical_coefficient, seismic_path
-from fem.fields import touched_sides
-from fem.given_surface import critical_above
+from fem.continuum.fields import touched_sides
+from fem.limit_load.limit_load import at_rest, critical_at_once
+from fem.search.adaptive import adapted_answer
+from fem.search.critical import critical_coefficient, seismic_path
+from fem.search.dem_counterpart import as_discs, dilating_fully
+from fem.search.prescribed_surface import critical_above
+from fem.search.slip_surface import slip_surface
 from fem.settings import FemSettings
-from fem.slip_surface import slip_surface
+from fem.solvers.cone_program import SOLVER_GAP
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section

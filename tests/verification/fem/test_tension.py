@@ -10,8 +10,8 @@ from mpi4py import MPI
 
 from fem.limit.bound_checks import _with_cut_off
 from fem.limit.safety_bounds import safety_bounds
+from fem.search.strength_reduction import safety_at_once
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength_reduction import safety_at_once
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section

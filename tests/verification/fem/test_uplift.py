@@ -5,13 +5,13 @@ from typing import Any
 import pytest
 from mpi4py import MPI
 
-from fem.assessment import assess
+from fem.continuum.loads import soils
 from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
-from fem.loads import soils
+from fem.search.assessment import assess
+from fem.search.strength_reduction import safety_at_once
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength_reduction import safety_at_once
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings

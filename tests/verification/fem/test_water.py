@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from mpi4py import MPI
 
-from fem.cone_program import SOLVER_GAP
-from fem.critical import critical_coefficient
-from fem.gravity import gravity_equilibrium
 from fem.limit.adaptive_bounds import bracket
 from fem.limit.bounds import body_of, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import Side, limit_problem, units_of
+from fem.path.gravity import gravity_equilibrium
+from fem.search.critical import critical_coefficient
+from fem.search.strength_reduction import safety_factor
 from fem.settings import BoundsSettings, FemSettings
-from fem.strength_reduction import safety_factor
+from fem.solvers.cone_program import SOLVER_GAP
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section

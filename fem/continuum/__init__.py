@@ -1,0 +1,1 @@
+"""The ground as a discretised continuum: elements, loads, strengths, fields."""

@@ -1,0 +1,107 @@
+"""Fields of a state of equilibrium for pictures and files, by cell and by corner, and the slip surface in them."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.kernels import mohr_coulomb
+from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.continuum.plane_strain import PlaneStrain
+
+# A cell counts as failed when its mobilised strength is within this of the whole.
+AT_FAILURE = 0.99
+# A mechanism: plastic shear strain this many times the elastic one; a side takes part if it moves this share of the
+# largest displacement.
+STANDS_OUT, TOUCHES = 10.0, 0.1
+
+
+@dataclass(frozen=True)
+class State:
+    """Fields of the section at one Kh, in the numbering of the mesh; n points, m cells.
+
+    Attributes
+    ----------
+    label : str
+        What the state is.
+    kh : float
+        Its seismic coefficient (-).
+    displacement : ndarray (n, 2)
+        Since gravity (m).
+    stress : ndarray (m, 4)
+        Mean over the cell [xx, yy, zz, xy], tension positive (Pa).
+    shear_strain, plastic_shear_strain : ndarray (m,)
+        Largest engineering shear strain in the plane, mean over the cell (-).
+    mobilised : ndarray (m,)
+        Mobilised share of strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper
+        calls it the local safety factor.
+    past_equilibrium : bool
+        Whether there is no equilibrium at ``kh`` and the last state of the path stands in its place.
+    """
+
+    label: str
+    kh: float
+    displacement: np.ndarray
+    stress: np.ndarray
+    shear_strain: np.ndarray
+    plastic_shear_strain: np.ndarray
+    mobilised: np.ndarray
+    past_equilibrium: bool = False
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Which cells (m,) are at failure."""
+        return self.mobilised >= AT_FAILURE
+
+
+def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> State:
+    """The fields of a problem's accepted state, gathered on every rank."""
+    grid = problem.grid
+    share = grid.weights / grid.weights.sum(axis=1, keepdims=True)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        by_cell = values.reshape(*grid.weights.shape, *values.shape[1:])
+        return np.einsum("cq,cq...->c...", share, by_cell)
+
+    mobilised = mohr_coulomb.mobilised_strength(problem.stress, problem.material, problem.table)
+    local = problem.exchange.to_local(problem.displacement)
+    corner_values = local[grid.dofs[:, :8]].reshape(-1, 4, 2)
+    parts = grid.comm.allgather(
+        (
+            grid.cell,
+            mean(problem.stress),
+            mean(_shear(problem.strain)),
+            mean(_shear(problem.plastic_strain)),
+            mean(np.minimum(mobilised, 1.0)),
+            grid.corners,
+            corner_values,
+        )
+    )
+    cells = len(mesh.cells)
+    stress, shear, plastic, factor = np.zeros((cells, 4)), np.zeros(cells), np.zeros(cells), np.zeros(cells)
+    displacement = np.zeros((len(mesh.points), 2))
+    for cell, s, g, p, f, corners, moved in parts:
+        stress[cell], shear[cell], plastic[cell], factor[cell] = s, g, p, f
+        displacement[corners] = moved
+    return State(label, kh, displacement, stress, shear, plastic, factor)
+
+
+def _shear(strain: np.ndarray) -> np.ndarray:
+    """Largest engineering shear strain in the plane (n,) of strains (n, 4)."""
+    return np.hypot(strain[:, 0] - strain[:, 1], strain[:, 3])
+
+
+def touched_sides(mesh: QuadMesh, state: State) -> tuple[str, ...]:
+    """Which of the sides, "left" and "right", move by more than a tenth of the largest displacement."""
+    moved = np.hypot(*state.displacement.T)
+    return tuple(
+        side for side in ("left", "right") if moved[mesh.boundaries[side]].max() > TOUCHES * max(moved.max(), 1e-300)
+    )
+
+
+def is_mechanism(state: State) -> bool:
+    """Whether the plastic shear strain of a state stands out from the elastic one, as it does once the ground fails."""
+    elastic = (state.shear_strain - state.plastic_shear_strain).max()
+    return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))

@@ -1,0 +1,154 @@
+"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised by MUMPS."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from petsc4py import PETSc
+
+from fem.continuum.discretisation import Discretisation
+from fem.kernels import assembly, condensation
+from fem.solvers.blas_threads import use_one_thread
+
+use_one_thread()
+
+
+class SingularMatrixError(ArithmeticError):
+    """The stiffness matrix could not be factorised: there is a mechanism, or a part that nothing holds."""
+
+
+class Exchange:
+    """Copies and sums between the displacement components that a rank owns and those that its cells need.
+
+    Vectors of owned components are (owned,), of needed ones (needed,).
+
+    Attributes
+    ----------
+    first, last : int
+        Range of the global numbers of the owned components.
+    """
+
+    def __init__(self, d: Discretisation) -> None:
+        self._owned = PETSc.Vec().createMPI((d.owned, d.size), comm=d.comm)
+        self._local = PETSc.Vec().createSeq(len(d.global_dofs))
+        needed = PETSc.IS().createGeneral(d.global_dofs, comm=PETSc.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(self._owned, needed, self._local, None)
+        self.first, self.last = self._owned.getOwnershipRange()
+        self._comm = d.comm
+
+    def to_local(self, owned: np.ndarray) -> np.ndarray:
+        """Values (needed,) from the values (owned,)."""
+        self._owned.array[:] = owned
+        self._scatter.scatter(self._owned, self._local)
+        return self._local.array.copy()
+
+    def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
+        """Contributions (needed,) of all ranks, added up for the owned components."""
+        self._local.array[:] = local
+        self._owned.set(0.0)
+        self._scatter.scatter(
+            self._local, self._owned, addv=PETSc.InsertMode.ADD_VALUES, mode=PETSc.ScatterMode.REVERSE
+        )
+        return self._owned.array.copy()
+
+    def dot(self, a: np.ndarray, b: np.ndarray) -> float:
+        """The scalar product of two vectors, over all ranks."""
+        return float(self._comm.allreduce(float(a @ b)))
+
+    def norm(self, a: np.ndarray) -> float:
+        """Euclidean norm of a vector, over all ranks."""
+        return float(np.sqrt(self.dot(a, a)))
+
+    def owned_part(self, everything: np.ndarray) -> np.ndarray:
+        """The owned part of a vector (all components,)."""
+        return everything[self.first : self.last]
+
+
+class LinearSolver:
+    """K x = b with rows and columns of the held components replaced by those of the unit matrix.
+
+    Components inside a cell are condensed statically, have no place in the matrix, and are found afterwards. Of a
+    ``symmetric`` matrix, that of associated flow, one triangle is factorised, in three quarters of the time.
+    """
+
+    def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
+        self._grid, self._exchange = d, exchange
+        border = d.dofs.shape[1] - d.inside
+        self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
+        own = np.ones(exchange.last - exchange.first, dtype=bool)
+        own[self._inside] = False
+        self._own = np.flatnonzero(own)  # of the owned components those in the matrix
+        size = d.comm.allreduce(len(self._own))
+        first = d.comm.scan(len(self._own)) - len(self._own)
+        self._number = np.full(len(own), -1.0)
+        self._number[self._own] = first + np.arange(len(self._own))
+        self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
+        self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
+        self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
+        PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
+        self._matrix = PETSc.Mat().createAIJ(((len(self._own), size), (len(self._own), size)), comm=d.comm)
+        cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
+        entries = np.clip(border * cells[self._own], 1, size).astype(PETSc.IntType)  # all that those cells have
+        self._matrix.setPreallocationNNZ((np.minimum(entries, len(self._own)), entries))
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, symmetric)
+        self._ksp = PETSc.KSP().create(d.comm)
+        self._ksp.setType(PETSc.KSP.Type.PREONLY)
+        pc = self._ksp.getPC()
+        pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        self._ksp.setErrorIfNotConverged(False)
+        self._x, self._b = self._matrix.createVecs()
+
+    def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
+        """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
+
+        ``hourglass`` is (nc or 0, nd, nd) in Pa. ``free`` (needed,) marks the components that can move, ``held`` are
+        the global numbers of this rank's others. Raises SingularMatrixError.
+        """
+        d = self._grid
+        self._elements[:] = hourglass if len(hourglass) else 0.0
+        assembly.element_stiffness(d.matrix, d.weights, tangent, free, d.dofs, self._elements)
+        if d.inside:
+            condensation.condense(self._elements, self._inverse)
+            if not np.all(np.isfinite(self._inverse)):
+                raise SingularMatrixError("a cell has no stiffness inside")
+        border = self._rows.shape[1]
+        block = np.ascontiguousarray(self._elements[:, :border, :border]).reshape(len(self._rows), -1)
+        ones = self._number[held - self._exchange.first].astype(PETSc.IntType)[:, None]
+        self._matrix.zeroEntries()
+        self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.setValuesRCV(ones, ones, np.ones(ones.shape), addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.assemble()
+        with _as_singular():
+            self._ksp.setOperators(self._matrix)
+            self._ksp.setUp()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
+        d, exchange = self._grid, self._exchange
+        x = np.array(right)
+        if d.inside:
+            force = exchange.to_local(right)
+            change = np.empty_like(force)
+            condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
+            x += exchange.sum_to_owned(change)
+        self._b.array[:] = x[self._own]
+        with _as_singular():
+            self._ksp.solve(self._b, self._x)
+        x[self._own] = self._x.array
+        if d.inside:
+            local = exchange.to_local(x)
+            condensation.expand(self._elements, self._inverse, d.dofs, force, local)
+            x[self._inside] = local[d.dofs[:, -d.inside :].ravel()]
+        if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
+            raise SingularMatrixError("the stiffness matrix is singular")
+        return x
+
+
+@contextmanager
+def _as_singular() -> Iterator[None]:
+    try:
+        yield
+    except PETSc.Error as error:
+        raise SingularMatrixError(f"the stiffness matrix could not be factorised ({error})") from error

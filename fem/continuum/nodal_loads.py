@@ -1,0 +1,121 @@
+"""Nodal forces of what a section carries beside the weight of its soil: water in its pores and on it, surcharges.
+
+The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
+gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not; on the ground still
+water presses with its own pressure. Where that is u, the two leave what Archimedes says. (Were u bilinear between the
+corners of cells that the water table crosses, it would reach above the table, and wash out sand without cohesion.)
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fem.continuum.discretisation import DEGREES
+from fem.continuum.plane_strain import PlaneStrain
+from fem.solvers import dolfinx_api as api
+from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+
+# Pressure (n,) in Pa at points (n, 2) in m, with points near them and their strata.
+Pressure = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+# Traction (n, 2) in Pa at points (n, 2) of the ground, with points near them and outward normals.
+Traction = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+# Points of Gauss' rule along an edge: exact for a traction that is linear there on quadratic shapes, and to spare.
+POINTS_ON_EDGE = 3
+
+
+def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of pore pressure, water on the ground and surcharges, at rest; 0.0 without any."""
+    load: np.ndarray | float = 0.0
+    water, surface = section.water_pressure, section.surface_loads
+    if water.present:
+        load = load + pore_force(problem, mesh, water.at_rest) + _pressed(problem, mesh, section)
+    if surface.surcharges:
+        load = load + ground_force(problem, mesh, surface.dead)
+    return load
+
+
+def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
+    """Nodal forces (dofs,) in N/m of the pore pressure that shaking adds, None without any."""
+    if not any(s.excess_pore_pressure_ratio for s in section.strata):
+        return None
+    return pore_force(problem, mesh, section.water_pressure.shaken)
+
+
+def shaken_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of Kh = 1 on what is not soil; 0.0 where there is nothing that shakes."""
+    surface = section.surface_loads
+    if not surface.present:
+        return 0.0
+    return ground_force(problem, mesh, lambda *place: surface.shaken(sign, *place))
+
+
+def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of Kh = 1 towards the right (``sign`` 1) or the left (-1), on soil and what it
+    carries."""
+    soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
+    return soil + shaken_load(problem, mesh, section, sign)
+
+
+def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a pore pressure: the integral of u times the volumetric strain of the nodes."""
+    grid = problem.grid
+    corners = mesh.points[grid.corners]
+    points = np.einsum("qa,cai->cqi", grid.corner_shapes, corners)
+    near = np.repeat(corners.mean(axis=1), grid.points_per_cell, axis=0)
+    stratum = np.repeat(grid.stratum, grid.points_per_cell)
+    inside = pressure(points.reshape(-1, 2), near, stratum).reshape(grid.weights.shape)
+    local = np.zeros(len(grid.global_dofs))
+    np.add.at(local, grid.dofs, np.einsum("cq,cq,cqd->cd", grid.weights, inside, grid.divergence))
+    return problem.exchange.sum_to_owned(local)
+
+
+def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of the water on the ground."""
+
+    def traction(ends: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return -section.water_pressure.on_ground(ends, near)[:, None] * normal
+
+    return ground_force(problem, mesh, traction)
+
+
+def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Nodal forces (dofs,) in N/m of the pore pressure on both sides, as it is at rest; 0.0 without any."""
+    water = section.water_pressure
+    if not water.present:
+        return 0.0
+
+    def traction(points: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        return -water.at_rest(points, near, section.stratum_at(*near.T))[:, None] * normal
+
+    return ground_force(problem, mesh, traction, "left") + ground_force(problem, mesh, traction, "right")
+
+
+def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
+    """Nodal forces (dofs,) in N/m of a traction on the ground, or on another boundary."""
+    grid, degree = problem.grid, DEGREES[problem.grid.element]
+    s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)
+    s, weight = 0.5 * (s + 1.0), 0.5 * weight
+    shapes = np.column_stack([1.0 - s, s])
+    if degree == 2:
+        shapes = np.column_stack([(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)])
+    key = np.array([len(mesh.points), 1])
+    wanted = np.sort(mesh.boundaries[boundary], axis=1).astype(np.int64) @ key
+    local = np.zeros(len(grid.global_dofs))
+    for number, (a, b) in enumerate(api.REFERENCE_EDGES):
+        ends = grid.corners[:, [a, b]].astype(np.int64)
+        cells = np.flatnonzero(np.isin(np.sort(ends, axis=1) @ key, wanted))
+        first, last = (mesh.points[ends[cells, end]] for end in (0, 1))
+        middle, along = 0.5 * (first + last), last - first
+        length = np.hypot(*along.T)
+        normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
+        inwards = mesh.points[grid.corners[cells]].mean(axis=1) - middle
+        normal *= -np.sign(np.sum(normal * inwards, axis=1))[:, None]
+        at = [traction(first + share * along, middle, normal) for share in s]
+        force = np.einsum("q,qn,qki,k->kni", weight, shapes, np.array(at), length)
+        nodes = [a, b] if degree == 1 else [a, b, 4 + number]
+        for axis in (0, 1):
+            np.add.at(local, grid.dofs[cells][:, [2 * node + axis for node in nodes]], force[:, :, axis])
+    return problem.exchange.sum_to_owned(local)

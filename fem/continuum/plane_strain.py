@@ -1,0 +1,287 @@
+"""Elastoplastic plane strain of a meshed section: its state, its internal forces, its tangent stiffness.
+
+Stress is positive in tension; components [xx, yy, zz, xy], y upwards; Pa, m, N per metre out of plane.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.discretisation import Discretisation, discretise, tied
+from fem.continuum.linear_solver import Exchange, LinearSolver
+from fem.continuum.strength import DavisForm, FlowSetting, is_associated, strength_of
+from fem.kernels import assembly, mohr_coulomb, viscoplastic
+from fem.settings import Element
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section, Stratum
+
+# Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
+ELASTIC_SHARE = 1e-6
+# Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up, so
+# that steps of some elastic displacements feel less than 1 % of the strength.
+HOURGLASS_SHARE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Some cells of a section with their accepted state, numbered by themselves.
+
+    Attributes
+    ----------
+    components : ndarray (k,)
+        The displacement components of these cells among the owned ones.
+    dofs : ndarray (nc, nd)
+        A cell's components among those k.
+    matrix, weights, hourglass : ndarray
+        As in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
+    stress : ndarray (points, 4)
+        Accepted stress (Pa).
+    material : ndarray (points,)
+        Numbers of the soils in ``table``.
+    table : ndarray
+        The soils, see ``mohr_coulomb.table``.
+    least : ndarray (points, 4, 4)
+        What is added to a tangent so that it is regular (Pa).
+    """
+
+    components: np.ndarray
+    dofs: np.ndarray
+    matrix: np.ndarray
+    weights: np.ndarray
+    hourglass: np.ndarray
+    stress: np.ndarray
+    material: np.ndarray
+    table: np.ndarray
+    least: np.ndarray
+
+
+class PlaneStrain:
+    """A section discretised, with the last accepted state of equilibrium.
+
+    Vectors (dofs,) hold the displacement components that this rank owns, x and y of a node in turn.
+
+    Attributes
+    ----------
+    strata : tuple of Stratum
+        The ground; ``material`` (points,) are numbers of these.
+    flow, form : FlowSetting, DavisForm
+        The flow rule of the analysis, see ``strength.py``.
+    strength : Strength
+        Cohesion, friction and dilation angle of the strata in this analysis.
+    grid : Discretisation
+        The elements.
+    exchange : Exchange
+        Sums and copies between ranks.
+    displacement : ndarray (dofs,)
+        Accepted displacement (m).
+    stress : ndarray (points, 4)
+        Accepted stress (Pa).
+    strain, plastic_strain : ndarray (points, 4)
+        Accepted strain, engineering shear (-).
+    region : ndarray (points,)
+        Part of the yield surface that every point is on, see ``mohr_coulomb.REGIONS``.
+    free : ndarray (dofs,)
+        Which displacement components are not held.
+    overstress : float
+        Weight b of the elastic stress in the next update, see ``viscoplastic`` (-).
+    """
+
+    def __init__(
+        self,
+        mesh: QuadMesh,
+        strata: Sequence[Stratum],
+        element: Element,
+        comm: Any,
+        threads: int = 1,
+        flow: FlowSetting = "section",
+        form: DavisForm = "B",
+    ) -> None:
+        self.strata = tuple(strata)
+        self.threads, self.flow, self.form = threads, flow, form
+        self._elastic = self.elastic_stiffness()
+        self._take(discretise(mesh, element, comm))
+        self.material = np.repeat(self.grid.stratum, self.grid.points_per_cell).astype(np.int64)
+        self.use_strength(1.0)
+        points = self.grid.weights.size
+        self.displacement = np.zeros(self.exchange.last - self.exchange.first)
+        self.stress = np.zeros((points, 4))
+        self.strain = np.zeros((points, 4))
+        self.plastic_strain = np.zeros((points, 4))
+        self.region = np.zeros(points, dtype=np.int8)
+        self._trial = np.zeros((points, 4))
+        self._tangent = np.zeros((points, 4, 4))
+        self._plastic = np.zeros((points, 4))
+        self._strain = np.zeros((points, 4))
+        self.overstress = 0.0
+        self._passive = np.zeros(0, dtype=np.int64)
+        self.hold({})
+
+    def _take(self, grid: Discretisation) -> None:
+        """Set up solver and work arrays for a discretisation."""
+        self.grid = grid
+        self.exchange = Exchange(grid)
+        self._solver = LinearSolver(grid, self.exchange, symmetric=self.flow != "section")
+        self._forces = np.zeros(len(grid.global_dofs))
+        shear = self._elastic[:, 3, 3]
+        self._hourglass = HOURGLASS_SHARE * shear[grid.stratum[: len(grid.hourglass)], None, None] * grid.hourglass
+
+    def use_strength(self, factor: float) -> None:
+        """Divide cohesion and tan φ of every stratum by ``factor``, as ``strength_of`` does."""
+        self.strength = strength = strength_of(self.strata, self.flow, factor, self.form)
+        self.table = mohr_coulomb.table(
+            young=[s.youngs_modulus for s in self.strata],
+            poisson=[s.poissons_ratio for s in self.strata],
+            cohesion=strength.cohesion,
+            friction=strength.friction,
+            dilation=strength.dilation,
+            tension=strength.tension,
+        )
+
+    @property
+    def associated(self) -> bool:
+        """Whether the flow rule is associated everywhere."""
+        return is_associated(self.strata, self.flow)
+
+    def points(self) -> np.ndarray:
+        """Coordinates (points, 2) of the quadrature points (m)."""
+        corners = self.grid.node_points[self.grid.global_dofs[self.grid.dofs[:, 0::2]] // 2]
+        return np.einsum("qn,cni->cqi", self.grid.shapes, corners).reshape(-1, 2)
+
+    def hold(self, components: dict[str, str]) -> None:
+        """Hold the displacement increments of boundaries, such as {"base": "xy", "left": "x"}."""
+        held = np.zeros(self.grid.size, dtype=bool)
+        held[2 * self._passive] = held[2 * self._passive + 1] = True
+        for name, axes in components.items():
+            for axis in axes:
+                held[2 * self.grid.sides[name] + "xy".index(axis)] = True
+        self.hold_components(held)
+
+    def hold_components(self, held: np.ndarray) -> None:
+        """Hold the components marked in ``held`` (all components, the same on every rank)."""
+        self.free = ~self.exchange.owned_part(held)
+        self._free_local = ~held[self.grid.global_dofs]
+        self._held_owned = self.exchange.first + np.flatnonzero(~self.free)
+
+    def tie(self, one: str, other: str, section: Section) -> None:
+        """Let the nodes of boundary ``other`` move like those of ``one``, with the base held.
+
+        Raises InputError unless the two have the same layers at the same heights, up to a shift.
+        """
+        grid = self.grid
+        masters, slaves = (
+            nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[one], grid.sides[other])
+        )
+        here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
+        if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
+            wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
+            raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
+        self.tie_nodes(masters, slaves)
+        self.hold({"base": "xy"})
+
+    def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
+        """Let nodes (global numbers) move like others; ``hold`` has to be called anew."""
+        self._take(tied(self.grid, masters, slaves))
+        self._passive = np.concatenate([self._passive, slaves])
+
+    def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:
+        """Nodal forces (N/m) of an acceleration (m/s²) on the densities (kg/m³) of the strata."""
+        per_area = np.asarray(density, dtype=float)[self.material].reshape(self.grid.weights.shape)
+        nodal = np.einsum("cq,qn->cn", per_area * self.grid.weights, self.grid.shapes)
+        local = np.zeros(len(self.grid.global_dofs))
+        for axis, value in enumerate(acceleration):
+            np.add.at(local, self.grid.dofs[:, axis::2], value * nodal)
+        return self.exchange.sum_to_owned(local)
+
+    def internal_force(self, increment: np.ndarray, tangent: bool = True) -> np.ndarray:
+        """Nodal forces of the stress that a displacement increment from the accepted state leads to.
+
+        Keeps that stress, and its tangent if asked for, until the next call or ``accept``.
+        """
+        local = self.exchange.to_local(increment)
+        assembly.strains(self.grid.matrix, self.grid.dofs, local, self._strain)
+        mohr_coulomb.update(
+            self._strain, self.stress, self.material, self.table, self._trial,
+            tangent=self._tangent if tangent else None,
+            plastic_strain_increment=self._plastic, region=self.region, threads=self.threads,
+        )  # fmt: skip
+        if self.overstress > 0.0:
+            viscoplastic.add_overstress(
+                self.overstress, self._strain, self.stress, self.material, self._elastic,
+                self._trial, self._tangent if tangent else self._tangent[:0], self._plastic,
+            )  # fmt: skip
+        self._assemble(self._trial)
+        assembly.add_forces(self._hourglass, self.grid.dofs, local, self._forces)
+        return self.exchange.sum_to_owned(self._forces)
+
+    def forces_of(self, stress: np.ndarray) -> np.ndarray:
+        """Nodal forces (N/m) of a stress (points, 4)."""
+        self._assemble(stress)
+        return self.exchange.sum_to_owned(self._forces)
+
+    def _assemble(self, stress: np.ndarray) -> None:
+        assembly.internal_forces(self.grid.matrix, self.grid.weights, self.grid.dofs, stress, self._forces)
+
+    def factorise(self) -> None:
+        """Factorise the stiffness of the last ``internal_force``. Raises SingularMatrixError."""
+        if self.overstress < ELASTIC_SHARE:
+            self._tangent += ELASTIC_SHARE * self._elastic[self.material]
+        self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._held_owned)
+
+    def solve(self, force: np.ndarray) -> np.ndarray:
+        """Displacement under nodal forces by the last factorised stiffness; nothing moves where it is held."""
+        return self._solver.solve(np.where(self.free, force, 0.0))
+
+    def part(self, cells: np.ndarray) -> Part:
+        """Some of the cells, by their numbers on the one rank that there is."""
+        grid, points = self.grid, self.grid.points_per_cell
+        mine = (cells[:, None] * points + np.arange(points)).ravel()
+        components, dofs = np.unique(grid.global_dofs[grid.dofs[cells]], return_inverse=True)
+        shape = len(cells), grid.dofs.shape[1]
+        return Part(
+            components=components,
+            dofs=dofs.reshape(shape).astype(np.int32),
+            matrix=grid.matrix[cells],
+            weights=grid.weights[cells],
+            hourglass=self._hourglass[cells] if len(self._hourglass) else np.zeros((*shape, shape[1])),
+            stress=self.stress[mine],
+            material=self.material[mine],
+            table=self.table,
+            least=ELASTIC_SHARE * self._elastic[self.material[mine]],
+        )
+
+    def elastic_stiffness(self) -> np.ndarray:
+        """Hooke's law (strata, 4, 4) in plane strain with the out-of-plane stress (Pa)."""
+        laws = np.zeros((len(self.strata), 4, 4))
+        for law, s in zip(laws, self.strata, strict=True):
+            shear = s.youngs_modulus / (2.0 * (1.0 + s.poissons_ratio))
+            law[:3, :3] = 2.0 * shear * s.poissons_ratio / (1.0 - 2.0 * s.poissons_ratio)
+            law[range(4), range(4)] += [2.0 * shear] * 3 + [shear]
+        return laws
+
+    def accept(self, increment: np.ndarray) -> None:
+        """Make the state of the last ``internal_force`` the one to step from."""
+        self.displacement = self.displacement + increment
+        self.stress[:] = self._trial
+        self.strain += self._strain
+        self.plastic_strain += self._plastic
+
+    def state(self) -> tuple[np.ndarray, ...]:
+        """A copy of the accepted state, for ``restore``."""
+        return tuple(a.copy() for a in (self.displacement, self.stress, self.strain, self.plastic_strain))
+
+    def restore(self, state: tuple[np.ndarray, ...]) -> None:
+        """Go back to a state."""
+        self.displacement = state[0].copy()
+        self.stress[:], self.strain[:], self.plastic_strain[:] = state[1:]
+
+    def use_elastic_tangent(self) -> None:
+        """Make Hooke's law the tangent of the next ``factorise``."""
+        self._tangent[:] = self._elastic[self.material]
+
+    def plastic_share(self) -> float:
+        """Share of the quadrature points that the last stress update found at yield."""
+        count = self.grid.comm.allreduce(np.array([np.count_nonzero(self.region), self.region.size], dtype=float))
+        return float(count[0] / count[1])

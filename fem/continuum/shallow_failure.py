@@ -1,0 +1,280 @@
+"""The skin of a cohesionless face: the Kh at which its grains roll down, and the search for deeper failures.
+
+Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
+that, and no practitioner means it: wanted is the slope as a whole. So the skin's Kh is found in closed form, and where
+it governs, the ground down to ``least_depth`` below such a face is given an apparent cohesion with which it does not
+fail by itself; then any failure is one of the ground below, or cuts through it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.continuum.loads import push
+from fem.settings import FemSettings
+from meshes.quad_mesh import QuadMesh
+from meshes.section.cutting import BELOW_WATER
+from meshes.section.layering import ROUNDING, Layering
+from meshes.section.polyline import Line
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section, Stratum
+
+# What the name of a strip has behind that of its stratum, before the x at which it begins.
+STRIP = ", skin at x = "
+# Pressures (Pa) that differ by less are the same.
+UNLIKE = 1.0
+# Water that begins less than the least depth below a face counts where it does so along so many times that depth.
+LONG = 10.0
+# Angles, and seismic coefficients, that differ by less are the same.
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Skin:
+    """A straight piece of the surface, falling in the direction of the push, of a stratum without cohesion, with one
+    kind of pore pressure below.
+
+    Attributes
+    ----------
+    stratum : str
+        Name of the stratum.
+    start, end : float
+        x of both ends in m, ``start`` the smaller one.
+    angle : float
+        Inclination in rad, above 0.
+    kh : float
+        Seismic coefficient at which the grains roll down; below 0 if they do so by their own weight.
+    ratio : float
+        Weight less Kv and uplift over the seismic weight (-).
+    seepage : float
+        Force of seepage in the direction of the push over the seismic weight (-).
+    into_water : bool
+        Whether water begins below it within the least depth, and counts.
+    """
+
+    stratum: str
+    start: float
+    end: float
+    angle: float
+    kh: float
+    ratio: float = 1.0
+    seepage: float = 0.0
+    into_water: bool = False
+
+    def goes_on_as(self, other: "Skin") -> bool:
+        """Whether the piece to its right is of the same kind."""
+        mine, its = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
+        joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
+        return joined and bool(np.allclose(mine, its, rtol=0.0, atol=SAME))
+
+
+class _Piece(NamedTuple):
+    """A stretch of ground from ``start`` to ``end`` (m) in an ``interval`` between breakpoints of the layers, of
+    stratum ``number``, of whose soil ``strata`` are: two where water cuts it."""
+
+    start: float
+    end: float
+    interval: int
+    number: int
+    strata: int
+
+    @property
+    def middle(self) -> float:
+        """x (m)."""
+        return 0.5 * (self.start + self.end)
+
+
+def skins(
+    section: Section,
+    settings: FemSettings,
+    friction: Sequence[float] | np.ndarray | None = None,
+    shaken: bool = True,
+) -> list[Skin]:
+    """All cohesionless faces of a section from left to right; ``friction`` (rad) takes the place of the strata's φ.
+
+    On a face inclined by β a layer of any thickness slides when weight γ - Kv γs and push Kh γs together make the angle
+    φ with its normal: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic unit weight (the infinite slope
+    of Skempton & DeLory 1957 with a horizontal acceleration). The slope of the pore pressure just below the face is
+    taken off γ, and its part in the direction of the push off Kh γs; where water begins less than the least depth below
+    the face, the layer down to that counts, too, if it slides first. A face ends where its slope, its stratum or its
+    water change. Faces under a surcharge, or below water that is not theirs, are held by it, and are none. The pore
+    pressure that shaking adds is there if the ground is ``shaken``.
+    """
+    layers, sign = section.layering, push(section, settings)
+    level = ROUNDING * float(layers.x[-1] - layers.x[0])
+    found: list[Skin] = []
+    for piece in _pieces(section, settings.least_depth):
+        i, soil = piece.interval, section.strata[piece.number]
+        rise = sign * (layers.left[i, 0] - layers.right[i, 0])
+        if soil.cohesion + soil.cohesion_increase > 0.0 or rise <= level or soil.density_seismic == 0.0:
+            continue
+        if _is_held(section, piece, shaken):
+            continue
+        angle = float(np.arctan(rise / layers.width[i]))
+        phi = soil.friction_angle if friction is None else friction[piece.number]
+        choices = [
+            (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
+            for ratio, drawn in _forces(section, piece, settings, shaken)
+        ]
+        face = Skin(soil.name, piece.start, piece.end, angle, *min(choices), into_water=piece.strata > 1)
+        if found and found[-1].goes_on_as(face):
+            found[-1] = replace(found[-1], end=face.end)
+        else:
+            found.append(face)
+    return found
+
+
+def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Skin]:
+    """The cohesionless faces that fall in a direction of the push that is asked for; without shaking, in any."""
+    directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
+    wishes = [settings.model_copy(update={"direction": direction}) for direction in directions]
+    return [face for wish in wishes for face in skins(section, wish, shaken=kh != 0.0)]
+
+
+def least_rolling_factor(
+    section: Section, faces: Sequence[Skin], kh: float, friction: Sequence[float] | np.ndarray
+) -> float | None:
+    """The smallest factor of safety of the skins of ``faces`` whose strata have ``friction`` (rad), None without any.
+
+    It is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Water that seeps out adds to k what it takes off the
+    face's Kh.
+    """
+    factors = []
+    for face in faces:
+        driven = face.angle + float(np.arctan2(kh + face.seepage, face.ratio))
+        if driven > 0.0:  # else water that seeps in holds it
+            factors.append(float(np.tan(friction[_number(section, face)]) / np.tan(min(driven, 0.5 * np.pi))))
+    return min(factors, default=None)
+
+
+def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
+    """The ground from left to right, cut where slope, stratum or water change within a ``depth`` (m)."""
+    layers = section.layering
+    names = [stratum.name for stratum in section.strata]
+    surface = np.where(layers.present().any(axis=1), layers.present().argmax(axis=1), -1).tolist()
+    x = np.concatenate([layers.x, section.water_pressure.kinks])
+    for i, k in enumerate(surface):  # -1 where the base comes out
+        over = [depth - (end[i, 0] - end[i, k + 1]) for end in (layers.left, layers.right)]
+        if over[0] * over[1] < 0.0:
+            x = np.append(x, layers.x[i] + layers.width[i] * over[0] / (over[0] - over[1]))
+    x = np.unique(x)
+    x = x[np.isin(x, layers.x) | (np.abs(x[:, None] - layers.x).min(axis=1) > layers.tolerance)]
+    for start, end in pairwise(x):
+        i = int(np.searchsorted(layers.x, 0.5 * (start + end))) - 1
+        if (k := surface[i]) < 0:
+            continue
+        cut = k + 1 < len(names) and names[k + 1] == names[k] + BELOW_WATER
+        yield _Piece(float(start), float(end), i, k, 2 if cut and end - start >= LONG * depth else 1)
+
+
+def _is_held(section: Section, piece: _Piece, shaken: bool) -> bool:
+    """Whether what presses on a piece from outside holds it: a load, or more water than there is in it."""
+    water, at = section.water_pressure, np.array([piece.middle])
+    ground = np.column_stack([at, section.layering.interfaces(at)[:, 0]])
+    if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
+        return True
+    inside = water.inside(ground, ground, np.array([piece.number]), shaken)
+    return water.present and bool(np.any(water.on_ground(ground, ground) > inside + UNLIKE))
+
+
+def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool) -> Iterator[tuple[float, float]]:
+    """Weight less Kv and uplift, and force of seepage to the right, over the seismic weight, of the soil just below a
+    piece of ground, and of a layer that reaches into the water below, down to the least depth.
+
+    Between these the forces of a layer change from those of the one to those of the other: none slides before both.
+    """
+    layers, water = section.layering, section.water_pressure
+    bounds = layers.interfaces(np.array([piece.middle]))[0]
+    down, right, seismic = 0.0, 0.0, 0.0
+    for k in range(piece.number, piece.number + piece.strata):
+        soil, lowest = section.strata[k], max(bounds[k + 1], bounds[0] - settings.least_depth)
+        thickness = float(bounds[k] - lowest)
+        if thickness <= 0.0:
+            continue
+        rise = np.zeros(2)
+        if water.present:
+            step = min(0.05 * thickness, 0.05 * (piece.end - piece.start), 0.05 * thickness / _steepness(layers, piece))
+            rise = water.slope((piece.middle, float(bounds[k]) - 0.5 * thickness), k, step, shaken)
+        down += thickness * float(soil.density_ordinary - settings.vertical * soil.density_seismic + rise[1] / GRAVITY)
+        right -= thickness * float(rise[0]) / GRAVITY
+        seismic += thickness * soil.density_seismic
+        if seismic > 0.0:
+            yield down / seismic, right / seismic
+
+
+def _steepness(layers: Layering, piece: _Piece) -> float:
+    """The largest slope (-) of any interface in the interval of a piece, or 1."""
+    slopes = np.abs(layers.right[piece.interval] - layers.left[piece.interval]) / layers.width[piece.interval]
+    return max(1.0, float(slopes.max()))
+
+
+def strengthened(section: Section, faces: Sequence[Skin], settings: FemSettings) -> Section:
+    """The section with a stratum of its own for the ground down to the least depth below each of the faces.
+
+    These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
+    the least depth, vertically: with it they carry Kh = (γ / γs - Kv) tan φ, at which the same sand would fail on level
+    ground. It goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7 kPa. A stratum that is
+    nowhere thicker than that is such a stratum as a whole.
+    """
+    names = [stratum.name for stratum in section.strata]
+    strata: list[Stratum] = []
+    for k, stratum in enumerate(section.strata):
+        for face in faces:
+            if stratum.name in (face.stratum, face.stratum + BELOW_WATER if face.into_water else ""):
+                strata += _strip(section, face, k, names.index(face.stratum), settings)
+        strata.append(stratum)
+    return section.with_strata(strata)
+
+
+def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
+    """A mesh of the ``section`` strengthened, with the strata that the section had before."""
+    names = [stratum.name for stratum in section.strata]
+    own = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
+    return replace(mesh, stratum=np.array(own)[mesh.stratum], strata=tuple(names))
+
+
+def _number(section: Section, face: Skin) -> int:
+    return next(k for k, stratum in enumerate(section.strata) if stratum.name == face.stratum)
+
+
+def _strip(section: Section, face: Skin, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
+    """The ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where there
+    is no such ground."""
+    soil, own = section.strata[k], section.strata[of_face]
+    points = _strip_bottom(section.layering, face, k, settings.least_depth)
+    weight = GRAVITY * face.ratio * own.density_seismic
+    cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
+    if points:
+        yield soil.model_copy(
+            update={
+                "name": f"{soil.name}{STRIP}{face.start:.10g} m",
+                "bottom": Line(elevation=points),
+                "cohesion": max(float(cohesion), 0.0),
+            }
+        )
+
+
+def _strip_bottom(layers: Layering, face: Skin, k: int, depth: float) -> list[list[float]]:
+    """The bottom of a strip in stratum k: points [x, elevation] (m); none where the stratum is not there."""
+    x = np.unique(np.concatenate([[face.start, face.end], layers.x]))
+    x = x[(x >= face.start) & (x <= face.end)]
+    points: list[list[float]] = []
+    thick = False
+    for start, end in pairwise(x):
+        at = np.array([start, end])
+        ground, top, bottom = layers.interfaces(at, near=np.full(2, at.mean()))[:, [0, k, k + 1]].T
+        shares = {0.0, 1.0}
+        for line in (top, bottom):  # where the least depth goes through it
+            over = ground - depth - line
+            if over[0] * over[1] < 0.0:
+                shares.add(float(over[0] / (over[0] - over[1])))
+        share = np.array(sorted(at for at in shares if at in (0.0, 1.0) or SAME < at < 1.0 - SAME))
+        ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
+        level = np.clip(ground - depth, bottom, top)
+        thick = thick or bool((top - level > layers.tolerance).any())
+        found = [[float(a), float(b)] for a, b in zip(start + share * (end - start), level, strict=True)]
+        points += [point for point in found if point not in points]
+    return points if thick else []

@@ -1,0 +1,1 @@
+"""The limit load of a mesh without a path, by second-order cone programming."""

@@ -1,0 +1,236 @@
+"""The limit load of discretised ground at once, without a path: the largest multiplier of a load for which stresses at
+the quadrature points balance the nodal forces within the yield surface.
+
+By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
+of ``cone_program.py``) it is also the smallest multiplier at which a velocity field of the same elements dissipates
+what the loads do. It is the load that a path of associated flow tends to, with neither steps nor elastic strains, in
+some twenty factorisations; and no bound, since between the points nothing is asked for.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar, cast
+
+import numpy as np
+from scipy import sparse
+
+from fem.continuum.fields import State
+from fem.continuum.strength import Strength
+from fem.errors import UnstableError
+from fem.kernels import mohr_coulomb
+from fem.solvers import cone_program
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.continuum.plane_strain import PlaneStrain
+
+
+# The unit of force over the sum of all: the solver's residuals are absolute below one, and with forces of many nodes
+# far below that they left half a per cent of the answer open, and a quarter of it in bare sand; this way 0.01 %, after
+# fewer iterations.
+SMALL = 0.01
+# Where strength is large beside that, it may lead the solver to no answer, or to say that almost surely there is none:
+# then it is asked in a larger unit, so many times this one.
+LARGER = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class DirectLimit:
+    """The limit load of a discretised section.
+
+    Attributes
+    ----------
+    multiplier : float
+        The load multiplier (-); infinite where in no mechanism the load does work.
+    mechanism : State or None
+        Stresses at the limit load, and in the place of displacement and strain the velocities of the mechanism, the
+        largest of which is 1 m/s, and its strain rates; None without a mechanism.
+    """
+
+    multiplier: float
+    mechanism: State | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """The elements of all ranks: B (nc, nq, [xx, yy, xy], nd), weights (nc, nq), global components (nc, nd), the cells'
+    numbers and corners in the mesh, and the numbers of the soils of the points (nc, nq)."""
+
+    matrix: np.ndarray
+    weights: np.ndarray
+    dofs: np.ndarray
+    cell: np.ndarray
+    corners: np.ndarray
+    material: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Discretised:
+    """The equilibrium of all ranks' elements under nodal forces, dimensionless: for the first rank.
+
+    Attributes
+    ----------
+    cells : _Cells
+        The elements.
+    free : ndarray (all components,)
+        Which displacement components are not held.
+    forces : tuple of ndarray (all components,)
+        Nodal forces (N/m).
+    length, unit : float
+        Units of length (m) and stress (Pa): the height, and with it ``SMALL`` times the sum of the first forces.
+    strain : csr matrix (3 points, free components)
+        Strain rates at the points times the root of the area of each, over the unit of length.
+    """
+
+    cells: _Cells
+    free: np.ndarray
+    forces: tuple[np.ndarray, ...]
+    length: float
+    unit: float
+    strain: sparse.csr_matrix
+
+    @property
+    def weight(self) -> np.ndarray:
+        """Root of the area of every point (nc, nq), over the unit of length."""
+        return np.sqrt(self.cells.weights) / self.length
+
+    def load(self, number: int) -> np.ndarray:
+        """One of the forces on the free components, over the unit of force."""
+        return self.forces[number][self.free] / (self.unit * self.length)
+
+    def program(
+        self, strength: Strength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
+    ) -> cone_program.ConeProgram:
+        """The stress of largest multiplier that balances loads on the free components; softening (points,) in Pa."""
+        material = self.cells.material.ravel()
+        return cone_program.ConeProgram(
+            self.strain,
+            strength.cohesion[material] / self.unit,
+            strength.friction[material],
+            self.weight.ravel(),
+            dead,
+            live,
+            tension=strength.tension[material] / self.unit,
+            softening=None if softening is None else softening / self.unit,
+        )
+
+    def solved(
+        self, program: "Callable[[Discretised], cone_program.ConeProgram]"
+    ) -> "tuple[Discretised, cone_program.Solution]":
+        """The solution of a program made of this, and what it was made of: the same, in a larger unit of stress where
+        the solver is not sure in this one."""
+        for ground in (self, replace(self, unit=LARGER * self.unit)):
+            solution = cone_program.solve_for_elements(program(ground))
+            if solution.sure:
+                break
+        return ground, solution
+
+    def stress(self, solution: cone_program.Solution) -> np.ndarray:
+        """Stress (points, [xx, yy, xy]) in Pa of a solution."""
+        return self.unit * solution.stress
+
+    def mechanism(self, problem: "PlaneStrain", mesh: QuadMesh, solution: cone_program.Solution, kh: float) -> State:
+        """The fields of a solution at ``kh``, shares of the strength that ``problem`` has now."""
+        points = self.cells.weights.shape
+        rates = (self.strain @ solution.rates).reshape(*points, 3) / self.weight[..., None]
+        xx, yy, xy = self.stress(solution).T
+        stress = np.column_stack([xx, yy, 0.5 * (xx + yy), xy])
+        mobilised = mohr_coulomb.mobilised_strength(stress, self.cells.material.ravel(), problem.table).reshape(points)
+        velocity = np.zeros(len(self.free))
+        velocity[self.free] = solution.rates
+        fields = _Fields(velocity, rates, stress.reshape(*points, 4), np.minimum(mobilised, 1.0))
+        return _state(mesh, self.cells, kh, fields)
+
+
+def direct_limit(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live: np.ndarray) -> DirectLimit:
+    """The largest λ at which the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m, are borne.
+
+    The flow is associated, the element "reduced"; initial stress and stiffness have no part in it. All ranks get the
+    answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver leaves no
+    answer.
+    """
+    ground = gathered(problem, mesh, dead, live)
+    return told_to_all(problem, lambda: _limit(problem, mesh, ground))
+
+
+A = TypeVar("A")
+
+
+def told_to_all(problem: "PlaneStrain", find: Callable[[], A]) -> A:
+    """What the first rank finds, or NoAnswerError as it is raised there, on all ranks."""
+    comm = problem.grid.comm
+    found: A | NoAnswerError | None = None
+    if comm.rank == 0:
+        try:
+            found = find()
+        except NoAnswerError as error:
+            found = error
+    found = comm.bcast(found)
+    if isinstance(found, NoAnswerError):
+        raise found
+    return cast(A, found)
+
+
+def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
+    """The elements of all ranks under nodal forces (dofs,), for the first rank; others are left with their own."""
+    grid = problem.grid
+    material = problem.material.reshape(grid.weights.shape)
+    own = _Cells(
+        grid.matrix[:, :, [0, 1, 3]], grid.weights, grid.global_dofs[grid.dofs], grid.cell, grid.corners, material
+    )
+    parts = grid.comm.gather((own, problem.free, *forces)) or [(own, problem.free, *forces)]
+    owns, *vectors = zip(*parts, strict=True)
+    cells = _Cells(*(np.concatenate(values) for values in zip(*(vars(part).values() for part in owns), strict=True)))
+    free, *all_forces = (np.concatenate(vector) for vector in vectors)
+    length = float(np.ptp(mesh.points[:, 1]))
+    unit = SMALL * float(np.abs(all_forces[0][free]).sum()) / length
+    strain = _strain_matrix(cells, np.sqrt(cells.weights), grid.size)[:, np.flatnonzero(free)].tocsr()
+    return Discretised(cells, free, tuple(all_forces), length, unit, strain)
+
+
+def _limit(problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised) -> DirectLimit:
+    """The limit load; raises as ``direct_limit`` does."""
+    ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
+    ground, solution = ground.solved(lambda own: own.program(problem.strength, own.load(0), ratio * own.load(1)))
+    if not solution.sure:
+        raise NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
+    if solution.none == "no mechanism":
+        return DirectLimit(np.inf, None)
+    if solution.none:
+        raise UnstableError("the section fails under its own weight: no stress balances it")
+    kh = ratio * solution.multiplier
+    return DirectLimit(kh, ground.mechanism(problem, mesh, solution, kh))
+
+
+def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:
+    """B of all points, each times its ``factor`` (nc, nq), on the displacement components of all nodes."""
+    values = cells.matrix * factor[..., None, None]
+    rows = np.arange(values[..., 0].size).reshape(values.shape[:3])[..., None]
+    columns = cells.dofs[:, None, None, :]
+    rows, columns = (np.broadcast_to(numbers, values.shape).ravel() for numbers in (rows, columns))
+    return sparse.csr_matrix((values.ravel(), (rows, columns)), shape=(values[..., 0].size, size))
+
+
+@dataclass(frozen=True, eq=False)
+class _Fields:
+    """Velocities (all components,), and at the points strain rates (nc, nq, 3), stresses (nc, nq, 4) in Pa and the
+    mobilised shares of strength (nc, nq)."""
+
+    velocity: np.ndarray
+    rates: np.ndarray
+    stress: np.ndarray
+    mobilised: np.ndarray
+
+
+def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> State:
+    """The mechanism as fields of the mesh; the stress out of plane, which a limit load leaves open, is the mean one."""
+    share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
+    shear = np.hypot(fields.rates[..., 0] - fields.rates[..., 1], fields.rates[..., 2])
+    by_cell = [np.einsum("cq,cq...->c...", share, values) for values in (fields.stress, shear, fields.mobilised)]
+    stress, strain, mobilised = (np.zeros((len(mesh.cells), *values.shape[1:])) for values in by_cell)
+    stress[cells.cell], strain[cells.cell], mobilised[cells.cell] = by_cell
+    velocity = np.zeros((len(mesh.points), 2))
+    velocity[cells.corners] = fields.velocity[cells.dofs[:, :8]].reshape(-1, 4, 2)
+    scale = 1.0 / max(float(np.hypot(*velocity.T).max()), 1e-300)
+    return State(f"mechanism, Kh = {kh:.3f}", kh, scale * velocity, stress, scale * strain, scale * strain, mobilised)

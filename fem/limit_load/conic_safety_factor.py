@@ -1,0 +1,138 @@
+"""The factor of safety of discretised ground at once, without a path: the divisor of the strength at which nodal forces
+are just borne.
+
+At a trial factor F the question is how much of its strength the ground can still do without: the largest λ for which
+stresses at the quadrature points balance the forces within
+
+    |s| <= R(F, σm) - λ S,    R = c cos φ - sin φ σm,    S = -∂R/∂ln F at a σm known before,
+
+s and σm being deviator and mean of the stress in the plane, c and φ those at F. That is one cone program
+(``cone_program.py``), which always has an answer: enough strength bears any load. F is too small where λ > 0, too
+large where λ < 0, and since S is nearly what ln F takes off the strength, λ is nearly what ln F lacks. By the envelope
+theorem λ falls with ln F by the mean of -∂R/∂ln F at the stress found, weighted by the shear rates of the mechanism,
+and by what opens at a tension cut-off T, for -∂T/∂ln F = T; what Newton's method makes of that is the share λ' of the
+strength that ground over F can do without. As strength goes with 1/F, or nearly, ln F lacks -ln(1 - λ'), with which
+the factor is found in one to three programs, whatever fails: a slope to one side, an embankment that spreads to both,
+or the ground below a footing, where no Kh would tell by how much.
+"""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.continuum.fields import State
+from fem.continuum.strength import strength_of
+from fem.errors import UnstableError
+from fem.limit_load.conic_limit_load import Discretised, gathered, told_to_all
+from fem.solvers import cone_program
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+
+if TYPE_CHECKING:
+    from fem.continuum.plane_strain import PlaneStrain
+
+LARGEST_FACTOR = 20.0
+# Trials at most, what a factor changes by from one to the next at most, and a change of ln F after which Newton's
+# method, which squares it, leaves less than 0.1 % (measured: 0.09 % of 0.034); from a coarser mesh's factor it leaves
+# nothing.
+TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
+# The largest share of the strength that ground is taken to do without.
+MOST_SPARE = 0.95
+# Step of ln F over which the strength is differentiated.
+DIFFERENCE = 1e-4
+# The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
+LEAST_SOFTENING = 1e-3
+
+
+def direct_factor(
+    problem: "PlaneStrain", mesh: QuadMesh, forces: np.ndarray, kh: float, guess: float = 1.0
+) -> tuple[float, State]:
+    """The divisor of c and tan φ at which nodal forces (dofs,) in N/m are just borne, and the mechanism.
+
+    The search begins at ``guess``; ``kh`` is what to call the mechanism by. The flow is associated, the element
+    "reduced". The strength of the ``problem`` is divided by the factor afterwards. Raises UnstableError if it is below
+    1/20, NoAnswerError if it is above 20 or the solver leaves no answer.
+    """
+    grid = problem.grid
+    mean = _elastic_mean(problem, forces)
+    ground = gathered(problem, mesh, forces)
+    means = grid.comm.gather(mean) or [mean]
+
+    def find() -> tuple[float, State]:
+        return _Search(problem, mesh, ground, np.concatenate(means)).find(guess, kh)
+
+    factor, mechanism = told_to_all(problem, find)
+    problem.use_strength(factor)
+    return factor, mechanism
+
+
+def too_weak(kh: float) -> UnstableError:
+    """What is said where a factor would be below the smallest one that is looked for."""
+    under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
+    return UnstableError(f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength")
+
+
+def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
+    """The mean stress in the plane (points,) of elastic ground under nodal forces, in Pa, tension positive."""
+    grid, laws = problem.grid, problem.elastic_stiffness()
+    problem.use_elastic_tangent()
+    problem.factorise()
+    moved = problem.exchange.to_local(problem.solve(forces))[grid.dofs]
+    strain = np.einsum("cqin,cn->cqi", grid.matrix, moved).reshape(-1, 4)
+    return 0.5 * np.einsum("pij,pj->pi", laws[problem.material][:, :2], strain).sum(axis=1)
+
+
+class _Search:
+    """Newton's method for the logarithm of the factor, between factors known to be too small and too large."""
+
+    def __init__(self, problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, mean: np.ndarray) -> None:
+        self.problem, self.mesh, self.ground = problem, mesh, ground
+        self.elastic = mean  # mean of the elastic stress in the plane (points,) in Pa, tension positive
+        self.material = ground.cells.material.ravel()
+
+    def find(self, guess: float, kh: float) -> tuple[float, State]:
+        """The factor and its mechanism."""
+        low, high, at = -math.inf, math.inf, math.log(guess)
+        for _ in range(TRIALS):
+            if at < -math.log(LARGEST_FACTOR):
+                raise too_weak(kh)
+            if at > math.log(LARGEST_FACTOR):
+                raise NoAnswerError(f"the section stands even with its strength over {LARGEST_FACTOR:g}", "")
+            step, solution = self.step(at)
+            low, high = (at, high) if step >= 0.0 else (low, at)
+            if abs(step) < CLOSE:
+                factor = math.exp(at + step)
+                self.problem.use_strength(factor)  # whose shares the mechanism tells
+                return factor, self.ground.mechanism(self.problem, self.mesh, solution, kh)
+            step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
+            at = at + step if low < at + step < high else 0.5 * (low + high)
+        raise NoAnswerError("no factor of safety was found", "use another mesh")
+
+    def step(self, at: float) -> tuple[float, cone_program.Solution]:
+        """What the logarithm of the factor lacks by Newton's method where it is ``at``, and the solution there."""
+        self.problem.use_strength(math.exp(at))
+        strength, softening = self.problem.strength, self.softening(at, self.elastic)
+        softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
+
+        def program(ground: Discretised) -> cone_program.ConeProgram:
+            dead = ground.load(0)
+            return ground.program(strength, dead, np.zeros_like(dead), softening)
+
+        self.ground, solution = self.ground.solved(program)
+        if solution.none or not solution.sure:
+            why = solution.ended or solution.none
+            raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
+        borne = self.ground.stress(solution)[:, :2].mean(axis=1)
+        slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
+        spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
+        return -math.log1p(-min(spare, MOST_SPARE)), solution
+
+    def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
+        """What the strength R (points,) under ``mean`` stresses in Pa loses where the logarithm of the factor grows."""
+        problem, ends = self.problem, []
+        for log in (at - DIFFERENCE, at + DIFFERENCE):
+            weak = strength_of(problem.strata, problem.flow, math.exp(log), problem.form)
+            sin, cos = np.sin(weak.friction), np.cos(weak.friction)
+            ends.append((weak.cohesion * cos)[self.material] - sin[self.material] * mean)
+        return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)

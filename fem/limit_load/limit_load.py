@@ -1,0 +1,205 @@
+"""Ground before a push, and the critical Kh of its mesh found at once, without a path.
+
+It can be asked more than once: with another flow rule, or between other sides. As loads and the stress on the
+sides are then the same, answers differ by what was asked and by nothing else: on one mesh Davis's substitute, which is
+the weaker ground, never bears more than ψ = φ.
+"""
+
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.fields import State
+from fem.continuum.loads import Direction, push
+from fem.continuum.nodal_loads import seismic_load
+from fem.continuum.plane_strain import PlaneStrain
+from fem.continuum.shallow_failure import Skin, skins
+from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
+from fem.errors import UnstableError
+from fem.limit_load.conic_limit_load import DirectLimit, direct_limit
+from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.gravity import at_the_sides, bring_to_rest, element_for, gravity_equilibrium, sides_held
+from fem.path.plateau import Verdict
+from fem.settings import FemSettings
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The section before a push to one side, and what is known of the push.
+
+    Attributes
+    ----------
+    problem : PlaneStrain
+        The ground: in equilibrium under its weight, or without stress where ``gravity`` is None.
+    weight : ndarray (dofs,)
+        Nodal forces of its weight (N/m).
+    constant : ndarray (dofs,)
+        Nodal forces that stay (N/m).
+    gravity : EquilibriumPath or None
+        How the weight was brought on.
+    faces : list of Skin
+        Cohesionless faces that were strengthened, since their grains roll down first.
+    load : ndarray (dofs,)
+        Nodal forces of Kh = 1 (N/m).
+    limit : DirectLimit or None
+        The limit load of the push where it is unique and the element is one for it.
+    settings : FemSettings
+        Flow rule, sides and direction.
+    """
+
+    problem: PlaneStrain
+    weight: np.ndarray
+    constant: np.ndarray
+    gravity: EquilibriumPath | None
+    faces: list[Skin]
+    load: np.ndarray
+    limit: DirectLimit | None
+    settings: FemSettings
+
+
+@dataclass(frozen=True, eq=False)
+class AtOnce:
+    """The critical Kh of a mesh found at once (``conic_limit_load.py``).
+
+    Attributes
+    ----------
+    kc : float
+        The limit load (-); ``kh_limit`` where it is larger than that.
+    verdict : Verdict
+        "plateau" or "no failure".
+    flow : Flow
+        The flow rule: "davis" or "associated".
+    direction : Direction
+        Where the ground is pushed.
+    reason : str
+        What the verdict means.
+    mechanism : State or None
+        The mechanism; None without a limit load.
+    skins : list of Skin
+        Cohesionless faces whose grains roll down before.
+    ground : Ground
+        What was pushed.
+    """
+
+    kc: float
+    verdict: Verdict
+    flow: Flow
+    direction: Direction
+    reason: str
+    mechanism: State | None
+    skins: list[Skin]
+    ground: Ground
+
+    @property
+    def value(self) -> float:
+        """The critical Kh (-)."""
+        return self.kc
+
+    @property
+    def upper(self) -> float:
+        """The limit load of the mesh, which ``kc`` is (-)."""
+        return self.kc
+
+
+def critical_at_once(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+) -> AtOnce:
+    """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
+
+    ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
+    """
+    ground = pushed(section, mesh, settings.model_copy(update={"element": "reduced"}), comm, faces)
+    if ground.limit is None:
+        raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
+    return _told(section, mesh, settings, ground)
+
+
+def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSettings) -> AtOnce:
+    """The limit load of ground that was ``found`` with other settings, by the flow rule and between the sides
+    of ``settings``.
+
+    Raises NoAnswerError if the solver leaves no answer.
+    """
+    ground = found.ground
+    problem = copy(ground.problem)  # a path may go on with this one
+    problem.flow = settings.flow
+    problem.use_strength(1.0)
+    problem.hold(sides_held(settings))
+    limit = direct_limit(problem, mesh, ground.constant, ground.load)
+    return _told(section, mesh, settings, replace(ground, limit=limit))
+
+
+def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> AtOnce:
+    """The answer that a limit load is."""
+    assert ground.limit is not None
+    kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
+    verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
+    reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
+    rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
+    direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
+    flow = flow_of(section.strata, settings.flow)
+    return AtOnce(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
+
+
+def pushed(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
+) -> Ground:
+    """The ground with ``faces`` strengthened, and the limit load of a push if it is unique; at rest if it is not.
+
+    Where faces are not given, all cohesionless ones are strengthened if grains of any roll down before the ground below
+    fails, as in the bounds: where a layer thins out its neighbour may come to the face in the mesh. Where no limit load
+    tells, they are if they do not even stand by their own weight. Raises InputError, UnstableError.
+    """
+    if faces is not None:
+        return _pushed(section, mesh, settings, comm, faces)
+    sand = cohesionless_faces(section, settings)
+    first = min((face.kh for face in sand), default=np.inf)
+    if first > 0.0 and not is_unique(section, settings):
+        return _pushed(section, mesh, settings, comm, [])
+    ground = _pushed(section, mesh, settings, comm, sand)
+    if ground.limit is not None and ground.limit.multiplier <= first < np.inf and first > 0.0:
+        return _pushed(section, mesh, settings, comm, [])
+    return ground
+
+
+def at_rest(ground: Ground) -> Ground:
+    """The same ground in equilibrium under its weight; raises UnstableError if it fails."""
+    if ground.gravity is not None:
+        return ground
+    gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
+    return replace(ground, gravity=gravity)
+
+
+def is_unique(section: Section, settings: FemSettings) -> bool:
+    """Whether the limit load is unique, and the element one to find it with at once; no step changes it."""
+    return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
+
+
+def _pushed(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin]) -> Ground:
+    """The ground with ``faces`` strengthened, and the limit load where there is one; at rest where there is none."""
+    if is_unique(section, settings):
+        problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
+        load = seismic_load(problem, mesh, section, push(section, settings))
+        limit = None
+        try:
+            limit = direct_limit(problem, mesh, constant, load)
+        except UnstableError:
+            raise
+        except NoAnswerError:  # a path has to do
+            pass
+        if limit is not None and limit.multiplier < 0.0:
+            raise UnstableError("the section fails under its own weight")
+        return Ground(problem, weight, constant, None, faces, load, limit, settings)
+    problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
+    load = seismic_load(problem, mesh, section, push(section, settings))
+    return Ground(problem, constant, constant, gravity, faces, load, None, settings)
+
+
+def cohesionless_faces(section: Section, settings: FemSettings) -> list[Skin]:
+    """The cohesionless faces that fall in the direction of the push, with the strength of the analysis."""
+    return skins(section, settings, strength_of(section.strata, settings.flow).friction)

@@ -1,0 +1,1 @@
+"""Equilibrium paths: gravity first, then a load that is an unknown, followed by Newton with arc length."""

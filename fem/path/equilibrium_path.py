@@ -1,0 +1,288 @@
+"""A path of equilibria, followed step by step with steps that adapt, and with relaxation of the overstress.
+
+Where the flow is not associated, every step is given a small overstress (``fem/kernels/viscoplastic.py``) so that it
+has one answer; relaxation then lets the overstress decay, after which the forces have to balance on the yield surface.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.plane_strain import PlaneStrain
+from fem.path.newton import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
+
+
+@dataclass(frozen=True)
+class PathSettings:
+    """How a path is followed. Lengths are arc lengths, see ``EquilibriumPath``.
+
+    Attributes
+    ----------
+    newton : NewtonSettings
+        Newton's method within a step.
+    first, largest, smallest : float
+        First, largest and smallest step (-).
+    growth, shrink : float
+        What a step is multiplied by after one that needed at most ``few``, or more than ``many`` iterations (-).
+    few, many : int
+        Iterations of Newton's method.
+    relaxation : float
+        Arc length over which the overstress decays (-); 0 for no overstress.
+    relaxation_span : float
+        Length of a relaxation over ``relaxation`` (-).
+    most_relaxations : int
+        How often relaxation is repeated until the forces balance without overstress.
+    relaxed_tolerance : float
+        Norm of the force then unbalanced, over that of the weight (-).
+    reductions : tuple of float
+        Shares by which the multiplier is lowered, one after the other, until a state relaxes (-).
+    most_steps : int
+        Steps after which the path ends.
+    """
+
+    newton: NewtonSettings = field(default_factory=NewtonSettings)
+    first: float = 0.08
+    largest: float = 0.3
+    smallest: float = 1e-5
+    growth: float = 1.5
+    shrink: float = 0.7
+    few: int = 6
+    many: int = 12
+    relaxation: float = 0.0
+    relaxation_span: float = 30.0
+    most_relaxations: int = 6
+    relaxed_tolerance: float = 2e-3
+    reductions: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
+    most_steps: int = 400
+
+
+@dataclass(frozen=True)
+class PathStep:
+    """A step of the path, for the record.
+
+    Attributes
+    ----------
+    length : float
+        Arc length from the start of the path (-).
+    displacement : float
+        Control displacement from the start of the path (m).
+    factor : float
+        Load multiplier λ (-): Kh, or the factor of safety.
+    iterations : int
+        Iterations of Newton's method.
+    residual : float
+        Norm of the unbalanced force over that of the weight (-).
+    plastic_share : float
+        Share of the quadrature points at yield (-).
+    cutbacks : int
+        How often the step was halved before it converged.
+    at_rest : bool
+        Whether the overstress was relaxed in this step instead of the load raised.
+    balanced : bool
+        Whether after that the forces balanced without overstress.
+    """
+
+    length: float
+    displacement: float
+    factor: float
+    iterations: int
+    residual: float
+    plastic_share: float
+    cutbacks: int
+    at_rest: bool
+    balanced: bool = False
+
+
+@dataclass
+class EquilibriumPath:
+    """The path of equilibria of ``problem`` under ``loading``, and the place on it that has been reached.
+
+    Attributes
+    ----------
+    problem : PlaneStrain
+        The ground, with the state of equilibrium last accepted.
+    loading : Loading
+        What the multiplier acts on.
+    control : ndarray (dofs,)
+        a of the control displacement a·u (m).
+    reference : float
+        Displacement (m) that is one unit of arc length.
+    scale : float
+        Force (N/m) over which residuals are taken.
+    settings : PathSettings
+        How the path is followed.
+    beta : float
+        Weight of the load multiplier in the arc length (-).
+    factor : float
+        Load multiplier λ reached (-).
+    length : float
+        Arc length so far (-).
+    displacement : float
+        Control displacement so far (m).
+    steps : list of PathStep
+        The record.
+    solves : int
+        Linear systems factorised so far.
+    reason : str
+        Why the path could not be followed further.
+    """
+
+    problem: PlaneStrain
+    loading: Loading
+    control: np.ndarray
+    reference: float
+    scale: float
+    settings: PathSettings
+    beta: float = 0.0
+    factor: float = 0.0
+    length: float = 0.0
+    displacement: float = 0.0
+    steps: list[PathStep] = field(default_factory=list)
+    solves: int = 0
+    reason: str = ""
+    _last: tuple[np.ndarray, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        self.start = self.factor
+        self._step = self.settings.first
+        self._elastic: tuple[np.ndarray, float] | None = None
+
+    def advance(self) -> bool:
+        """One step along the path, halved as often as it takes; False (with ``reason``) if there is none."""
+        cutbacks = 0
+        while True:
+            if self._step < self.settings.smallest:
+                self.reason = "no equilibrium was found even with the smallest step"
+                return False
+            found = self._try(self._step)
+            if found.converged:
+                break
+            cutbacks += 1
+            self._step *= 0.5
+        taken = self._step
+        self._accept(found, taken, cutbacks, at_rest=False)
+        if found.iterations <= self.settings.few:
+            self._step = min(self._step * self.settings.growth, self.settings.largest)
+        elif found.iterations > self.settings.many:
+            self._step *= self.settings.shrink
+        return True
+
+    def relax(self) -> bool:
+        """Let the overstress decay; True if what is left is in equilibrium without it.
+
+        Where the multiplier acts on a load, the control displacement is kept and the multiplier falls. Where it acts
+        on the strength, elastic ground does not feel it, so there the multiplier is set, as high as the ground stands.
+        """
+        if self.settings.relaxation <= 0.0:
+            return True
+        if self.beta > 0.0:
+            return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.reductions)
+        return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
+
+    def reach(self, factor: float) -> bool:
+        """Go to a given multiplier and relax there; False, and nothing accepted, if no equilibrium is found.
+
+        Begins with the increment before, lengthened as the multiplier is: a quarter of the iterations less than from
+        nothing. What a relaxation has moved says nothing on the next one.
+        """
+        increment = np.zeros_like(self.control)
+        if self._last is not None and self._last[2] > 0.0:
+            increment = self._last[0] * (factor - self.factor) / self._last[2]
+        mark = self.mark()
+        self.problem.overstress = self._overstress(self._step)
+        found = self._newton(factor, increment, None)
+        rate_independent = self.settings.relaxation <= 0.0
+        if found.converged:
+            self._accept(found, self._length_of(found), 0, at_rest=False)
+        if found.converged and (rate_independent or self._relax(None)):
+            if not rate_independent:
+                self._last = None
+            return True
+        self.back(mark)
+        return False
+
+    def _relax(self, constraint: Constraint | None) -> bool:
+        """Relax until the forces balance without overstress; False if that does not come about.
+
+        The multiplier stays unless a ``constraint`` keeps the displacement instead.
+        """
+        for _ in range(self.settings.most_relaxations):
+            self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)
+            found = self._newton(self.factor, np.zeros_like(self.control), constraint)
+            if not found.converged:
+                return False
+            length = 0.0 if constraint else self._length_of(found)
+            self._accept(found, length, 0, at_rest=True)
+            if self._unbalanced_without_overstress() <= self.settings.relaxed_tolerance:
+                self.steps[-1] = replace(self.steps[-1], balanced=True)
+                return True
+        return False
+
+    def _unbalanced_without_overstress(self) -> float:
+        """The residual that the accepted state would have if its stress returned to the yield surface."""
+        self.problem.overstress = 0.0
+        return residual_of(self.problem, self.loading, np.zeros_like(self.control), self.factor, self.scale)[1]
+
+    def _length_of(self, found: NewtonResult) -> float:
+        """The arc length of a step."""
+        moved = self.problem.exchange.dot(self.control, found.increment) / self.reference
+        return moved + self.beta * (found.multiplier - self.factor)
+
+    def mark(self) -> tuple[Any, ...]:
+        """The place on the path, for ``back``."""
+        return (
+            self.problem.state(), self.factor, self.length, self.displacement, len(self.steps), self._last, self._step,
+        )  # fmt: skip
+
+    def back(self, mark: tuple[Any, ...]) -> None:
+        """Go back to a place on the path."""
+        state, self.factor, self.length, self.displacement, steps, self._last, self._step = mark
+        self.problem.restore(state)
+        del self.steps[steps:]
+
+    def _overstress(self, step: float) -> float:
+        """Weight b of the elastic stress in a step, Simo & Hughes 1998, eq. 2.7.16."""
+        relaxation = self.settings.relaxation
+        return relaxation / (relaxation + step) if relaxation > 0.0 else 0.0
+
+    def _try(self, step: float) -> NewtonResult:
+        self.problem.overstress = self._overstress(step)
+        if self._last is None:
+            first, change = self._elastic_guess(step)
+        else:
+            last, length, last_change = self._last
+            first, change = last * (step / length), last_change * (step / length)
+        return self._newton(self.factor + change, first, Constraint(self.control / self.reference, self.beta, step))
+
+    def _elastic_guess(self, step: float) -> tuple[np.ndarray, float]:
+        """Increment and change of the multiplier of an elastic step."""
+        if self._elastic is None:
+            zero = np.zeros_like(self.control)
+            self.problem.use_elastic_tangent()
+            self.problem.factorise()
+            along = self.problem.solve(self.loading.derivative(self.problem, zero, self.factor))
+            moved = self.problem.exchange.dot(self.control, along) / self.reference
+            self._elastic = along, moved + self.beta
+        along, length = self._elastic
+        return along * (step / length), step / length
+
+    def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
+        newton = self.settings.newton
+        found = find_equilibrium(self.problem, self.loading, factor, first, constraint, self.scale, newton)
+        self.solves += found.iterations
+        return found
+
+    def _accept(self, found: NewtonResult, length: float, cutbacks: int, at_rest: bool) -> None:
+        share = self.problem.plastic_share()
+        self.problem.accept(found.increment)
+        if length > 0.0:
+            self._last = found.increment, length, found.multiplier - self.factor
+        self.factor = found.multiplier
+        self.length += length
+        self.displacement += self.problem.exchange.dot(self.control, found.increment)
+        self.steps.append(
+            PathStep(
+                self.length, self.displacement, self.factor, found.iterations, found.residual, share, cutbacks, at_rest
+            )
+        )

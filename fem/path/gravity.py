@@ -1,0 +1,240 @@
+"""The section in equilibrium under its weight (K0 stage), from which the seismic load starts."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.loads import soils
+from fem.continuum.nodal_loads import excess_load, pressed_sides, still_load
+from fem.continuum.plane_strain import PlaneStrain
+from fem.continuum.repetition import refuse_other_water
+from fem.continuum.shallow_failure import Skin, strengthened
+from fem.continuum.side_force import side_force
+from fem.continuum.strength import is_associated
+from fem.errors import UnstableError
+from fem.path.equilibrium_path import EquilibriumPath, PathSettings
+from fem.path.newton import NewtonSettings, ProportionalLoad
+from fem.settings import Element, FemSettings
+from fem.solvers import dolfinx_api as api
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section, Stratum
+
+# What is held under gravity, so that the sides bear K0 stress.
+UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
+# Arc length, in elastic displacements under the whole load, after which applying a load is given up.
+LONGEST_LOADING = 10.0
+# Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
+# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help.
+PATIENT = 60, 8
+# Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
+LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
+# Heights of the mesh that are told apart where cohesion grows with depth.
+LEVELS = 256
+
+
+def element_for(section: Section, settings: FemSettings) -> Element:
+    """The element as set, or the one that suits the flow rule; fem/README.md says why."""
+    if settings.element != "auto":
+        return settings.element
+    return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"
+
+
+def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
+    """How paths of this ground are followed: in long steps and without overstress where its flow is associated."""
+    newton = NewtonSettings(tolerance=settings.tolerance)
+    if problem.associated:
+        return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED)
+    return PathSettings(newton=newton, largest=LARGEST_OTHERWISE, relaxation=settings.relaxation)
+
+
+def gravity_equilibrium(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    faces: Sequence[Skin] = (),
+    strength_factor: float = 1.0,
+    shaken: bool = True,
+) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
+    """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
+
+    Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
+    forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
+    ones (``repetition.py``). Displacement and strain are counted from here. ``faces`` as in ``under_weight``;
+    ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if the ground is
+    ``shaken``. Raises InputError, UnstableError.
+    """
+    problem, weight = under_weight(section, mesh, settings, comm, faces)
+    problem.use_strength(strength_factor)
+    path = apply_load(problem, np.zeros_like(weight), weight, settings)
+    constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    problem.hold(sides_held(settings))
+    if settings.vertical != 0.0:
+        lift = lift_of(problem, settings)
+        apply_load(problem, constant, lift, settings)
+        constant = constant + lift
+    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+        apply_load(problem, constant, excess, settings)
+        constant = constant + excess
+    _begin_here(problem)
+    return problem, constant, path
+
+
+def at_the_sides(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    faces: Sequence[Skin] = (),
+    shaken: bool = True,
+) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
+    """The section without stress, held as in the search for Kh; nodal forces (N/m) of its weight, and all that stay.
+
+    On rollers the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking adds is
+    there if the ground is ``shaken``. Raises InputError.
+    """
+    problem, weight = under_weight(section, mesh, settings, comm, faces)
+    constant = weight
+    if settings.sides == "roller":
+        constant = constant + side_force(problem, mesh, section, weight)
+    problem.hold(sides_held(settings))
+    if settings.vertical != 0.0:
+        constant = constant + lift_of(problem, settings)
+    if shaken and (excess := excess_load(problem, mesh, section)) is not None:
+        constant = constant + excess
+    return problem, weight, constant
+
+
+def bring_to_rest(
+    problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
+) -> EquilibriumPath:
+    """Load ground without stress by its weight, sides held, then by what else stays; the path of the first.
+
+    Displacement and strain are counted from there. Raises UnstableError.
+    """
+    if settings.sides != "tied":
+        problem.hold(UNDER_GRAVITY)
+    path = apply_load(problem, np.zeros_like(weight), weight, settings)
+    borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    problem.hold(sides_held(settings))
+    more = np.where(problem.free, constant - borne, 0.0)
+    if problem.exchange.norm(more) > settings.tolerance * problem.exchange.norm(constant):
+        apply_load(problem, constant - more, more, settings)
+    _begin_here(problem)
+    return path
+
+
+def _begin_here(problem: PlaneStrain) -> None:
+    """Count displacement and strain from here."""
+    problem.displacement[:] = 0.0
+    problem.plastic_strain[:] = 0.0
+    problem.strain[:] = 0.0
+
+
+def sides_held(settings: FemSettings) -> dict[str, str]:
+    """The displacement components that are held on boundaries once the weight is borne."""
+    if settings.sides == "tied":
+        return {"base": "xy"}
+    held = "y" if settings.sides == "roller" else "xy"
+    return {"base": "xy", "left": held, "right": held}
+
+
+def under_weight(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[Skin] = ()
+) -> tuple[PlaneStrain, np.ndarray]:
+    """The section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
+
+    The ground just below cohesionless ``faces`` is strengthened, see ``shallow_failure.py``. Raises InputError.
+    """
+    api.require()
+    strata = soils(section, settings)
+    element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
+    strips = [s for s in strong.strata if s.name not in mesh.strata]
+    soil = [*strata, *strips, *(level for s in strata for level in levels(s, mesh))]
+    problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)
+    _lay(strata if mesh.method == "free" else [], strong, problem)
+    _lay(strips, strong, problem)
+    _lay_levels(len(strata) + len(strips), mesh, problem)
+    if settings.sides == "tied":
+        refuse_other_water(section)
+        problem.tie("left", "right", section)
+    else:
+        problem.hold(UNDER_GRAVITY)
+    weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
+    weight = weight + still_load(problem, mesh, section)
+    if settings.sides == "tied":
+        weight = weight + pressed_sides(problem, mesh, section)
+    if problem.exchange.norm(weight) == 0.0:
+        raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])
+    return problem, weight
+
+
+def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
+    """Nodal forces (N/m) of the vertical seismic coefficient."""
+    return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
+
+
+def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
+    """Give the quadrature points in the ``strips``, some strata of a strengthened section, the soil of these.
+
+    With all strata: in a free mesh, the tips of layers that no cell follows.
+    """
+    inside = strong.stratum_at(*problem.points().T)
+    names, own = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
+    for strip in strips:
+        if strip.name in names:  # one that is strengthened as a whole is not
+            problem.material[inside == names.index(strip.name)] = own.index(strip.name)
+
+
+def levels(stratum: Stratum, mesh: QuadMesh) -> list[Stratum]:
+    """Soils of one cohesion each for the heights of a stratum whose cohesion grows with depth; none of any other."""
+    if not stratum.cohesion_increase:
+        return []
+    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
+    middle = low + (np.arange(LEVELS) + 0.5) * (high - low) / LEVELS
+    cohesion = np.maximum(stratum.cohesion_at(middle), 0.0)
+    return [stratum.model_copy(update={"cohesion": float(c), "cohesion_increase": 0.0}) for c in cohesion]
+
+
+def _lay_levels(first: int, mesh: QuadMesh, problem: PlaneStrain) -> None:
+    """Give the quadrature points of strata whose cohesion grows the soil of their level, of which the ``first`` is."""
+    low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
+    at = np.clip((problem.points()[:, 1] - low) / (high - low) * LEVELS, 0, LEVELS - 1).astype(np.int64)
+    for k in [k for k, soil in enumerate(problem.strata) if soil.cohesion_increase]:
+        mine = problem.material == k
+        problem.material[mine] = first + at[mine]
+        first += LEVELS
+
+
+def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
+    """Apply a whole load (N/m) on top of ``constant`` forces, in one step if Newton's method can, along a path if not.
+
+    Where the flow is associated one step finds equilibrium if there is any. Raises UnstableError if the ground does not
+    carry the load.
+    """
+    norm, dot = problem.exchange.norm, problem.exchange.dot
+    problem.use_elastic_tangent()
+    problem.factorise()
+    control = load / norm(load)
+    newton = NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1])
+    follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
+    path = EquilibriumPath(
+        problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
+        norm(load) + norm(constant), follow,
+    )  # fmt: skip
+    carried, reached = 0.0, path.reach(1.0)
+    while not reached:
+        if not path.advance() or path.factor >= 1.0 or path.length > LONGEST_LOADING:
+            share = f", of which it carries about {100 * carried:.0f} %" if carried > 0.0 else ""
+            raise UnstableError(
+                f"the section fails under its own weight{share}; check strengths and densities, or ask for the "
+                "factor of safety at Kh = 0"
+            )
+        if path.relax():
+            carried = path.factor
+        reached = not problem.associated and path.reach(1.0)
+    return path

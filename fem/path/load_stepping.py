@@ -1,0 +1,51 @@
+"""The path to a limit load that is known: Kh rises from level to level, and every level is brought to equilibrium.
+
+Of an associated flow the equilibrium under a given Kh is the lowest place of a convex potential, which Newton's method
+finds from anywhere (``newton.py``): the levels need not lie close to each other, however soft the ground.
+"""
+
+from collections.abc import Sequence
+
+from fem.continuum.fields import State, state_of
+from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.plateau import LimitLoad, PathListener
+from meshes.quad_mesh import QuadMesh
+
+# Shares of the limit load at which the curve gets a point, and the one to which the path comes in any case.
+SHARES, SURE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
+# A level so near to one that was asked for, as a share of the limit load, is left out.
+ALIKE = 0.02
+# Iterations of Newton's method at a level from which on others are left out, unless they are asked for.
+HARD = 15
+
+
+def climb(
+    path: EquilibriumPath,
+    mesh: QuadMesh,
+    known: float,
+    limit: float,
+    wanted: Sequence[float],
+    listener: PathListener | None = None,
+) -> tuple[LimitLoad, list[State]]:
+    """Raise Kh to the limit load that is ``known``, at most to ``limit``; the answer, and the fields at those of the
+    ``wanted`` Kh that were reached."""
+    asked = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
+    sure = limit if known > limit else SURE * known
+    shares = (share * known for share in SHARES if share * known < limit)
+    levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in asked)}
+    kept: list[State] = []
+    for kh in sorted({*levels, *asked, sure}):
+        is_hard = any(step.iterations > HARD for step in path.steps)
+        if is_hard and kh not in asked and kh != sure:
+            continue
+        if not path.reach(kh):
+            continue
+        if kh in asked:
+            kept.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
+        if listener is not None:
+            listener(path)
+    if known > limit:
+        more = "raise the limit if more is of interest"
+        return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", more), kept
+    reason = f"it is the limit load of these elements; the path to it was followed to {path.factor:.4f}"
+    return LimitLoad(path.factor, known, "plateau", reason), kept

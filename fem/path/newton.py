@@ -1,0 +1,230 @@
+"""Newton's method for equilibrium under a load whose multiplier may itself be an unknown (arc-length continuation).
+
+The path of equilibria is parametrised by its arc length l, which grows whatever the load multiplier λ does:
+
+    a·u / reference + β λ = l,
+
+with the control displacement a·u (m), work-conjugate to the load, and a reference displacement (m).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from fem.continuum.linear_solver import SingularMatrixError
+from fem.continuum.plane_strain import PlaneStrain
+from fem.path.line_search import Descent
+from fem.path.nonlinear_elimination import Pocket
+
+# Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
+MOST_STALLED, PROGRESS = 8, 0.9
+# Where there is a potential: the iterations granted, and the part of a correction below which a pocket of ground is
+# what makes it short.
+DESCENTS, SHORT = 120, 0.5
+
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """When Newton's method has converged and when it is given up.
+
+    Attributes
+    ----------
+    tolerance : float
+        Norm of the unbalanced force over that of the weight (-) at which a state is in equilibrium.
+    iterations : int
+        Most iterations of a step.
+    line_search : int
+        How often a correction is halved that does not make the unbalanced force smaller.
+    """
+
+    tolerance: float = 1e-6
+    iterations: int = 20
+    line_search: int = 2
+
+
+class Loading(Protocol):
+    """What the load multiplier λ acts on: a load, or the strength of the ground."""
+
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        """External minus internal nodal forces (N/m)."""
+        ...
+
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        """Derivative of the unbalanced force with respect to the multiplier (N/m)."""
+        ...
+
+
+@dataclass(frozen=True)
+class ProportionalLoad:
+    """Nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m."""
+
+    constant: np.ndarray
+    variable: np.ndarray
+
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        return self.constant + multiplier * self.variable - problem.internal_force(increment)
+
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        return self.variable
+
+
+@dataclass(frozen=True)
+class StrengthReduction:
+    """Constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided by λ.
+
+    The derivative with respect to λ is taken by a finite ``difference`` of λ.
+    """
+
+    constant: np.ndarray
+    difference: float = 1e-4
+
+    def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        if multiplier <= 0.0:  # a correction of Newton's method that is too long: the line search shortens it
+            return np.full_like(self.constant, np.inf)
+        problem.use_strength(multiplier)
+        return self.constant - problem.internal_force(increment)
+
+    def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
+        """By a finite difference; leaves the tangent of the problem as it was."""
+        problem.use_strength(multiplier + self.difference)
+        weaker = problem.internal_force(increment, tangent=False)
+        problem.use_strength(multiplier)
+        return (problem.internal_force(increment, tangent=False) - weaker) / self.difference
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """The condition under which the load multiplier is an unknown: control·Δu + beta Δλ = target.
+
+    Attributes
+    ----------
+    control : ndarray (dofs,)
+        The control over the reference displacement (1/m).
+    beta : float
+        Weight of the load multiplier in the arc length (-).
+    target : float
+        Arc length of the step (-).
+    """
+
+    control: np.ndarray
+    beta: float
+    target: float
+
+
+@dataclass(frozen=True)
+class NewtonResult:
+    """How Newton's method ended.
+
+    Attributes
+    ----------
+    converged : bool
+        Whether the residual is below the tolerance.
+    iterations : int
+        Linear systems factorised.
+    residual : float
+        Norm of the unbalanced force over the scale (-).
+    multiplier : float
+        The load multiplier λ (-).
+    increment : ndarray (dofs,)
+        Displacement since the last accepted state (m).
+    """
+
+    converged: bool
+    iterations: int
+    residual: float
+    multiplier: float
+    increment: np.ndarray
+
+
+def residual_of(
+    problem: PlaneStrain, loading: Loading, increment: np.ndarray, multiplier: float, scale: float
+) -> tuple[np.ndarray, float]:
+    """The unbalanced force (N/m) of the components that are free, and its norm over ``scale`` (N/m)."""
+    unbalanced = loading.unbalanced(problem, increment, multiplier)
+    unbalanced[~problem.free] = 0.0
+    return unbalanced, problem.exchange.norm(unbalanced) / scale
+
+
+def find_equilibrium(
+    problem: PlaneStrain,
+    loading: Loading,
+    multiplier: float,
+    first: np.ndarray,
+    constraint: Constraint | None,
+    scale: float,
+    settings: NewtonSettings,
+) -> NewtonResult:
+    """Find the displacement increment of equilibrium and, under a ``constraint``, the load multiplier.
+
+    Starts from the increment ``first`` (m) and ``multiplier``, which fulfil the constraint; without a constraint the
+    multiplier is given. ``scale`` (N/m) makes the residual dimensionless. With the tangent stiffness K, K a = r and
+    K b = dr/dλ, the correction is a + dλ b (block elimination, Batoz & Dhatt 1979, eq. 12). Associated flow under a
+    given multiplier has a convex potential, and Newton's method with a search along it gets there from anywhere.
+    """
+    if constraint is None and problem.associated:
+        return _lowest(problem, loading, multiplier, first, scale, settings)
+    dot = problem.exchange.dot
+    increment = first
+    residual, norm = residual_of(problem, loading, increment, multiplier, scale)
+    best, stalled, iteration = norm, 0, 0
+    while norm > settings.tolerance and iteration < settings.iterations and stalled < MOST_STALLED:
+        iteration += 1
+        change = 0.0
+        try:
+            problem.factorise()
+            step = problem.solve(residual)
+            if constraint is not None:
+                along = problem.solve(loading.derivative(problem, increment, multiplier))
+                response = dot(constraint.control, along) + constraint.beta
+                # Strength reduction does not change ground that is elastic everywhere: then λ stays as it is.
+                change = -dot(constraint.control, step) / response if response != 0.0 else 0.0
+                step = step + change * along
+        except SingularMatrixError:
+            break
+        part = 1.0
+        for _ in range(settings.line_search + 1):
+            residual, new = residual_of(problem, loading, increment + part * step, multiplier + part * change, scale)
+            if new < norm:
+                break
+            part *= 0.5
+        else:
+            part *= 2.0
+        increment, multiplier, norm = increment + part * step, multiplier + part * change, new
+        if not np.isfinite(norm):
+            break
+        stalled = 0 if norm < PROGRESS * best else stalled + 1
+        best = min(best, norm)
+    return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
+
+
+def _lowest(
+    problem: PlaneStrain, loading: Loading, multiplier: float, first: np.ndarray, scale: float, settings: NewtonSettings
+) -> NewtonResult:
+    """Find equilibrium under a given ``multiplier`` as the lowest place of the potential of associated flow.
+
+    The unbalanced force is its slope with the sign turned (the potential of an increment, Ortiz & Stainier 1999): every
+    correction goes downhill, though the unbalanced force may grow on the way. Where a correction has to be short, the
+    pocket of ground that makes it so is brought to rest by itself (on one rank).
+    """
+    increment, iteration = first, 0
+    residual, norm = residual_of(problem, loading, increment, multiplier, scale)
+    while norm > settings.tolerance and iteration < DESCENTS:
+        iteration += 1
+        try:
+            problem.factorise()
+            step = problem.solve(residual)
+        except SingularMatrixError:
+            break
+        search = Descent(problem.exchange.dot(residual, step))
+        while True:
+            residual, norm = residual_of(problem, loading, increment + search.part * step, multiplier, scale)
+            if search.ends(problem.exchange.dot(residual, step)):
+                break
+        increment = increment + search.part * step
+        if not np.isfinite(norm):
+            break
+        if norm > settings.tolerance and search.part < SHORT and problem.grid.comm.size == 1:
+            increment = Pocket(problem, residual).at_rest(increment, residual)
+            residual, norm = residual_of(problem, loading, increment, multiplier, scale)
+    return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)

@@ -1,0 +1,100 @@
+"""A pocket of ground whose forces are far from balance while those around it are near: brought to rest by itself.
+
+Where sand without cohesion bears hardly any stress, at a toe under water or under a crest, a few cells change between
+yield and tension from one correction to the next and make every correction of the whole section a short one. Newton's
+method gets through in a fifth of its corrections if such a pocket is first brought down the same potential with all
+around it held (nonlinear elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
+
+Stress is positive in tension; Pa, m, N per metre out of plane.
+"""
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import SuperLU
+
+from fem.continuum.plane_strain import Part, PlaneStrain
+from fem.kernels import assembly, mohr_coulomb
+from fem.path.line_search import Descent
+from fem.solvers.sparse_cholesky import factorised
+
+# A node whose unbalanced force is this share of the largest belongs to a pocket, with so many rings of cells around it.
+SHARE, RINGS = 0.2, 5
+# Corrections of a pocket, fewer if what is unbalanced within is this share of the largest force unbalanced outside.
+CORRECTIONS, ALIKE = 20, 0.3
+
+
+class Pocket:
+    """Cells around the nodes whose forces are the least balanced, and the displacement components that move in them.
+
+    For one rank, associated flow and no overstress. ``unbalanced`` is the force of the last ``internal_force`` of the
+    ``problem``, (dofs,) in N/m.
+    """
+
+    def __init__(self, problem: PlaneStrain, unbalanced: np.ndarray) -> None:
+        nodes = problem.grid.global_dofs[problem.grid.dofs[:, 0::2]] // 2
+        size = np.abs(unbalanced).reshape(-1, 2).max(axis=1)
+        reached = size > SHARE * size.max()
+        for _ in range(RINGS):
+            cells = reached[nodes].any(axis=1)
+            reached[nodes[cells]] = True
+        at_edge = np.zeros_like(reached)
+        at_edge[nodes[~cells]] = True
+        inside = problem.free & np.repeat(reached & ~at_edge, 2)
+        self.part = problem.part(np.flatnonzero(cells))
+        self.moving = np.flatnonzero(inside[self.part.components])
+        self.components = self.part.components[self.moving]
+        self._outside = float(np.abs(unbalanced[~inside]).max(initial=0.0))
+
+    def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
+        """The displacement ``increment`` (dofs,) since the accepted state, changed in the pocket until it is about as
+        near to balance as the ground around it; as it was if the pocket cannot be solved."""
+        moving, moved = self.moving, increment[self.part.components]
+        internal, tangent = _response(self.part, moved)
+        left = unbalanced[self.components]
+        force = left + internal[moving]
+        number = np.full(len(moved), -1)
+        number[moving] = np.arange(len(moving))
+        for _ in range(CORRECTIONS):
+            if not np.abs(left).max(initial=0.0) > ALIKE * self._outside:
+                break
+            step = np.zeros(len(moved))
+            try:
+                step[moving] = _stiffness(self.part, tangent, number).solve(left)
+            except RuntimeError:  # the stiffness is singular
+                break
+            search = Descent(float(left @ step[moving]))
+            while True:
+                internal, tangent = _response(self.part, moved + search.part * step)
+                left = force - internal[moving]
+                if search.ends(float(left @ step[moving])):
+                    break
+            moved = moved + search.part * step
+        changed = increment.copy()
+        changed[self.components] = moved[moving]
+        return changed if np.all(np.isfinite(changed)) else increment
+
+
+def _response(part: Part, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodal forces (components,) of the stress after a displacement, and its tangent (points, 4, 4)."""
+    points = len(part.stress)
+    strain, stress, plastic = (np.zeros((points, 4)) for _ in range(3))
+    tangent, forces = np.zeros((points, 4, 4)), np.zeros(len(moved))
+    assembly.strains(part.matrix, part.dofs, moved, strain)
+    mohr_coulomb.update(
+        strain, part.stress, part.material, part.table, stress,
+        tangent=tangent, plastic_strain_increment=plastic, region=np.zeros(points, dtype=np.int8), threads=1,
+    )  # fmt: skip
+    assembly.internal_forces(part.matrix, part.weights, part.dofs, stress, forces)
+    assembly.add_forces(part.hourglass, part.dofs, moved, forces)
+    return forces, tangent
+
+
+def _stiffness(part: Part, tangent: np.ndarray, number: np.ndarray) -> SuperLU:
+    """The stiffness of the moving components, ``number`` (components,) of which is not negative, factorised."""
+    elements = part.hourglass.copy()
+    assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, number >= 0, part.dofs, elements)
+    own = number[part.dofs]
+    rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (own[:, :, None], own[:, None, :]))
+    moving = (rows >= 0) & (columns >= 0)
+    size = int(number.max()) + 1
+    return factorised(sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size)))

@@ -1,0 +1,179 @@
+"""The limit load of a path of equilibria: the rule that ends the path, and the verdict on what it has shown."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from fem.errors import NoEquilibriumError
+from fem.path.equilibrium_path import EquilibriumPath
+
+Verdict = Literal["plateau", "peak", "no failure", "undecided"]
+PathListener = Callable[[EquilibriumPath], None]
+
+
+class Ending(NamedTuple):
+    """Why a path is over."""
+
+    verdict: Verdict
+    reason: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class PlateauRule:
+    """A path ends when the load multiplier has grown by less than ``growth`` while the displacement doubled.
+
+    Displacements enter as ductility: the control displacement over the one that elastic ground would have at the same
+    load (-).
+
+    Attributes
+    ----------
+    growth : float
+        Relative growth of the multiplier over the second half of the displacement, below which it is a plateau.
+    earliest : float
+        Ductility from which the rule holds.
+    latest : float
+        Ductility at which the path ends in any case.
+    fall : float
+        Relative fall of the multiplier below its largest that makes a peak of a plateau.
+    tolerated_growth : float
+        Growth that still counts as a plateau where the path ends at ``latest``.
+    shortfall : float
+        If the largest multiplier in equilibrium without overstress is lower than the largest of the path by this
+        share, equilibrium is looked for anew just below the latter.
+    first_relaxation : float
+        Ductility at which the overstress is first relaxed.
+    next_relaxation : float
+        Ratio of the ductilities of one relaxation and the one before.
+    """
+
+    growth: float = 0.01
+    earliest: float = 3.0
+    latest: float = 12.0
+    fall: float = 0.05
+    tolerated_growth: float = 0.04
+    shortfall: float = 0.025
+    first_relaxation: float = 1.3
+    next_relaxation: float = 1.3
+
+
+@dataclass(frozen=True)
+class LimitLoad:
+    """The answer of a path.
+
+    Attributes
+    ----------
+    held : float
+        Largest load multiplier found in equilibrium (-).
+    upper : float
+        The limit load, if it is known; else what the path rose to, or would with its last growth if the displacement
+        doubled once more (-).
+    verdict : Verdict
+        "plateau", "peak" (it fell afterwards), "no failure" (up to the limit) or "undecided".
+    reason, remedy : str
+        Why, and what to do if the verdict is none.
+    """
+
+    held: float
+    upper: float
+    verdict: Verdict
+    reason: str
+    remedy: str = ""
+
+
+def find_limit_load(
+    path: EquilibriumPath,
+    ductility: Callable[[EquilibriumPath], float],
+    limit: float,
+    rule: PlateauRule,
+    listener: PathListener | None = None,
+) -> LimitLoad:
+    """Follow a path until the load multiplier no longer grows or passes ``limit``.
+
+    Where there is overstress only relaxed states count as held. Raises NoEquilibriumError if there is none that does.
+    """
+    held, next_relaxation = -np.inf, rule.first_relaxation
+    highest, summit = path.factor, path.mark()
+    while True:
+        if not path.advance():
+            verdict, reason, remedy = _broken_off(path, ductility, rule)
+            break
+        if path.factor > highest:
+            highest, summit = path.factor, path.mark()
+        now = ductility(path)
+        if path.settings.relaxation <= 0.0 or (now >= next_relaxation and path.relax()):
+            held = max(held, path.factor)
+        if now >= next_relaxation:
+            next_relaxation = rule.next_relaxation * now
+        if listener is not None:
+            listener(path)
+        ending = _ending(path, now, limit, rule)
+        if ending is not None:
+            verdict, reason, remedy = ending
+            break
+    if held < (1.0 - rule.shortfall) * highest:
+        held = max(held, _held_below(path, highest, summit))
+    if not np.isfinite(held):
+        raise NoEquilibriumError(
+            f'no state on the path is in equilibrium ({reason}); use flow = "davis", whose limit load is unique, or '
+            "try another mesh or element"
+        )
+    likely = held * (1.0 + max(growth_per_doubling(path), 0.0))
+    upper = max(likely, *(step.factor for step in path.steps), held)
+    return LimitLoad(held, upper, verdict, reason, remedy)
+
+
+def _held_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
+    """The multiplier that is held without overstress at the summit of a path or a little below; the path stays.
+
+    Relaxation comes too seldom to find it on the way, and past a peak it finds less.
+    """
+    end, steps, held = path.mark(), list(path.steps), -np.inf
+    for less in path.settings.reductions:
+        path.back(summit)
+        if path.reach(highest * (1.0 - less)):
+            held = path.factor
+            break
+    path.back(end)
+    path.steps[:] = steps
+    return held
+
+
+def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> Ending:
+    """The ending of a path on which there is no next step: a plateau if it hardly rose any more."""
+    growth = growth_per_doubling(path)
+    if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
+        reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
+        return Ending("plateau", reason, "")
+    return Ending("undecided", path.reason, "try another mesh or element, or a smaller first_step")
+
+
+def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
+    """Verdict, reason and remedy if the path is over."""
+    growth = growth_per_doubling(path)
+    moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
+    highest, last = max(moving), moving[-1]
+    doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
+    if path.factor > limit:
+        return Ending("no failure", f"no failure up to {limit:g}", "raise the limit if more is of interest")
+    if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
+        return Ending("peak", f"it has fallen by {100 * (1.0 - last / highest):.0f} % from its peak", "")
+    if ductility >= rule.earliest and growth < rule.growth:
+        return Ending("plateau", f"it {doubled}", "")
+    if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
+        verdict: Verdict = "plateau" if growth < rule.tolerated_growth else "undecided"
+        remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
+        return Ending(verdict, f"at the end of the path it {doubled}", remedy)
+    return None
+
+
+def growth_per_doubling(path: EquilibriumPath) -> float:
+    """Relative growth of the load multiplier over the second half of the displacement so far."""
+    moving = [step for step in path.steps if not step.at_rest]
+    if not moving or moving[-1].factor <= 0.0:
+        return 1.0
+    displacement, factor = [0.0, *(s.displacement for s in moving)], [path.start, *(s.factor for s in moving)]
+    half = float(np.interp(0.5 * displacement[-1], displacement, factor))
+    return 1.0 - half / factor[-1]

@@ -1,0 +1,387 @@
+"""All that is said of a section: critical Kh to both sides, ψ = φ and Davis's estimate, factors of safety, doubts."""
+
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from fem.continuum.loads import lifted
+from fem.continuum.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
+from fem.errors import UnstableError
+from fem.limit_load.limit_load import AtOnce
+from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.gravity import element_for
+from fem.search.adaptive import (
+    adapted_answer,
+    adapted_safety,
+    answer_between,
+    beside_full_dilation,
+    davis_beside,
+    failing_by_itself,
+    safety_beside,
+)
+from fem.search.checks import SAME_MESH, Doubt, doubts_of, of_uplift
+from fem.search.critical import CriticalResult, critical_coefficient
+from fem.search.mesh_sequence import AdaptiveResult
+from fem.search.strength_reduction import SafetyFactor, safety_factor
+from fem.settings import FemSettings
+from fem.solvers.meanwhile import Meanwhile, stop_if_left
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
+
+# Is told what is being done, and, where a path is followed, how far it is.
+AssessmentListener = Callable[[str, EquilibriumPath | None], None]
+
+# A factor of safety that is being looked for, or why there is none.
+Safety = Future[AdaptiveResult[SafetyFactor] | Doubt]
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The answers for a section, held against each other.
+
+    Attributes
+    ----------
+    critical : CriticalResult
+        The critical Kh, with the path to it.
+    mesh : QuadMesh
+        The mesh that it was found on.
+    adapted : AdaptiveResult or None
+        The limit loads of the meshes that led to this one; None where the flow is not associated.
+    opposite : AdaptiveResult or None
+        The opposite direction, where both were asked for.
+    associated : AdaptiveResult or None
+        The same direction with ψ = φ, on meshes of its own; None where that is what ``critical`` is.
+    davis : AdaptiveResult or None
+        Davis's estimate for the same direction, 0 where such ground fails by itself; None where ``critical`` is by it
+        or by a path, or where ψ = φ is given.
+    rigid_box : AdaptiveResult or None
+        Between fixed sides, pushed the same way, on meshes of its own, by Davis's estimate where ``critical`` is with
+        ψ = φ, since discs hardly dilate; None where it was not asked for.
+    safety : list of AdaptiveResult
+        Factors of safety at the Kh asked for, the first without shaking, each on meshes of its own.
+    doubts : list of Doubt
+        What contradicts the answer or is to be known.
+    """
+
+    critical: CriticalResult
+    mesh: QuadMesh
+    adapted: AdaptiveResult[AtOnce] | None
+    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None
+    associated: AdaptiveResult[AtOnce] | None
+    davis: AdaptiveResult[AtOnce] | None
+    rigid_box: AdaptiveResult[CriticalResult] | None
+    safety: list[AdaptiveResult[SafetyFactor]]
+    doubts: list[Doubt]
+
+
+def assess(
+    section: Section,
+    meshing: MeshSettings,
+    first: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: AssessmentListener,
+) -> Assessment:
+    """Find the critical Kh and what stands beside it, beginning with a ``first`` mesh.
+
+    Raises InputError, NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its
+    weight.
+    """
+    settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
+    with Meanwhile(comm.size == 1) as meanwhile:
+        return _Search(section, meshing, first, comm, listener, meanwhile).assessed(settings)
+
+
+def box_below_faces(
+    section: Section,
+    meshing: MeshSettings,
+    first: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: AssessmentListener,
+) -> AdaptiveResult[CriticalResult]:
+    """The critical Kh between fixed sides, in one direction, without failures of cohesionless faces that are less deep
+    than ``settings.least_depth``: below them it is another ground, with meshes of its own.
+
+    Raises InputError, NoEquilibriumError, UnstableError.
+    """
+    settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
+    with Meanwhile(comm.size == 1) as meanwhile:
+        search = _Search(section, meshing, first, comm, listener, meanwhile)
+        return search.rigid_box(settings, None, first, below_faces=True)
+
+
+def _together(
+    critical: CriticalResult,
+    mesh: QuadMesh,
+    adapted: AdaptiveResult[AtOnce] | None,
+    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None,
+    beside: AdaptiveResult[AtOnce] | None,
+    box: "Future[AdaptiveResult[CriticalResult]] | None",
+    safety: list[Safety],
+) -> Assessment:
+    """All answers, once those that were begun are there; ``beside`` is that by the other flow rule."""
+    told = [each.result() for each in safety]
+    factors = [each for each in told if not isinstance(each, Doubt)]
+    associated, davis = (None, beside) if critical.flow == "associated" else (beside, None)
+    if davis is not None and any(f.result.kh == 0.0 and _fails(f.result.beside) for f in factors):
+        davis = failing_by_itself(davis)
+    doubts = doubts_of(critical, mesh, associated.result if associated else None)
+    doubts += [each for each in told if isinstance(each, Doubt)]
+    return Assessment(
+        critical, mesh, adapted, opposite, associated, davis, box.result() if box else None, factors, doubts
+    )  # fmt: skip
+
+
+def _fails(factor: float | None) -> bool:
+    """Whether a factor of safety shows that the ground does not stand."""
+    return factor is not None and factor < 1.0 - SAME_MESH
+
+
+def _standing(found: Assessment) -> Assessment:
+    """The answers, unless a factor of safety without shaking, on meshes made for it, shows that the ground does not
+    stand: what little Kh it then has is the error of its mesh. Raises UnstableError."""
+    if any(each.result.kh == 0.0 and _fails(each.result.factor) for each in found.safety):
+        raise UnstableError("the section fails under its own weight, if not on every mesh")
+    return found
+
+
+@dataclass(frozen=True)
+class _Search:
+    """What all the answers for a section have in common, and how each of them is looked for."""
+
+    section: Section
+    meshing: MeshSettings
+    first: QuadMesh
+    comm: Any
+    listener: AssessmentListener
+    meanwhile: Meanwhile
+
+    def assessed(self, settings: FemSettings) -> Assessment:
+        """All answers; those that do not hang on each other are looked for side by side."""
+        safety = None
+        if settings.direction != "both" and is_associated(self.section.strata, settings.flow):
+            safety = self.begin_safety(settings)
+        try:
+            adapted = self.limit_loads(settings)
+            if adapted is None:
+                found = self.by_path(settings, safety)
+            else:
+                found = _standing(self.with_limit_loads(adapted, settings, safety))
+        except UnstableError as error:
+            raise self.fails(settings, error) from error
+        return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
+
+    def with_limit_loads(
+        self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, safety: list[Safety] | None
+    ) -> Assessment:
+        """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError.
+
+        Where Davis's estimate is the flow the path is followed, and fixed sides are looked at, before it is known
+        whether ψ = φ shows a better mesh: it hardly ever does.
+        """
+        one_way = settings.model_copy(update={"direction": adapted.result.direction})
+        box = self.begin_box(one_way, adapted, adapted.mesh)
+        safety = self.begin_safety(one_way) if safety is None else safety
+        beside = self.meanwhile.begin(partial(self.beside_limit_loads, adapted, one_way))
+        critical = self.path_to(adapted, one_way)
+        found, other = beside.result()
+        if found is not adapted:
+            box = self.begin_box(one_way, found, found.mesh)
+            critical = self.path_to(found, one_way)
+        return _together(critical, found.mesh, found, found.other, other, box, safety)
+
+    def path_to(self, limit: AdaptiveResult[AtOnce], settings: FemSettings) -> CriticalResult:
+        """The path to a limit load, on its mesh; raises UnstableError."""
+        start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
+        return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
+
+    def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
+        """The answers where paths have to do alone; raises UnstableError."""
+        mesh, beside = self.first, None
+        critical = critical_coefficient(self.section, mesh, settings, self.comm, self.told("Kh"))
+        one_way = settings.model_copy(update={"direction": critical.direction})
+        opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
+        if not is_dilating_fully(self.section.strata):
+            beside = self.by_other_flow(one_way)
+        box = None
+        if critical.verdict != "undecided":
+            box = self.begin_box(one_way, None, mesh)
+        safety = self.begin_safety(one_way) if safety is None else safety
+        return _together(critical, mesh, None, opposite, beside, box, safety)
+
+    def begin_safety(self, settings: FemSettings) -> list[Safety]:
+        """Begin with the factors of safety that are asked for."""
+        return [self.meanwhile.begin(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
+
+    def begin_box(
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
+    ) -> "Future[AdaptiveResult[CriticalResult]] | None":
+        """Begin with the answer between fixed sides, if it is asked for and another one."""
+        same = settings.sides == "fixed" and not self.dilates_more(settings)
+        if not settings.rigid_box or same:
+            return None
+        return self.meanwhile.begin(partial(self.rigid_box, settings, adapted, mesh))
+
+    def told(self, what: str) -> Callable[[EquilibriumPath], None]:
+        """Tells how far a path is."""
+        return lambda path: self.tell(what, path)
+
+    def is_substituted(self, settings: FemSettings) -> bool:
+        """Whether the flow rule makes another ground of the section than ψ = φ does."""
+        return settings.flow != "associated" and not is_dilating_fully(self.section.strata)
+
+    def dilates_more(self, settings: FemSettings) -> bool:
+        """Whether the flow rule lets the ground dilate by more than ψ as given, or 0."""
+        return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
+
+    def limit_loads(self, settings: FemSettings) -> AdaptiveResult[AtOnce] | None:
+        """The limit loads of meshes made for the mechanism; None where there are none, so that a path has to do
+        alone. Raises UnstableError."""
+        if not is_associated(self.section.strata, settings.flow):
+            return None
+        try:
+            return self.at_once("Kh", settings)
+        except UnstableError:
+            raise
+        except NoAnswerError:
+            return None
+
+    def beside_limit_loads(
+        self, found: AdaptiveResult[AtOnce], settings: FemSettings
+    ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce] | None]:
+        """Those, and beside them those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the flow; None
+        where there are none, or where ψ = φ is given."""
+        given = self.section, self.meshing, found, settings, self.comm
+        try:
+            if self.dilates_more(settings):
+                return found, davis_beside(*given, self._saying("Kh by Davis's estimate"))
+            if not self.is_substituted(settings):
+                return found, None
+            return beside_full_dilation(*given, self._saying("Kh with ψ = φ"))
+        except UnstableError:
+            raise
+        except NoAnswerError:
+            return found, None
+
+    def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[AtOnce] | None:
+        """The limit load by the other flow rule, where a path has to do by its own; None where Davis's estimate has
+        no answer."""
+        if not self.dilates_more(settings):
+            return self.at_once("Kh with ψ = φ", settings.model_copy(update={"flow": "associated"}))
+        try:
+            return self.at_once("Kh by Davis's estimate", settings.model_copy(update={"flow": "davis"}))
+        except NoAnswerError:
+            return None
+
+    def at_once(self, what: str, settings: FemSettings) -> AdaptiveResult[AtOnce]:
+        """The limit loads of meshes made for the mechanism."""
+        told = self._saying(what)
+        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.meanwhile)
+
+    def rigid_box(
+        self,
+        settings: FemSettings,
+        adapted: AdaptiveResult[AtOnce] | None,
+        mesh: QuadMesh,
+        below_faces: bool = False,
+    ) -> AdaptiveResult[CriticalResult]:
+        """The answer between fixed sides, with a push where the ground fails, as discs are pushed. By Davis's estimate
+        in place of ψ = φ, where such ground stands. ``below_faces``: as in `box_below_faces`."""
+        if self.dilates_more(settings):
+            try:
+                low = settings.model_copy(update={"flow": "davis"})
+                return self.between_fixed_sides(low, adapted, mesh, below_faces)
+            except NoAnswerError:
+                pass
+        return self.between_fixed_sides(settings, adapted, mesh, below_faces)
+
+    def between_fixed_sides(
+        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, below_faces: bool
+    ) -> AdaptiveResult[CriticalResult]:
+        """The same by the flow rule of the ``settings``."""
+        fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
+        start, limit = None, None
+        if below_faces:
+            limit = self.at_once("Kh, fixed sides", fixed) if is_associated(self.section.strata, fixed.flow) else None
+        elif adapted and settings.sides != "tied":
+            limit = answer_between(
+                self.section, self.meshing, adapted, fixed, self.comm, self._saying("Kh, fixed sides")
+            )
+        if limit is not None:
+            mesh, ground = limit.mesh, limit.result.ground
+            start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
+        found = critical_coefficient(self.section, mesh, fixed, self.comm, self.told("fixed sides: Kh"), start)
+        return AdaptiveResult(found, mesh)
+
+    def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
+        """The factor of safety on meshes made for it; on the first one where the flow is not associated."""
+        if is_associated(self.section.strata, settings.flow):
+            try:
+                told = self._saying("")
+                best = adapted_safety(self.section, self.meshing, self.first, settings, kh, self.comm, told)
+                return self.with_factor_beside(best, settings, kh)
+            except UnstableError:
+                raise
+            except NoAnswerError:  # the solver left none: a path has to do
+                pass
+        found = safety_factor(self.section, self.first, settings, kh, self.comm, self.told("factor of safety"))
+        return AdaptiveResult(found, self.first)
+
+    def with_factor_beside(
+        self, found: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float
+    ) -> AdaptiveResult[SafetyFactor]:
+        """The factor of safety, and beside it that by the other flow rule, if there is one."""
+        if is_dilating_fully(self.section.strata):
+            return found
+        other = settings.model_copy(update={"flow": "davis" if settings.flow == "associated" else "associated"})
+        self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
+        try:
+            beside = safety_beside(self.section, self.meshing, found, other, kh, self.comm)
+        except NoAnswerError:
+            return found
+        return replace(found, result=replace(found.result, beside=beside))
+
+    def fails(self, settings: FemSettings, error: UnstableError) -> UnstableError:
+        """The same error with the factor of safety, by both flow rules where they make two grounds; or with the factor
+        against uplift, where pore pressure exceeds the weight above it."""
+        if self.section.uplift is not None:
+            return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
+        found = self.safety(settings, 0.0).result
+        told = f"{error.reason}; its factor of safety is {found.factor:.2f}"
+        if is_dilating_fully(self.section.strata):
+            return UnstableError(told, error.remedy)
+        if not self.is_substituted(settings):
+            low = "" if found.beside is None else f", and {found.beside:.2f} {self.by('davis')}"
+            return UnstableError(f"{told} {self.by('associated')}{low}", error.remedy)
+        full = found.beside
+        if full is None:
+            full = self.safety(settings.model_copy(update={"flow": "associated"}), 0.0).result.factor
+        rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
+        remedy = 'with fem.flow = "associated" it stands, and has a critical Kh' if full > 1.0 else error.remedy
+        return UnstableError(f"{told}{rule}, and {full:.2f} {self.by('associated')}", remedy)
+
+    def or_doubt(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | Doubt:
+        """The factor of safety at ``kh``, or why there is none."""
+        try:
+            return self.safety(settings, kh)
+        except NoAnswerError as error:
+            why = f"There is no factor of safety at Kh = {kh:g}: {error}."
+            return Doubt(why, "look at a smaller Kh", False)
+
+    def by(self, flow: FlowSetting) -> str:
+        """A flow rule as a message tells of it."""
+        return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
+
+    def _saying(self, what: str) -> Callable[[str], None]:
+        """Tells what is being done."""
+        return lambda words: self.tell(f"{what}: {words}" if what else words, None)
+
+    def tell(self, what: str, path: EquilibriumPath | None) -> None:
+        """Tells the listener, unless nobody waits for this any more."""
+        stop_if_left()
+        self.listener(what, path)

@@ -1,0 +1,265 @@
+"""The critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
+
+Gravity acts on the ordinary density, Kh g on the seismic one. The control displacement, prescribed step by step, is
+the one work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.fields import State, state_of, touched_sides
+from fem.continuum.loads import Direction, sign_of
+from fem.continuum.plane_strain import PlaneStrain
+from fem.continuum.shallow_failure import Skin
+from fem.continuum.strength import Flow, flow_of
+from fem.limit_load.limit_load import Ground, at_rest, cohesionless_faces, pushed
+from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.gravity import path_settings
+from fem.path.load_stepping import climb
+from fem.path.newton import ProportionalLoad
+from fem.path.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
+from fem.settings import Element, FemSettings
+from meshes.errors import InputError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+# The elastic displacement under this Kh is the unit of the arc length.
+REFERENCE_KH = 0.25
+# Shares of the critical Kh whose fields are kept unless Kh are given.
+FRACTIONS = (0.5, 0.8)
+# Beyond this multiple of the critical Kh in one direction, the other direction cannot matter and is not followed.
+OTHER_LIMIT = 2.0
+# Where the flow is associated the path is followed until hardly anything is left to gain: long steps make it cheap.
+ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
+
+
+@dataclass(frozen=True)
+class CriticalResult:
+    """The critical seismic coefficient, how good it is, and how it was found.
+
+    Attributes
+    ----------
+    kc : float
+        Largest Kh at which an equilibrium was found (-): where the flow is associated that of ``conic_limit_load.py``,
+        to which the path comes near.
+    lower : float
+        Largest Kh of a state of equilibrium on the path (-).
+    upper : float
+        Kh that the path rose to, or would with its last growth if the displacement doubled once more (-): the limit
+        load of this mesh, and no bound of the section.
+    verdict : Verdict
+        "plateau", "peak", "no failure" or "undecided".
+    element : Element
+        The element that was used.
+    flow : Flow
+        The flow rule: "davis", "associated" or "section".
+    direction : Direction
+        Where the ground is pushed, "downhill" or "uphill" by the ends of its surface.
+    sign : int
+        +1 if that is to the right, -1 if to the left.
+    reason, remedy : str
+        Why the path ended, and what to do if it has no answer.
+    steps : list of PathStep
+        The path: Kh over the mean horizontal displacement.
+    states : list of State
+        The fields at the Kh asked for, and at the end of the path.
+    solves : int
+        Linear systems factorised.
+    gravity_iterations : int
+        Linear systems factorised under gravity.
+    gravity_plastic_share : float
+        Share of the quadrature points that yield under gravity (-).
+    skins : list of Skin
+        Cohesionless faces whose grains roll down before; the ground below was searched for deeper failures.
+    at_once : State or None
+        The mechanism of the limit load that was found at once.
+    other : CriticalResult or None
+        The answer for the opposite direction, where both were asked for.
+    """
+
+    kc: float
+    lower: float
+    upper: float
+    verdict: Verdict
+    element: Element
+    flow: Flow
+    direction: Direction
+    sign: int
+    reason: str
+    remedy: str
+    steps: list[PathStep]
+    states: list[State]
+    solves: int
+    gravity_iterations: int
+    gravity_plastic_share: float
+    skins: list[Skin]
+    at_once: State | None = None
+    other: "CriticalResult | None" = None
+
+    @property
+    def value(self) -> float:
+        """The critical Kh (-)."""
+        return self.kc
+
+    @property
+    def mechanism(self) -> State:
+        """The mechanism if the section fails: that of the limit load, else the last state of the path."""
+        if self.at_once is not None:
+            return self.at_once
+        return next(state for state in reversed(self.states) if not state.past_equilibrium)
+
+
+def critical_coefficient(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: PathListener | None = None,
+    ground: Ground | None = None,
+) -> CriticalResult:
+    """The critical seismic coefficient of a meshed section, in the direction in which it is smaller.
+
+    A push uphill whose mechanism leaves through a side counts only if there is nothing else: what fails there is the
+    ground in front of the neighbour's K0 stress, and no slope. ``ground`` is what the path starts from, if it is known
+    for the one direction of the ``settings``. Raises InputError if the section lacks what the analysis needs,
+    UnstableError if it fails under its own weight, NoEquilibriumError if no state on the path balances.
+    """
+
+    def towards(direction: Direction, most: float) -> CriticalResult:
+        wish = settings.model_copy(update={"direction": direction, "kh_limit": most})
+        return _towards(section, mesh, wish, comm, listener, ground)
+
+    if settings.direction != "both":
+        return towards(settings.direction, settings.kh_limit)
+    first = towards("downhill", settings.kh_limit)
+    second = towards("uphill", min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step)))
+    if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
+        return replace(second, other=first)
+    return replace(first, other=second)
+
+
+def _towards(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    comm: Any,
+    listener: PathListener | None,
+    ground: Ground | None,
+) -> CriticalResult:
+    """The critical seismic coefficient for a push in the one direction of the ``settings``."""
+    sign = sign_of(section, "uphill" if settings.direction == "uphill" else "downhill")
+    ground = ground or pushed(section, mesh, settings, comm)
+    while True:
+        ground = at_rest(ground)
+        found = _followed(ground, mesh, sign, settings, listener)
+        sand = cohesionless_faces(section, settings)
+        if ground.limit is not None or ground.faces or all(face.kh >= found.kc for face in sand):
+            break
+        ground = pushed(section, mesh, settings, comm, sand)
+    return replace(found, skins=[face for face in ground.faces if face.kh < found.kc])
+
+
+def _followed(
+    ground: Ground, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
+) -> CriticalResult:
+    """The path from ``ground``, and what it has shown."""
+    problem, known, gravity = ground.problem, ground.limit, ground.gravity
+    assert gravity is not None
+    start = problem.state()
+    path = seismic_path(problem, ground.constant, ground.load, sign, settings)
+    if known is not None:
+        wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
+        limit, kept = climb(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
+        held, relaxed = limit.held, True
+        kc = known.multiplier if limit.verdict == "plateau" else held
+    else:
+        rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+        limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
+        relaxed = path.relax()
+        held = kc = max(limit.held, path.factor) if relaxed else limit.held
+    last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)
+    if known is None:  # the fields that are wanted are known only now
+        problem.restore(start)
+        again = seismic_path(problem, ground.constant, ground.load, sign, settings)
+        kept = states_at(again, mesh, _wanted(settings, kc))
+    reached = {state.kh for state in kept}
+    beyond = [
+        replace(last, label=f"past equilibrium: Kh = {kh:g} is out of reach", kh=kh, past_equilibrium=True)
+        for kh in sorted(settings.kh)
+        if kh not in reached and limit.verdict != "undecided"
+    ]
+    return CriticalResult(
+        kc=kc,
+        lower=min(held, kc),
+        upper=max(kc, limit.upper),
+        verdict=limit.verdict,
+        element=problem.grid.element,
+        flow=flow_of(problem.strata, settings.flow),
+        direction="uphill" if settings.direction == "uphill" else "downhill",
+        sign=sign,
+        reason=limit.reason,
+        remedy=limit.remedy,
+        steps=path.steps,
+        states=[*kept, last, *beyond],
+        solves=path.solves,
+        gravity_iterations=gravity.solves,
+        gravity_plastic_share=gravity.steps[-1].plastic_share,
+        skins=[],
+        at_once=known.mechanism if known is not None and limit.verdict == "plateau" else None,
+    )
+
+
+def _wanted(settings: FemSettings, kc: float) -> list[float]:
+    """The Kh up to ``kc`` whose fields are kept."""
+    return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
+
+
+def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:
+    end = limit.verdict if limit.verdict in ("plateau", "peak") else "end of the path"
+    return f"{end}, Kh = {kh:.3f}" + ("" if relaxed else ", under overstress")
+
+
+def _ductility(path: EquilibriumPath) -> float:
+    """The control displacement over the elastic one at this Kh (-)."""
+    return path.displacement / (max(path.factor, 1e-9) / REFERENCE_KH * path.reference)
+
+
+def states_at(path: EquilibriumPath, mesh: QuadMesh, wanted: list[float]) -> list[State]:
+    """The fields at those of the ``wanted`` Kh that the path reaches, in rising order."""
+    kept: list[State] = []
+    for kh in sorted(kh for kh in wanted if kh > 0.0):
+        while not (reached := path.reach(kh)):
+            mark = path.mark()
+            if not path.advance() or path.factor >= kh:
+                path.back(mark)
+                break
+        if reached:
+            kept.append(state_of(path.problem, mesh, f"Kh = {kh:g}", kh))
+    return kept
+
+
+def seismic_path(
+    problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, sign: int, settings: FemSettings
+) -> EquilibriumPath:
+    """The path of rising Kh, ready to start; displacement is positive in the direction of the ``load`` of Kh = 1.
+
+    Raises InputError if no stratum has a seismic density.
+    """
+    mass = problem.exchange.dot(load, _horizontal(problem, sign))
+    if mass == 0.0:
+        raise InputError("section", ["density_seismic is 0 in all strata: there is nothing to accelerate"])
+    control = load / mass
+    problem.use_elastic_tangent()
+    problem.factorise()
+    elastic = problem.exchange.dot(control, problem.solve(load))
+    follow = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
+    scale = problem.exchange.norm(constant)
+    return EquilibriumPath(problem, ProportionalLoad(constant, load), control, REFERENCE_KH * elastic, scale, follow)
+
+
+def _horizontal(problem: PlaneStrain, sign: int) -> np.ndarray:
+    unit = np.zeros(problem.grid.size)
+    unit[0::2] = sign
+    return problem.exchange.owned_part(unit)

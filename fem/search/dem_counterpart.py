@@ -1,0 +1,83 @@
+"""The continuum as discs are: between fixed sides, with the dilation that the soil has, and pushed on once it yields.
+
+Davis's substitute weakens sand and leaves clay as it is, which moves the slip surface to where the sand is: that of
+S-13 between fixed sides lies 5 m from the one with ψ as given. Discs have the strength of the soil, and their own
+little dilation. So their slip surface is held against that of the non-associated path.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.fields import state_of
+from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.plateau import PathListener, Verdict
+from fem.search.critical import critical_coefficient
+from fem.search.slip_surface import slip_surface
+from fem.settings import YIELDED, FemSettings
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True)
+class AsDiscs:
+    """How the ground fails then.
+
+    Attributes
+    ----------
+    kc, upper : float
+        Largest Kh at which an equilibrium was found, and what it may be at most (-).
+    verdict : Verdict
+        As that of a path.
+    reason : str
+        Why the path ended.
+    steps : list of PathStep
+        The path: Kh over the mean horizontal displacement.
+    slip_surface : (k, 2)
+        Points [x, elevation] (m) between what moves once the ground has yielded and what does not; empty where nothing
+        fails.
+    """
+
+    kc: float
+    upper: float
+    verdict: Verdict
+    reason: str
+    steps: list[PathStep]
+    slip_surface: np.ndarray
+
+
+def as_discs(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+) -> AsDiscs:
+    """The non-associated path between fixed sides, in the direction of the ``settings``.
+
+    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    """
+    # beyond any Kh: the path is not taken once more for fields on its way
+    wish = settings.model_copy(update={"flow": "section", "sides": "fixed", "kh": (np.inf,)})
+    way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
+
+    def step(path: EquilibriumPath) -> None:
+        way.append((path.factor, state_of(path.problem, mesh, "", path.factor).displacement))
+        if listener is not None:
+            listener(path)
+
+    found = critical_coefficient(section, mesh, wish, comm, step)
+    line = np.zeros((0, 2))
+    if found.verdict != "no failure":
+        last = next(state for state in reversed(found.states) if not state.past_equilibrium)
+        yielding = next((moved for kh, moved in way if kh >= YIELDED * found.kc), way[-1][1])
+        line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
+    return AsDiscs(found.kc, found.upper, found.verdict, found.reason, found.steps, line)
+
+
+def dilating_fully(
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+) -> float:
+    """The critical Kh between fixed sides with psi = phi: no ground that dilates less bears more (Radenkovic 1961).
+
+    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    """
+    wish = settings.model_copy(update={"flow": "associated", "sides": "fixed", "kh": ()})
+    return critical_coefficient(section, mesh, wish, comm, listener).upper

@@ -1,0 +1,60 @@
+"""The ground once strata have liquefied: they keep a residual strength without friction, and no stiffness in volume."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fem.limit_load.conic_limit_load import direct_limit
+from fem.path.gravity import under_weight
+from fem.settings import FemSettings
+from meshes.quad_mesh import QuadMesh
+from meshes.section.overburden import mean_effective_stress
+from meshes.section.section import Section
+
+# Water does not flow off while the ground fails, so that liquefied ground keeps its volume and presses on the sides
+# nearly as a liquid does, with ν / (1 - ν) = 0.96 of its weight.
+UNDRAINED = 0.49
+# Of the vertical effective stress: what is left of ground that is said to keep nothing, for a strength there must be.
+LEAST = 1e-3
+LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
+
+
+@dataclass(frozen=True)
+class Remains:
+    """What a stratum keeps: factors on cohesion and tan φ, a strength over its mean vertical effective stress, and one
+    in Pa."""
+
+    cohesion: float
+    friction: float
+    residual: float
+    strength: float = 0.0
+
+
+def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
+    """The section with the strata of these numbers liquefied; ψ = 0 in them, and ν = 0.49."""
+    strata = list(section.strata)
+    for k, kept in remains.items():
+        stress = mean_effective_stress(section, k)
+        friction = math.atan(kept.friction * math.tan(strata[k].friction_angle))
+        cohesion = kept.cohesion * strata[k].cohesion + kept.residual * stress + kept.strength
+        if friction == 0.0:
+            cohesion = max(cohesion, LEAST * stress)
+        change = {
+            "cohesion": cohesion,
+            "cohesion_increase": kept.cohesion * strata[k].cohesion_increase,
+            "friction_angle": friction,
+            "dilation_angle": 0.0,
+            "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
+        }
+        strata[k] = strata[k].model_copy(update=change)
+    return section.with_strata(strata)
+
+
+def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any) -> float:
+    """How many times its weight a mesh bears with its sides held, by its limit load; below 1 it flows.
+
+    The flow is associated. Raises what ``direct_limit`` does.
+    """
+    problem, weight = under_weight(section, mesh, settings.model_copy(update={"element": "reduced"}), comm)
+    return LITTLE + direct_limit(problem, mesh, LITTLE * weight, weight).multiplier

@@ -1,0 +1,195 @@
+"""A sequence of meshes made anew for a mechanism, until hardly anything of the error of its answer is left.
+
+Plastic shear goes through a band as narrow as the cells allow, and the answer is too large in proportion to the
+width of that band, which halves when twice the cells are spent along it: error ~ 1 / cells. From two meshes follows
+what the last one still has (Richardson 1911).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from fem.continuum.fields import State, touched_sides
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+
+# The next mesh has this many times the cells of the last one.
+MORE_CELLS = 2.0
+# or fewer, if these are as many as are allowed, but not fewer than so many times.
+FEWER_CELLS = 1.25
+# The first adapted mesh has at least this many: fewer cannot follow a band.
+FEWEST_CELLS = 500
+# Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
+LEAST_GAIN = 0.25
+# A finer mesh bears less. Where it bears more, cells of the one before were cut by something that these follow, and so
+# many times what the two tell may be left.
+RISEN = 3.0
+# A change is told as a share of kc, or of this Kh where kc is smaller.
+SMALLEST_KH = 0.05
+# What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
+# mesh, and of later ones as a multiple of what two meshes tell.
+FIRST_REST, REST_TIMES = 0.3, 2.0
+
+
+@dataclass(frozen=True)
+class MeshRound:
+    """One mesh of the sequence.
+
+    Attributes
+    ----------
+    cells : int
+        Number of quadrilaterals.
+    value : float
+        Critical Kh, or factor of safety, on it (-).
+    change : float
+        Difference from the mesh before as a share of ``value``; infinite for the first.
+    rest : float
+        What is left of the error, as a share of ``value``, as far as this and the mesh before can tell; infinite for
+        the first.
+    """
+
+    cells: int
+    value: float
+    change: float
+    rest: float
+
+
+class Found(Protocol):
+    """What is found on a mesh: a number, its mechanism, and what there is to say of it."""
+
+    @property
+    def value(self) -> float: ...
+
+    @property
+    def mechanism(self) -> State | None: ...
+
+    @property
+    def reason(self) -> str: ...
+
+
+F = TypeVar("F", bound=Found)
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptiveResult(Generic[F]):
+    """The answer on the last mesh, and the sequence that led to it.
+
+    Attributes
+    ----------
+    result : AtOnce, CriticalResult or SafetyFactor
+        Answer and mechanism on ``mesh``.
+    mesh : QuadMesh
+        The last mesh.
+    rounds : list of MeshRound
+        The sequence, coarsest first.
+    converged : bool
+        Whether what is left of the error is within the accuracy that was asked for.
+    reason : str
+        Why there was no further mesh.
+    other : AdaptiveResult or None
+        The same for the opposite direction, where both were asked for.
+    """
+
+    result: F
+    mesh: QuadMesh
+    rounds: list[MeshRound] = field(default_factory=list)
+    converged: bool = False
+    reason: str = ""
+    other: "AdaptiveResult[F] | None" = None
+
+    @property
+    def limit(self) -> float:
+        """What the sequence tends to if the error goes with one over the number of cells (-); NaN after one mesh."""
+        if len(self.rounds) < 2:
+            return math.nan
+        before, last = self.rounds[-2:]
+        return last.value - left_of_error(before, last.cells, last.value)
+
+    @property
+    def leaves_through_sides(self) -> bool:
+        """Whether the mechanism reaches a side."""
+        return self.result.mechanism is not None and bool(touched_sides(self.mesh, self.result.mechanism))
+
+
+def left_of_error(before: MeshRound, cells: int, value: float) -> float:
+    """By how much ``value`` (-) on so many ``cells`` is still too large, by one mesh ``before``."""
+    return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
+
+
+def nothing() -> float:
+    """The Kh of a direction that is not looked at."""
+    return math.inf
+
+
+@dataclass(frozen=True)
+class Wish:
+    """When to stop making meshes.
+
+    Attributes
+    ----------
+    accuracy : float
+        What may be left of the error, as a share of the critical Kh (-).
+    max_cells : int
+        Cells of the finest mesh.
+    other : callable
+        Tells the Kh (-) of the other direction: it does not matter by how much this one is larger.
+    """
+
+    accuracy: float
+    max_cells: int
+    other: Callable[[], float] = nothing
+
+
+def solve_adaptively(
+    first: QuadMesh,
+    remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh],
+    solve: Callable[[QuadMesh], F],
+    wish: Wish,
+) -> AdaptiveResult[F]:
+    """Solve on ``first``, then on meshes ``remade`` for the plastic shear strain of the last answer, of so many cells.
+
+    Ends when what is left of the error is within the accuracy, when the cells are used up, or when there is no answer
+    on the next mesh; then the last answer counts. Every rank makes the same mesh. Raises what ``solve`` raises on the
+    first mesh.
+    """
+    mesh, result = first, solve(first)
+    rounds = [MeshRound(len(mesh.cells), result.value, math.inf, math.inf)]
+    while True:
+        cells = len(mesh.cells)
+        wanted = max(math.ceil(MORE_CELLS * cells), FEWEST_CELLS)
+        if wanted > wish.max_cells >= FEWER_CELLS * cells:
+            wanted = wish.max_cells
+        reason = _reason_to_stop(rounds, result, wanted, wish)
+        if not reason:
+            assert result.mechanism is not None
+            try:
+                finer = remade(mesh, result.mechanism.plastic_shear_strain, wanted)
+                answer = solve(finer)
+                if answer.mechanism is None:
+                    reason = f"there is no answer on the next mesh: {answer.reason}"
+            except NoAnswerError as error:
+                reason = f"there is no answer on the next mesh: {error}"
+        if reason:
+            return AdaptiveResult(result, mesh, rounds, rounds[-1].rest <= wish.accuracy, reason)
+        mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
+        left = left_of_error(rounds[-1], len(mesh.cells), result.value)
+        rest = (left if left >= 0.0 else -RISEN * left) / size
+        rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
+
+
+def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: Wish) -> str:
+    """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
+    last = rounds[-1]
+    if last.rest <= wish.accuracy:
+        return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
+    if result.mechanism is None:
+        return f"there is no mechanism to refine: {result.reason}"
+    rest = FIRST_REST if len(rounds) == 1 else REST_TIMES * last.rest
+    if last.value * (1.0 - rest) > wish.other():
+        return "the other direction governs"
+    if wanted > wish.max_cells:
+        return f"the next mesh would have {wanted} cells, {wish.max_cells} are allowed"
+    return ""

@@ -1,0 +1,59 @@
+"""How good a given line is as a slip surface: what the ground bears if it may fail no deeper than it.
+
+Two mechanisms that need almost the same Kh may lie far apart. So two answers are compared by this number rather than by
+the distance of their slip surfaces alone.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fem.limit_load.conic_limit_load import direct_limit
+from fem.limit_load.limit_load import critical_at_once
+from fem.settings import FemSettings
+from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+
+
+@dataclass(frozen=True)
+class GivenSurface:
+    """Critical seismic coefficients of the same mesh.
+
+    Attributes
+    ----------
+    kc : float
+        Wherever the ground fails (-).
+    kc_above : float
+        Where nothing below the line moves (-); infinite if then nothing can.
+    """
+
+    kc: float
+    kc_above: float
+
+    @property
+    def excess(self) -> float:
+        """By which share the ground bears more Kh if it may not fail below the line (-)."""
+        return self.kc_above / self.kc - 1.0
+
+
+def critical_above(
+    section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray, comm: Any
+) -> GivenSurface:
+    """The limit loads with and without the nodes on and below ``line`` (k, 2), points [x, elevation] in m, held.
+
+    Beyond its ends the line goes on at their depth below the ground. For one rank; raises what ``critical_at_once``
+    does.
+    """
+    ground = critical_at_once(section, mesh, settings, comm).ground
+    assert ground.limit is not None
+    problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
+    problem.hold_components(~problem.free | np.repeat(below, 2))
+    above = direct_limit(problem, mesh, ground.constant, ground.load)
+    return GivenSurface(ground.limit.multiplier, above.multiplier)
+
+
+def _below(section: Section, line: np.ndarray, points: np.ndarray) -> np.ndarray:
+    x, z = points.T
+    ground_at_line, ground = (np.interp(at, *section.ground.T) for at in (line[:, 0], x))
+    return ground - z >= np.interp(x, line[:, 0], ground_at_line - line[:, 1]) * (1.0 - 1e-9)

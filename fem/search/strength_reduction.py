@@ -1,0 +1,177 @@
+"""The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
+the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
+
+Where the flow is associated it is found at once (``conic_safety_factor.py``); elsewhere it is an unknown along a path
+of equilibria.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fem.continuum.fields import State
+from fem.continuum.loads import push
+from fem.continuum.nodal_loads import seismic_load, still_load
+from fem.continuum.shallow_failure import faces_at, least_rolling_factor
+from fem.continuum.strength import is_associated, strength_of
+from fem.errors import UnstableError
+from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, direct_factor, too_weak
+from fem.path.equilibrium_path import EquilibriumPath, PathStep
+from fem.path.gravity import (
+    UNDER_GRAVITY,
+    apply_load,
+    at_the_sides,
+    gravity_equilibrium,
+    lift_of,
+    path_settings,
+    under_weight,
+)
+from fem.path.newton import StrengthReduction
+from fem.path.plateau import PathListener, PlateauRule, Verdict, find_limit_load
+from fem.search.critical import ASSOCIATED_RULE
+from fem.settings import FemSettings
+from meshes.errors import NoAnswerError
+from meshes.quad_mesh import QuadMesh
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+
+# Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
+STARTS = (1.0, 0.5, 0.2, 1.0 / LARGEST_FACTOR)
+# A change of the factor that adds as much to the arc length as the reference displacement.
+FACTOR_UNIT = 0.1
+# The reference displacement, in elastic displacements under all of the load.
+DISPLACEMENT_UNIT = 0.1
+
+
+@dataclass(frozen=True)
+class SafetyFactor:
+    """The factor of safety at a seismic coefficient.
+
+    Attributes
+    ----------
+    kh : float
+        The seismic coefficient (-).
+    factor : float
+        Largest divisor of c and tan φ at which an equilibrium was found (-).
+    upper : float
+        What the path rose to, or would with its last growth if the displacement doubled once more (-).
+    verdict : Verdict
+        "plateau", "peak", "no failure" or "undecided".
+    reason, remedy : str
+        Why the path ended, and what to do if it has no answer.
+    steps : list of PathStep
+        The path: the factor over the control displacement.
+    skin : float or None
+        The factor at which grains roll down a cohesionless face, if there is one (-).
+    mechanism : State or None
+        The mechanism, where the factor was found at once.
+    beside : float or None
+        The factor by the other flow rule (-): Davis's estimate where ψ = φ is the flow, that of ψ = φ where Davis's
+        estimate is; None where they are the same ground, or where it was not looked for.
+    """
+
+    kh: float
+    factor: float
+    upper: float
+    verdict: Verdict
+    reason: str
+    remedy: str
+    steps: list[PathStep]
+    skin: float | None = None
+    mechanism: State | None = None
+    beside: float | None = None
+
+    @property
+    def value(self) -> float:
+        """The factor (-)."""
+        return self.factor
+
+
+def safety_at_once(
+    section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, guess: float = 1.0
+) -> SafetyFactor:
+    """The factor of safety of a meshed section under its weight and ``kh``, for flow that is associated.
+
+    The search begins at ``guess``, such as the factor of a coarser mesh. Faces, sides and errors are those of
+    ``safety_factor``.
+    """
+    settings = settings.model_copy(update={"element": "reduced"})
+    faces = faces_at(section, settings, kh)
+    if kh == 0.0 and settings.sides != "tied":  # sides that stay held have no stress of their own
+        problem, constant = under_weight(section, mesh, settings, comm, faces)
+        constant = constant + lift_of(problem, settings)
+    else:
+        problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
+    if kh != 0.0:
+        constant = constant + kh * seismic_load(problem, mesh, section, push(section, settings))
+    factor, mechanism = direct_factor(problem, mesh, constant, kh, guess)
+    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
+    reason = f"it is that of {len(mesh.cells)} cells"
+    return SafetyFactor(kh, factor, factor, "plateau", reason, "", [], skin, mechanism)
+
+
+def safety_factor(
+    section: Section,
+    mesh: QuadMesh,
+    settings: FemSettings,
+    kh: float,
+    comm: Any,
+    listener: PathListener | None = None,
+) -> SafetyFactor:
+    """The factor of safety of a meshed section under its weight and ``kh``; at once where the flow is associated.
+
+    Where the ground does not stand as it is, it is first made stronger, so that factors below 1 come out as well.
+    Without shaking, sides that are not tied stay held horizontally, as is usual in strength reduction: were the K0
+    stress left on them as a force, it could fail ground that is weakened there before the slope does. Raises InputError
+    as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
+    """
+    if is_associated(section.strata, settings.flow):
+        try:
+            return safety_at_once(section, mesh, settings, kh, comm)
+        except UnstableError:
+            raise
+        except NoAnswerError:  # the solver left none: a path has to do
+            pass
+    faces = faces_at(section, settings, kh)
+    for start in STARTS:
+        try:
+            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
+            load = kh * seismic_load(problem, mesh, section, push(section, settings))
+            if kh == 0.0 and settings.sides != "tied":
+                problem.hold(UNDER_GRAVITY)
+            if kh != 0.0:
+                apply_load(problem, constant, load, settings)
+            break
+        except UnstableError:
+            pass
+    else:
+        raise too_weak(kh)
+    forces = constant + load
+    norm, dot = problem.exchange.norm, problem.exchange.dot
+    pushing = load
+    if kh == 0.0:
+        pushing = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
+        pushing = pushing + still_load(problem, mesh, section) / GRAVITY
+    control = pushing / norm(pushing)
+    problem.use_elastic_tangent()
+    problem.factorise()
+    elastic = abs(dot(control, problem.solve(forces)))
+    follow = path_settings(problem, settings)
+    path = EquilibriumPath(
+        problem, StrengthReduction(forces), control, DISPLACEMENT_UNIT * elastic, norm(forces),
+        replace(follow, first=0.2, largest=max(follow.largest, 0.5)), beta=1.0 / FACTOR_UNIT, factor=start,
+    )  # fmt: skip
+
+    def ductility(path: EquilibriumPath) -> float:
+        return path.displacement / path.reference
+
+    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
+    found = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
+    skin = least_rolling_factor(section, faces, kh, _friction(section, settings))
+    return SafetyFactor(kh, found.held, found.upper, found.verdict, found.reason, found.remedy, path.steps, skin)
+
+
+def _friction(section: Section, settings: FemSettings) -> np.ndarray:
+    """The friction angle (rad) of the strata on a face; Davis's, in form A, where that is the flow rule."""
+    return strength_of(section.strata, settings.flow, form="A").friction

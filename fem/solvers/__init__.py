@@ -1,0 +1,1 @@
+"""What solves: linear and conic solvers, the two interfaces of dolfinx, threads, and work side by side."""
