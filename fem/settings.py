@@ -13,6 +13,9 @@ Sides = Literal["roller", "fixed", "tied"]
 
 YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
 
+# Settings of [fem] that change nothing in the critical Kh and the path to it: factors of safety are found beside that.
+WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
+
 
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""

@@ -1,6 +1,7 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
 from dem.settings import OF_THE_PAPER
+from fem.settings import WITHOUT_EFFECT
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
@@ -8,7 +9,6 @@ from workflow.results.like_discs import LikeDiscs
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
-from workflow.stages.fem import WITHOUT_EFFECT
 
 
 def work(job: Job) -> None:

@@ -37,10 +37,6 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
-# Settings of [fem] that change nothing in the critical Kh and the path to it: factors of safety are found beside that.
-WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
-
-
 def work(job: Job) -> None:
     """Find the critical Kh with all ranks that there are."""
     from workflow.results.stored_mesh import stored_mesh
@@ -147,7 +143,7 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
-        rigid_box=rigid_box_of(found.rigid_box) if found.rigid_box else None,
+        rigid_box=RigidBox.of(found.rigid_box) if found.rigid_box else None,
     )
 
 
@@ -164,23 +160,6 @@ def _other_way(found: "AdaptiveResult[Any] | None") -> OtherWay | None:
         reason=result.reason,
         direction=result.direction,
         at_sides=touched_sides(found.mesh, result.mechanism) if fails and result.mechanism is not None else (),
-    )
-
-
-def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
-    """What is kept of the same search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less
-    deep were left out."""
-    from fem.search.slip_surface import slip_surface
-
-    return RigidBox(
-        kc=found.result.kc,
-        kc_upper=found.result.upper,
-        flow=found.result.flow,
-        verdict=found.result.verdict,
-        reason=found.result.reason,
-        slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
-        curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
-        deeper_than_m=depth,
     )
 
 

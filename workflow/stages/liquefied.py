@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.section import Section
@@ -11,7 +12,6 @@ from workflow.results.answer import SectionLabel
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
-from workflow.stages.fem import WITHOUT_EFFECT
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from dem.team import Tell
 from fem.continuum.strength import Flow, flow_of, is_dilating_fully
+from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
-from workflow.stages.fem import WITHOUT_EFFECT
 
 if TYPE_CHECKING:
     from fem.limit_load.limit_load import AtOnce

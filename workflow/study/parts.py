@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from fem.settings import WITHOUT_EFFECT
 from workflow.run.stage import Stage
-from workflow.stages.fem import WITHOUT_EFFECT
 from workflow.study.continuum import bounds, continuum
 from workflow.study.discs import STAGES, discs
 from workflow.study.sample import Numbers, Sample
