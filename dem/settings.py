@@ -106,6 +106,12 @@ class DemSettings(Model):
         return GROWTH[self.model] if self.growth is None else self.growth
 
     @property
+    def without_effect(self) -> tuple[str, ...]:
+        """The settings of this table that change nothing in calibrated discs, as "dem.key"."""
+        papers_own = self.model == "paper" or self.paper
+        return ("dem.workers", *(() if papers_own else OF_THE_PAPER))
+
+    @property
     def factors(self) -> tuple[float, float]:
         """`range`, or what it is for the model: the least and the largest factor that calibration may take."""
         return self.range or FACTORS[self.model]

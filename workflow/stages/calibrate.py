@@ -1,6 +1,5 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
-from dem.settings import OF_THE_PAPER
 from fem.settings import WITHOUT_EFFECT
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
@@ -38,8 +37,7 @@ def seconds(given: Input) -> float:
 
 def ignored(given: Input) -> tuple[str, ...]:
     """The settings that change nothing in discs that are calibrated, whatever they do to other stages."""
-    papers_own = given.dem.model == "paper" or given.dem.paper
-    return (*WITHOUT_EFFECT, "dem.workers", *(() if papers_own else OF_THE_PAPER))
+    return (*WITHOUT_EFFECT, *given.dem.without_effect)
 
 
 STAGE = Stage(

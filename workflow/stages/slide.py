@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from dem.settings import AVERAGE
+from fem.settings import WITHOUT_EFFECT
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
-from workflow.stages import calibrate
 from workflow.stages.liquefaction import cases_as_data, lowest_factors
 
 
@@ -45,7 +45,7 @@ def ignored(given: Input) -> tuple[str, ...]:
     unused = () if given.slide.accelerogram == AVERAGE else ("site_response",)
     return (
         "slide.accelerogram", "site_response.record", "slide.cases", "dem.kh", "dem.element_tests", "dem.out_of_reach",
-        *calibrate.ignored(given), *unused,
+        *WITHOUT_EFFECT, *given.dem.without_effect, *unused,
     )  # fmt: skip
 
 
