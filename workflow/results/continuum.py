@@ -8,11 +8,9 @@ from pydantic import Field
 
 from fem.continuum.strength import Flow, davis_words
 from fem.settings import YIELDED, Element, FemSettings
-from workflow.results.answer import Answer, Line, Part, SectionLabel, line
+from workflow.results.answer import Answer, Line, Part, SectionLabel
 
 if TYPE_CHECKING:
-    from fem.search.critical import CriticalResult
-    from fem.search.mesh_sequence import AdaptiveResult
     from meshes.quad_mesh import QuadMesh
 
 Verdict = Literal["plateau", "peak", "no failure", "undecided"]
@@ -123,23 +121,6 @@ class RigidBox(Part):
     deeper_than_m: float | None = Field(
         default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
     )
-
-    @classmethod
-    def of(cls, found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> Self:
-        """What is kept of a search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less deep
-        were left out."""
-        from fem.search.slip_surface import slip_surface
-
-        return cls(
-            kc=found.result.kc,
-            kc_upper=found.result.upper,
-            flow=found.result.flow,
-            verdict=found.result.verdict,
-            reason=found.result.reason,
-            slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
-            curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
-            deeper_than_m=depth,
-        )
 
     @property
     def has_kc(self) -> bool:

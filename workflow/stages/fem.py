@@ -16,7 +16,6 @@ from workflow.results.continuum import (
     MeshStep,
     OtherWay,
     PathStep,
-    RigidBox,
     SkinFailure,
 )
 from workflow.results.stored_mesh import FEM_FILE
@@ -26,6 +25,7 @@ from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.rigid_box import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.continuum.fields import State
@@ -143,7 +143,7 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
         curve=tuple(PathStep.model_validate(step) for step in result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
-        rigid_box=RigidBox.of(found.rigid_box) if found.rigid_box else None,
+        rigid_box=rigid_box_of(found.rigid_box) if found.rigid_box else None,
     )
 
 

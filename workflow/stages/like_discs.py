@@ -8,11 +8,12 @@ from fem.settings import YIELDED, FemSettings
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from workflow.results.answer import line
-from workflow.results.continuum import FemAnswer, PathStep, RigidBox, displacement_at
+from workflow.results.continuum import FemAnswer, PathStep, displacement_at
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
 from workflow.settings import Input
+from workflow.stages.rigid_box import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath
@@ -96,7 +97,7 @@ def _in_the_box_of_discs(given: Input, store: Store, fem: FemAnswer, tell: Tell)
         found = box_below_faces(given, given.mesh, stored_mesh(given, store), settings, MPI.COMM_SELF, told)
     except NoAnswerError:
         return fem
-    return fem.model_copy(update={"rigid_box": RigidBox.of(found, depth)})
+    return fem.model_copy(update={"rigid_box": rigid_box_of(found, depth)})
 
 
 def _with_psi_as_given(
