@@ -7,11 +7,20 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from meshes.borings.ags4_cone import cones_of
-from meshes.borings.ags4_groups import Groups, Row, read_groups
+from meshes.borings.ags4_groups import KINDS, Groups, Row, read_groups
 from meshes.borings.blows import is_refusal, read_blows
 from meshes.borings.boring import Sample
 from meshes.borings.complaints import folded
-from meshes.borings.log import BoringFile, Log, LogLayer, cone_problems, joined, layer_problems, refusal_notices
+from meshes.borings.log import (
+    BoringFile,
+    Log,
+    LogLayer,
+    cone_problems,
+    depth_problems,
+    joined,
+    layer_problems,
+    refusal_notices,
+)
 from meshes.borings.plausible import implausible_cones, implausible_sample
 from meshes.errors import InputError
 from meshes.section.sentences import sentences
@@ -19,6 +28,20 @@ from meshes.section.sentences import sentences
 NATIONAL, LOCAL = ("LOCA_NATE", "LOCA_NATN"), ("LOCA_LOCX", "LOCA_LOCY")
 # The middle of the 30 cm that are counted lies so far (m) below the top of a test: below 15 cm of seating.
 MIDDLE = 0.30
+DRY = {
+    "dry",
+    "none",
+    "nil",
+    "no",
+    "n/a",
+    "na",
+    "-",
+    "ne",
+    "not encountered",
+    "not struck",
+    "none encountered",
+    "no water",
+}
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
@@ -48,9 +71,10 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     if problems:
         raise InputError(str(path), problems)
     borings = groups.rows["LOCA"]
-    axes = next((axes for axes in (NATIONAL, LOCAL) if any(row.get(axes[0]) for row in borings)), NATIONAL)
+    axes = next((axes for axes in (NATIONAL, LOCAL) if all(row.get(axes[0]) for row in borings)), NATIONAL)
     if axes is LOCAL:
-        groups.notices.append("no boring has national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
+        some = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
+        groups.notices.append(f"{some} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
     if not logs and not groups.problems:
         groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
@@ -87,9 +111,10 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
     water = _water_level(name, ground, groups) if mine else None
     if len(groups.problems) == before and mine:
         groups.problems.extend(layer_problems(name, layers))
-    if len(groups.problems) > before:
-        return None
-    return Log(name, place, ground, tuple(layers), samples, water, cones)
+    log = Log(name, place, ground, tuple(layers), samples, water, cones)
+    if len(groups.problems) == before:
+        groups.problems.extend(depth_problems(log))
+    return log if len(groups.problems) == before else None
 
 
 def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
@@ -105,6 +130,8 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
             groups.notices.append(f"{where}: has neither ISPT_NVAL nor ISPT_REP, and is not used")
             continue
         depth = _number(row, "ISPT_TOP", name, groups) + MIDDLE
+        if math.isnan(depth):
+            continue
         sample = _sample(f"{where}, ", depth, _count_of(count, report), row.get("ISPT_ERAT", ""), groups)
         if sample is None:
             continue
@@ -140,7 +167,10 @@ def _water_level(name: str, ground: float, groups: Groups) -> float | None:
     """Elevation (m) of the highest water that was struck, where it had risen to; None where none was."""
     rows = [*groups.of("WSTG", name), *groups.of("WSTD", name)]
     keys = [(row, key) for row in rows for key in ("WSTG_DPTH", "WSTD_POST") if row.get(key)]
-    depths = [_number(row, key, name, groups) for row, key in keys]
+    dry = [row[key] for row, key in keys if row[key].lower() in DRY]
+    if dry:
+        groups.notices.append(f'boring {name}: water "{dry[0]}" is none that was struck')
+    depths = [_number(row, key, name, groups) for row, key in keys if row[key].lower() not in DRY]
     return ground - min(depths) if depths else None
 
 
@@ -148,5 +178,6 @@ def _number(row: Row, key: str, name: str, groups: Groups) -> float:
     try:
         return groups.read(row, key)
     except ValueError as error:
-        groups.problems.append(f"boring {name}, {key} = {row.get(key, '')!r}: {error}")
+        said = f"= {row[key]!r}: {error}" if row.get(key) else f"is missing; {KINDS[key].expected}"
+        groups.problems.append(f"boring {name}, {key} {said}")
         return math.nan

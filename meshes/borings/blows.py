@@ -19,13 +19,17 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inch": 25.4, "in
                "foot": 304.8, "feet": 304.8, "'": 304.8, "": 1.0}  # fmt: skip
 NUMBER = r"(\d+(?:\.\d+)?)"
 AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*\+", re.IGNORECASE)
+# Which tool was driven, "S" the split spoon and "C" a solid cone, and a mark of a footnote say nothing of the count.
+BESIDE = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\s*\*+$", re.IGNORECASE)
+# Blows of seating and of four quarters before the count, as AGS4 has them: "1,2/3,4,5,6 N=18".
+INCREMENTS = re.compile(r"^[\d\s,]+/[\d\s,]+(?=N\s*[=:])", re.IGNORECASE)
 # A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
 TOLD = re.compile(rf"N\s*[=:]\s*>?\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\))", re.IGNORECASE)
 # Blows for a depth with its unit, "50/75mm" or "12 blows/ft"; without one only where nothing else is written.
 LENGTH = "mm|cm|m|inches|inch|in|feet|foot|ft|\"|'"
-DRIVEN = re.compile(rf"{NUMBER}\s*(?:blows?)?\s*(?:/|for|per|in)\s*{NUMBER}?\s*({LENGTH})", re.IGNORECASE)
-BARE = re.compile(rf"{NUMBER}\s*/\s*{NUMBER}()")
-WORDS = {"r", "ref", "refusal", "refused"}
+DRIVEN = re.compile(rf"{NUMBER}\s*(?:blows?)?\s*(?:/|-|\(|for|per|in)\s*{NUMBER}?\s*({LENGTH})", re.IGNORECASE)
+BARE = re.compile(rf"(?<![/\d.]){NUMBER}\s*/\s*{NUMBER}")
+WORDS = {"r", "ref", "refusal", "refused", "refus", "rechazo", "rifiuto", "rebote", "abbruch", "貫入不能"}
 UNDER_ITS_WEIGHT = {"woh", "wor", "wr", "wh", "sw"}
 
 
@@ -73,6 +77,10 @@ def _counted(text: str) -> tuple[float, bool]:
         return float(text), False
     except ValueError:
         pass
+    if text.lower() not in WORDS | UNDER_ITS_WEIGHT:
+        text = INCREMENTS.sub("", BESIDE.sub("", text))
+        if text.replace(".", "", 1).isdecimal():
+            return float(text), False
     if text.lower() in WORDS:
         return REFUSAL, True
     if text.lower() in UNDER_ITS_WEIGHT:
@@ -82,10 +90,21 @@ def _counted(text: str) -> tuple[float, bool]:
     if told := TOLD.fullmatch(text):
         driven, blows = list(DRIVEN.finditer(text)), float(told[1] or told[3])
         return _driven(blows, driven[-1]) if driven else (blows, False)
-    driven = list(DRIVEN.finditer(text)) or list(BARE.finditer(text))[:1]
+    driven = list(DRIVEN.finditer(text))
     if driven and driven[-1].end() == len(text):
         return _driven(float(driven[-1][1]), driven[-1])
+    if (bare := BARE.fullmatch(text) or BARE.search(text)) and bare.end() == len(text):
+        return _without_unit(float(bare[1]), float(bare[2]))
     return math.nan, False
+
+
+def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
+    """The same of "12/30" or "50/75": in cm, as Japanese logs have it, or mm, where only one of both makes sense."""
+    if depth in (30.0, DRIVE):
+        return blows, False
+    if blows >= REFUSAL:
+        return blows, True
+    return (min(REFUSAL, blows * DRIVE / depth), True) if 100.0 <= depth < DRIVE else (math.nan, False)
 
 
 def _driven(blows: float, drive: re.Match[str]) -> tuple[float, bool]:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from meshes.borings.boring import Sample
 from meshes.borings.complaints import folded
 from meshes.borings.cone_file import read_cones
-from meshes.borings.log import BoringFile, Log, LogLayer, joined, layer_problems, refusal_notices
+from meshes.borings.log import BoringFile, Log, LogLayer, depth_problems, joined, layer_problems, refusal_notices
 from meshes.borings.plausible import implausible_sample
 from meshes.borings.table import PLACE, Table, has_column, read_table, with_unit, written
 from meshes.errors import InputError
@@ -18,6 +18,7 @@ from meshes.section.sentences import sentences
 
 NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
 KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", "water_level", "energy_ratio")
+OF_A_BORING = (*PLACE, "ground_level", "water_level")
 NOT_MEASURED = {"", "-", "--", "n/a", "na", "nan", "none"}
 
 
@@ -70,11 +71,28 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
     place = table.place(number, first)
     ground = table.length(number, first, "ground_level")
     water = table.length(number, first, "water_level") if first.get("water_level") else None
+    table.problems.extend(_contradictions(name, lines))
     if len(table.problems) == before:
         table.problems.extend(layer_problems(name, layers))
-    if len(table.problems) > before:
-        return None
-    return Log(name, place, ground, tuple(joined(layers)), tuple(samples), water)
+    log = Log(name, place, ground, tuple(joined(layers)), tuple(samples), water)
+    if len(table.problems) == before:
+        table.problems.extend(depth_problems(log))
+    return log if len(table.problems) == before else None
+
+
+def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -> list[str]:
+    """Lines of one boring that place it, its ground or its water elsewhere than its first line does."""
+    number, first = lines[0]
+    return [f"line {other}, {key} = {cells[key]!r}: line {number} says {first[key]!r} of the same boring {name}"
+            for other, cells in lines[1:] for key in OF_A_BORING
+            if cells.get(key) and first.get(key) and not _same(cells[key], first[key])]  # fmt: skip
+
+
+def _same(one: str, other: str) -> bool:
+    try:
+        return one == other or float(one) == float(other)
+    except ValueError:
+        return False
 
 
 def _sample(number: int, cells: Mapping[str, str], depth: float, table: Table) -> Sample | None:

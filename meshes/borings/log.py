@@ -1,5 +1,6 @@
 """A boring log as a file has it: where it was bored, what was met, and what was measured."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -9,6 +10,8 @@ from meshes.borings.boring import Cone, Sample
 
 # Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.
 CONTACT = 0.0101
+# The last test of a boring goes on below its end (m).
+BELOW_END = 1.0
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,15 @@ def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
     if layers and abs(layers[0].top) > CONTACT:
         told.append(f"boring {name}: its first layer begins at {layers[0].top:g} m; expected 0, the ground")
     return told
+
+
+def depth_problems(log: Log) -> list[str]:
+    """What lies far below the end of a boring, blow counts and water: a slip, or a depth in another unit."""
+    end = log.layers[-1].bottom if log.layers else math.inf
+    found = [(f"N = {one.N:g}", one.depth) for one in log.samples]
+    found += [] if log.water_level is None else [("water", log.ground_level - log.water_level)]
+    return [f"boring {log.name}: {what} at a depth of {depth:.4g} m; the boring ends at {end:g} m"
+            for what, depth in found if depth > end + BELOW_END]  # fmt: skip
 
 
 def joined(layers: list[LogLayer]) -> list[LogLayer]:

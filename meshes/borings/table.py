@@ -41,7 +41,8 @@ class Table:
         try:
             return float(COORDINATE.read(with_unit(cells.get(key, ""), self.units.get(key, ""))))
         except ValueError as error:
-            self.problems.append(f"line {number}, {key} = {cells.get(key, '')!r}: {error}")
+            said = f" = {cells[key]!r}: {error}" if cells.get(key) else f": missing; {COORDINATE.expected}"
+            self.problems.append(f"line {number}, {key}{said}")
             return math.nan
 
     def place(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
@@ -108,9 +109,10 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
                 for key, name in columns.items() if key not in known]  # fmt: skip
     problems += [f"--columns {key}={name}: there is no column {name!r}; expected one of {', '.join(written)}"
                  for key, name in columns.items() if key in known and key not in names]  # fmt: skip
-    if not columns:
-        told = f"expected one of {', '.join(known)}; --columns says which is which, --columns layer=Stratum, and leaves"
-        problems += [f"column {name!r}: {told} out what it does not name" for name in names if name not in known]
+    if others := [] if columns else [repr(name) for name in names if name not in known]:
+        told = f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns says which is which"
+        told += ", --columns layer=Stratum, and leaves out what it does not name"
+        problems.append(f"column{'s' * (len(others) > 1)} {', '.join(others)}: {told}")
     problems += [f"column {name}: missing" for name in needed if name not in names]
     problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
                  if name in known and names.count(name) > 1]  # fmt: skip

@@ -1,12 +1,21 @@
 """The text of a file that others wrote: in UTF-8, UTF-16, or in what Windows wrote before."""
 
 import codecs
+import re
 from pathlib import Path
 from typing import NamedTuple
 
 from meshes.errors import InputError
 
 MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+# Kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a Western word; kana of half
+# width, two or more.
+COMMON = "礫" + "".join(
+    char for lead in (*range(0x81, 0x84), *range(0x88, 0x98)) for trail in range(0x40, 0xFD)
+    if len(char := bytes((lead, trail)).decode("cp932", "ignore")) == 1 and not "\0" <= char < "\x80"
+    and not "\uff61" <= char <= "\uff9f"
+)  # fmt: skip
+JAPANESE = re.compile(rf"(?<![A-Za-z])[{re.escape(COMMON)}]+(?![a-z])|(?<![A-Za-z])[\uff66-\uff9f]{{2,}}(?![a-z])")
 
 
 class Text(NamedTuple):
@@ -49,11 +58,14 @@ def _decoded(path: Path, data: bytes, encoding: str) -> str:
 
 
 def _is_japanese(data: bytes) -> bool:
-    """Whether text in cp932 is likely: it decodes, and most of what is beyond ASCII is kana and kanji."""
+    """Whether text in cp932 is likely: it decodes, and what is beyond ASCII is mostly what Japanese is written with.
+
+    A Western letter and the one behind it decode as a rare kanji, as a sign of no script, or as a single kana of half
+    width; Western quotation marks and dashes as a kanji in the middle of a word.
+    """
     try:
-        letters = [letter for letter in data.decode("cp932") if ord(letter) > 127]
+        text = data.decode("cp932")
     except UnicodeDecodeError:
         return False
-    bytes_beyond = sum(byte > 127 for byte in data)
-    # Where a Western letter and the next one are taken for a kanji, there is one byte beyond ASCII for each.
-    return bool(letters) and bytes_beyond > 1.4 * len(letters)
+    japanese = sum(len(found) for found in JAPANESE.findall(text))
+    return japanese > 0.5 * sum(ord(letter) > 127 for letter in text)

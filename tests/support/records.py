@@ -49,7 +49,8 @@ def knet(gal: np.ndarray, step: float, apart: str = "") -> str:
     keys = {
         "Origin Time": "2011/03/11 14:46:00", "Lat.": "38.103", "Long.": "142.860", "Depth. (km)": "24", "Mag.": "9.0",
         "Station Code": "MYG004", "Station Lat.": "38.7292", "Station Long.": "141.0217", "Station Height(m)": "40",
-        "Record Time": "2011/03/11 14:46:30", "Sampling Freq(Hz)": f"{1.0 / step:.0f}Hz", "Duration Time(s)": "80",
+        "Record Time": "2011/03/11 14:46:30", "Sampling Freq(Hz)": f"{1.0 / step:.0f}Hz",
+        "Duration Time(s)": f"{len(gal) * step:.0f}",
         "Dir.": "E-W", "Scale Factor": "3920(gal)/6182761", "Max. Acc. (gal)": f"{peak:.3f}",
         "Last Correction": "2011/03/11 14:46:30", "Memo.": "",
     }  # fmt: skip

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.motion_units import EXPECTED, MotionUnit, motion_unit
 from meshes.section.quantity import GRAVITY
@@ -86,15 +87,10 @@ def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
 
 
 def _lines(path: Path) -> list[str]:
-    """The lines of a text file in UTF-8 or UTF-16, or in what is close enough to ASCII."""
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(str(path), ["there is no such accelerogram"]) from None
-    except OSError as error:
-        raise InputError(str(path), [f"cannot be read: {error.strerror}"]) from None
-    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    return data.decode("utf-16" if wide else "utf-8-sig", errors="replace").splitlines()
+    """The lines of a text file in any encoding."""
+    if not path.exists():
+        raise InputError(str(path), ["there is no such accelerogram"])
+    return read_text(path).text.splitlines()
 
 
 def _chosen(found: list[RecordedSeries], wanted: str) -> RecordedSeries:

@@ -26,6 +26,7 @@ KNET_LINES = 17  # of heading, of which the last begins with Memo.
 KNET_FIRST = re.compile(r"^\s*Origin Time\b")
 KNET_SCALE = re.compile(r"Scale Factor[\s,;]+([\d.]+)\(gal\)/(\d+)")
 KNET_RATE = re.compile(r"Sampling Freq\(Hz\)[\s,;]+([\d.]+)")
+KNET_DURATION = re.compile(r"Duration Time\(s\)[\s,;]+([\d.]+)")
 KNET_PEAK = re.compile(r"Max\.? ?Acc\.? ?\(gal\)[\s,;]+([\d.]+)")
 KNET_WAY = re.compile(r"Dir\.[\s,;]+(\S+)")
 
@@ -75,8 +76,8 @@ def peer(lines: Lines) -> list[RecordedSeries]:
     quantity, unit = _word(line), unit_in(line)
     values = free_numbers(lines, place + 1)
     if len(values) != int(found[1]):
-        of = " ".join(word for word in ("values", quantity and f"of {quantity.lower()}", unit and f"in {unit}") if word)
-        raise ValueError(f"holds {len(values)} {of}; its line {place + 1} says {found[1]}")
+        what = " ".join(word for word in (quantity.lower(), unit and f"in {unit}") if word)
+        raise ValueError(_wrong_number(len(values), int(found[1]), f"line {place + 1} (NPTS)", what))
     time = steps(len(values), float(found[2]) * second, f"line {place + 1}")
     return [RecordedSeries("PEER", "", time, values, unit, quantity)]
 
@@ -90,6 +91,9 @@ def knet(lines: Lines) -> list[RecordedSeries]:
         raise ValueError(f'is a K-NET file whose heading has no "{key}"')
     counts = free_numbers(lines, KNET_LINES)
     peak, way = KNET_PEAK.search(head), KNET_WAY.search(head)
+    length, stated = len(counts) / float(rate[1]), KNET_DURATION.search(head)
+    if stated is not None and length < float(stated[1]) - 1.0:
+        raise ValueError(f"is cut off: it holds {length:g} s; Duration Time(s) is {stated[1]}; expected the whole file")
     values = counts * float(scale[1]) / float(scale[2])
     time = steps(len(counts), 1.0 / float(rate[1]), "Sampling Freq(Hz)")
     return [RecordedSeries("K-NET", way[1] if way else "", time, values, "gal", "acceleration",
@@ -156,11 +160,25 @@ def esm(lines: Lines) -> list[RecordedSeries]:
         raise ValueError(f"is an ESM file whose heading has no {', '.join(missing)}")
     values = free_numbers(lines, first)
     if len(values) != int(keys["NDATA"]):
-        raise ValueError(f"holds {len(values)} values; its NDATA says {keys['NDATA']}")
+        raise ValueError(_wrong_number(len(values), int(keys["NDATA"]), "its NDATA", keys.get("DATA_TYPE", "").lower()))
     time = steps(len(values), float(keys["SAMPLING_INTERVAL_S"]), "SAMPLING_INTERVAL_S")
     stated = next((text for key, text in keys.items() if re.fullmatch(r"PG[AVD]_CM.*", key)), "")
     return [RecordedSeries("ESM", keys.get("STREAM", ""), time, values, keys["UNITS"], keys.get("DATA_TYPE", ""),
                            abs(float(stated)) if stated else None)]  # fmt: skip
+
+
+def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
+    """That a file holds fewer or more values than its heading states, and what that means."""
+    of = f" ({what})" if what else ""
+    if count < stated:
+        return (
+            f"is cut off: {where} announces {stated} values{of}, of which {stated - count} are missing at its end; "
+            "expected the whole file"
+        )
+    return (
+        f"holds {count} values{of}, where {where} announces {stated}; expected as many: something that is not part of "
+        "the record may stand at its end"
+    )
 
 
 def unit_in(heading: str) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
 from workflow.earthquake.network_formats import unit_in
-from workflow.earthquake.recorded_series import RecordedSeries, finite, steps
+from workflow.earthquake.recorded_series import LONGEST_STEP, RecordedSeries, finite, steps
 
 BRACKETS = re.compile(r"\[([^\]]+)\]|\(((?:[^()]|\([^()]*\))+)\)|_(g|gal|m_s2|ms2|cm_s2|s|ms)\s*$", re.IGNORECASE)
 SUFFIXES = {"m_s2": "m/s^2", "ms2": "m/s^2", "cm_s2": "cm/s^2"}
@@ -26,7 +26,6 @@ RATE = re.compile(
     r"\b(?:(?:sampling|sample)[ _](?:rate|freq\w*)|frequency|fs)\b[^\d\n]*?(\d+\.?\d*)\s*(hz|sps|1/s)?", re.IGNORECASE
 )
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
-LONGEST_STEP = 1.0  # s
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 
 # Numbers that run into each other, such as -0.00003-0.00004 in columns of 8.
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[Ee][-+]?\d+)?")
+LONGEST_STEP = 1.0  # s
 FORTRAN = re.compile(r"\(?\s*(\d+)?\s*[FEGIfegi]\s*(\d+)(?:\.\d+)?\s*\)?")
 
 
@@ -86,7 +87,10 @@ def finite(values: Sequence[float]) -> np.ndarray:
 
 
 def steps(count: int, step: float, where: str) -> np.ndarray:
-    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0."""
-    if not (np.isfinite(step) and step > 0.0):
-        raise ValueError(f"{where}: the time step is {step:g} s; expected one above 0")
+    """Times (n,) from 0 in equal steps. Raises ValueError for a step that is not above 0, or no record can have."""
+    if not (np.isfinite(step) and 0.0 < step <= LONGEST_STEP):
+        unit = "; is it in milliseconds?" if step > LONGEST_STEP else ""
+        raise ValueError(
+            f"{where}: the time step is {step:g} s; expected one above 0, and up to {LONGEST_STEP:g} s{unit}"
+        )
     return step * np.arange(count)

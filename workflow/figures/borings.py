@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from meshes.borings.connect import Connected
-from workflow.figures.canvas import DPI, INK, WATER, WIDTH, soil_colour
+from workflow.figures.canvas import DPI, INK, WATER, WIDTH, save, soil_colour
 
 HEIGHT = 5.0  # inches
 
@@ -48,4 +48,4 @@ def draw(found: Connected, title: str, path: Path) -> None:
     axes.tick_params(labelsize=8)
     axes.margins(x=0.03, y=0.08)
     figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=7.5, frameon=False)
-    figure.savefig(path, format="png")
+    save(figure, path)

@@ -227,12 +227,17 @@ class Sheet:
 
     def save(self, path: Path | str) -> None:
         """Write the picture as a PNG."""
-        for text in self.figure.findobj(Text):
-            words = text.get_text()
-            if not words.isascii():  # names may be in any script
-                text.set_fontfamily(fonts.families_for(words))
-                text.set_text(fonts.without(words, fonts.missing(words)))
-        self.figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
+        save(self.figure, path)
+
+
+def save(figure: Figure, path: Path | str) -> None:
+    """Write a figure as a PNG, with names in any script for which there is a font."""
+    for text in figure.findobj(Text):
+        words = text.get_text()
+        if not words.isascii():
+            text.set_fontfamily(fonts.families_for(words))
+            text.set_text(fonts.without(words, fonts.missing(words)))
+    figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
 
 
 def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappable:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WIDTH
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WIDTH, save
 from workflow.results.convergence import Series
 
 HEIGHT = 2.2  # inches of a row of frames
@@ -39,4 +39,4 @@ def draw(series: Sequence[Series], title: str, path: Path) -> None:
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)
-    figure.savefig(path, format="png")
+    save(figure, path)

@@ -6,7 +6,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, soil_colour
+from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, save, soil_colour
 from workflow.results.site_response import SiteResponseAnswer
 
 HEIGHT = 5.0  # inches
@@ -38,4 +38,4 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
         axes.grid(color="white", linewidth=0.5)
     figure.axes[0].set_ylim(bottoms[-1], 0.0)
     figure.axes[0].set_ylabel("depth (m)", fontsize=8, color=INK)
-    figure.savefig(path, format="png")
+    save(figure, path)

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH, save
 from workflow.results.study import Curve, Result
 
 HEIGHT = 3.4  # inches of a row of frames
@@ -31,7 +31,7 @@ def fails(values: np.ndarray, curve: Curve, title: str, path: Path) -> None:
     _band(right, curve, CONTINUUM, "")
     _label(right, "Kh", "probability that the ground fails")
     right.set_ylim(0.0, 1.0)
-    figure.savefig(path, format="png")
+    save(figure, path)
 
 
 def effects(results: Sequence[Result], title: str, path: Path) -> None:
@@ -55,7 +55,7 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
         axes.axvline(0.0, color=INK, linewidth=0.7)
         _label(axes, "total Sobol' index" if indices else "rank correlation (grey: chance alone)", "")
         axes.set_title(result.title, fontsize=9, loc="left", color=INK, parse_math=False)
-    figure.savefig(path, format="png")
+    save(figure, path)
 
 
 def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
@@ -75,7 +75,7 @@ def fragility(curves: Sequence[Curve], title: str, path: Path) -> None:
         axes.set_title(name, fontsize=9, loc="left", color=INK, parse_math=False)
         axes.set_ylim(0.0, 1.0)
         axes.legend(fontsize=7, frameon=False)
-    figure.savefig(path, format="png")
+    save(figure, path)
 
 
 def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
@@ -91,7 +91,7 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
         _label(axes, _broken(path_of), "")
     for first in frames[::ACROSS]:
         first.set_ylabel(name, fontsize=8, color=INK, parse_math=False)
-    figure.savefig(path, format="png")
+    save(figure, path)
 
 
 def _broken(path: str) -> str:

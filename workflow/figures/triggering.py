@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from meshes.section.overburden import water_level
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, soil_colour
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, save, soil_colour
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 
@@ -42,7 +42,7 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
     figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
     if note := foot(section):
         figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
-    figure.savefig(path, format="png")
+    save(figure, path)
 
 
 def _boring(

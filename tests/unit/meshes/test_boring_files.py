@@ -82,6 +82,13 @@ def told(folder: Path, text: str | bytes, name: str) -> list[str]:
         ("25 for 0mm", 50, True),
         ("50/0.2ft", 50, True),
         ("WOH", 0, False),
+        ("1,2/3,4,5,6 N=18", 18, False),
+        ("(C) 34", 34, False),
+        ("12*", 12, False),
+        ('50-4"', 50, True),
+        ("Refus", 50, True),
+        ("12/30", 12, False),  # in cm, as in Japan: no refusal after 12 blows and 30 mm
+        ("50/10", 50, True),
     ],
 )
 def test_refusals_count_as_the_least_that_n_can_be(count: str | float, blows: float, refused: bool) -> None:
@@ -91,7 +98,7 @@ def test_refusals_count_as_the_least_that_n_can_be(count: str | float, blows: fl
     assert read_blows(found.written) == found  # as it stands in a section
 
 
-@pytest.mark.parametrize("count", ["much", ">x", "-3", 501, True, None, "50/", "2,3,4", float("nan")])
+@pytest.mark.parametrize("count", ["much", ">x", "-3", 501, True, None, "50/", "2,3,4", "12/25", "C", float("nan")])
 def test_what_is_no_count_is_told_with_what_was_expected(count: object) -> None:
     with pytest.raises(ValueError, match=r'expected the blow count for 30 cm .* ">50", "50/75 mm" or "R"'):
         read_blows(count)
@@ -178,6 +185,45 @@ def test_local_coordinates_and_the_column_that_names_layers(tmp_path: Path) -> N
         read_ags4(path, {"layer": "GEOL_X"})
 
 
+def test_borings_without_national_coordinates_take_those_of_all(tmp_path: Path) -> None:
+    heads = "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL,LOCA_LOCX,LOCA_LOCY"
+    loca = ("LOCA", heads, ",m,m,m,m,m", "B1,100,200,12,5,6; B2,,,8,5,46")
+    read = read_ags4(written(tmp_path, ags(loca, GEOL), "some.ags"))
+    assert [log.place for log in read.logs] == [(5.0, 6.0), (5.0, 46.0)]
+    assert any("not all borings have national coordinates" in text for text in read.notices)
+    loca = ("LOCA", "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL", ",m,m,m", "B1,100,200,12; B2,,200,8")
+    assert told(tmp_path, ags(loca, GEOL), "none.ags")[0].startswith(
+        "boring B2, LOCA_NATE is missing; expected a coord"
+    )
+
+
+def test_dry_borings_and_depths_below_their_end(tmp_path: Path) -> None:
+    water = ("WSTG", "LOCA_ID,WSTG_DPTH", ",m", "B1,3; B2,dry")
+    read = read_ags4(written(tmp_path, ags(LOCA, GEOL, water), "dry.ags"))
+    assert [log.water_level for log in read.logs] == [9.0, None]
+    assert 'boring B2: water "dry" is none that was struck' in read.notices
+    spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,30,12; B1,x,12")
+    assert told(tmp_path, ags(LOCA, GEOL, (*spt[:3], "B1,30,12")), "deep.ags") == [
+        "boring B1: N = 12 at a depth of 30.3 m; the boring ends at 10 m"
+    ]
+    assert [text.partition(" = ")[0] for text in told(tmp_path, ags(LOCA, GEOL, spt), "x.ags")] == [
+        "boring B1, ISPT_TOP"
+    ]
+    heads = "boring,x,ground_level,top,bottom,layer,water_level\n"
+    assert told(tmp_path, f"{heads}A,0,12,0,4,Sand,-30\n", "deep.csv") == [
+        "boring A: water at a depth of 42 m; the boring ends at 4 m"
+    ]
+
+
+def test_lines_of_a_boring_that_contradict_each_other(tmp_path: Path) -> None:
+    heads = "boring,x,ground_level,top,bottom,layer\n"
+    assert told(tmp_path, f"{heads}A,0,1.200,0,4,Sand\nA,1,12,4,6,Clay\n", "b.csv") == [
+        "line 3, x = '1': line 2 says '0' of the same boring A",
+        "line 3, ground_level = '12': line 2 says '1.200' of the same boring A",
+    ]
+    read_csv(written(tmp_path, f"{heads}A,0,12,0,4,Sand\nA,0.0,,4,6,Clay\n", "same.csv"))
+
+
 @pytest.mark.parametrize(
     ("encoding", "name"),
     [
@@ -186,6 +232,12 @@ def test_local_coordinates_and_the_column_that_names_layers(tmp_path: Path) -> N
         ("cp1252", "REMBLAI À BLOCS"),
         ("cp1252", "Ton, weich – ü"),
         ("cp932", "砂質シルト"),
+        ("cp932", "粘土"),
+        ("cp932", "礫"),
+        ("cp932", "ｼﾙﾄ質砂"),
+        ("cp1252", "Lehm weiß größer"),
+        ("cp1252", "d’eau argileux"),
+        ("cp1252", "SÃO JOÃO areia"),
         ("utf-16-le", "砂質シルト"),
     ],
 )

@@ -102,7 +102,7 @@ def test_values_have_units_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ("B-4,150,5,,3,sand,7,6,18,4", "line 11, top = '': "),
+        ("B-4,150,5,,3,sand,7,6,18,4", "line 11, top: missing; expected a coordinate"),
         ("B-4,150,5,0,3,,7,6,18,4", "line 11, layer: missing"),
         (",150,5,0,3,sand,7,6,18,4", "line 11, boring: missing"),
         ("B-4,150,5,0,3,sand,many,6,18,4", "line 11, N = 'many'"),

@@ -151,7 +151,7 @@ def test_one_of_several_components_is_asked_for() -> None:
         (records.peer(np.ones(8), -0.01, "G"), "the time step is -0.01 s"),
         (records.peer(np.ones(8), 0.01, "VOLT"), 'the unit "VOLT", which is not understood'),
         (records.peer(np.ones(8), 0.01, "G").replace("IN UNITS OF G", ""), "names no unit"),
-        (records.esm(np.ones(8), 0.01, "cm/s^2").replace("NDATA: 8", "NDATA: 9"), "its NDATA says 9"),
+        (records.esm(np.ones(8), 0.01, "cm/s^2").replace("NDATA: 8", "NDATA: 9"), "its NDATA announces 9 values"),
         (records.esm(np.ones(8), 0.01, "").replace("UNITS: ", "UNITS:"), "has no UNITS"),
         (records.cosmos(np.ones(8), 0.01, "counts"), 'the unit "counts", which is not understood'),
         (records.cosmos(np.ones(8), -999.0, "g"), "real value 34 of its heading"),

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.support import SECTIONS, TOP
+from workflow.cli import main
 
 # Prints the packages and modules that are there when a command has ended.
 LOOK = """
@@ -41,6 +42,24 @@ def test_help_loads_nothing_that_computes_draws_or_reads(arguments: list[str]) -
         "run",
         "compare",
     )  # typer itself takes it for a command's options
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["study", "--help"], "the numbers in [uncertain], on all"),
+        (["--help"], "the numbers in [uncertain], on all"),
+        (["section", "--help"], "[default: what it says]"),
+    ],
+)
+def test_help_has_its_words_in_brackets(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TERMINAL_WIDTH", "200")
+    monkeypatch.setattr("typer.rich_utils.MAX_WIDTH", 200)
+    with pytest.raises(SystemExit):
+        main(arguments)
+    assert words in capsys.readouterr().out
 
 
 def test_init_loads_nothing_either(tmp_path: Path) -> None:
