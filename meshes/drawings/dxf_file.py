@@ -9,6 +9,7 @@ from meshes.drawings.drawn_section import Drawn, drawn_section
 from meshes.drawings.shapes import shapes_of
 from meshes.drawings.water_line import WATER
 from meshes.errors import InputError
+from meshes.section.cutting import BELOW_WATER, as_in_file
 from meshes.section.section import Section
 
 # What a layer's name may not hold, and its look-alike in a drawing; the name itself stands in the layer's data.
@@ -36,20 +37,22 @@ def write_dxf(section: Section, path: Path) -> list[str]:
     drawing = _ezdxf(path).new(setup=True, units=6)
     drawing.appids.add(APPLICATION)
     space = drawing.modelspace()
-    layers = layer_names([stratum.name for stratum in section.strata])
-    for k, (stratum, layer) in enumerate(zip(section.strata, layers, strict=True)):
-        drawing.layers.add(layer, color=k % 7 + 1).set_xdata(APPLICATION, [(1000, stratum.name[:LONGEST_NAME])])
-        for polygon in section.layering.polygons(k):
+    names, layering = as_in_file([stratum.name for stratum in section.strata], section.layering)
+    layers = layer_names(names)
+    for k, (name, layer) in enumerate(zip(names, layers, strict=True)):
+        drawing.layers.add(layer, color=k % 7 + 1).set_xdata(APPLICATION, [(1000, name[:LONGEST_NAME])])
+        for polygon in layering.polygons(k):
             space.add_lwpolyline([(float(x), float(z)) for x, z in polygon], close=True, dxfattribs={"layer": layer})
     water = section.water_points()
     if water is not None:
         drawing.layers.add(WATER, color=5)
         space.add_lwpolyline([(float(x), float(z)) for x, z in water], dxfattribs={"layer": WATER})
     drawing.saveas(path)
-    told = [f'stratum "{stratum.name}" is on layer "{layer}": a layer cannot have its name'
-            for stratum, layer in zip(section.strata, layers, strict=True) if layer != stratum.name]  # fmt: skip
-    lines = [stratum.name for stratum in section.strata if stratum.piezometric_level is not None]
-    told += [f"not drawn: the piezometric levels of {', '.join(lines)}"] if lines else []
+    told = [f'stratum "{name}" is on layer "{layer}": a layer cannot have its name'
+            for name, layer in zip(names, layers, strict=True) if layer != name]  # fmt: skip
+    lines = [stratum.name.removesuffix(BELOW_WATER) for stratum in section.strata
+             if stratum.piezometric_level is not None]  # fmt: skip
+    told += [f"not drawn: the piezometric levels of {', '.join(dict.fromkeys(lines))}"] if lines else []
     if section.water is not None and section.water.after_drawdown is not None:
         told.append("not drawn: the water table after the drawdown")
     return told

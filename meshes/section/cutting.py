@@ -1,7 +1,7 @@
 """Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -30,6 +30,14 @@ def in_file(names: Sequence[str], k: int) -> str:
     """Stratum k as a person finds it in the file: its number there, before water cut strata in two, and its name."""
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
     return f"strata {k + 1 - sum(parts)} {spoken(names[k])}"
+
+
+def as_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
+    """The names and the layers of strata as their file has them, before water cut some of them in two."""
+    tops = [k for k, name in enumerate(names) if not k or name != names[k - 1] + BELOW_WATER]
+    kept = [*tops, len(names)]
+    whole = replace(layers, left=layers.left[:, kept], right=layers.right[:, kept], strata=len(tops))
+    return [names[k] for k in tops], whole
 
 
 def by_stratum(values: Mapping[str, Value], name: str) -> Value | None:

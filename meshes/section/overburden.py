@@ -18,7 +18,7 @@ class Overburden:
     stratum : index of the stratum
     total : vertical stress (Pa) of the ground above the point alone, without water that stands on the ground
     effective : vertical effective stress (Pa)
-    below_water : whether the point lies below the water table
+    below_water : whether the point lies below the water table, or below the piezometric level of its stratum
     """
 
     stratum: int
@@ -49,7 +49,9 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     if water is not None:
         free_water = unit_weight * max(0.0, water - float(levels[0]))
         pressure = unit_weight * max(0.0, water - here)
-    stratum, below_water = int(section.stratum_at(np.array([x]), np.array([here]))[0]), pressure > 0.0
+    stratum = int(section.stratum_at(np.array([x]), np.array([here]))[0])
+    level = water_level(section, x, stratum)
+    below_water = level is not None and level > here
     if section.water_pressure.still:  # levels and ratios of the strata and a drawdown are in it
         place, field = np.array([[x, here]]), section.water_pressure
         pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
@@ -58,10 +60,16 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     return Overburden(stratum, total, total + free_water - pressure, below_water)
 
 
-def water_level(section: Section, x: float) -> float | None:
-    """Elevation of the water table at x (m); None without any."""
-    points = section.water_points()
+def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:
+    """Elevation of the water table at x (m), or of the piezometric level of a stratum that has one of its own; None
+    without any."""
+    points = _level(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
+
+
+def _level(section: Section, stratum: int | None) -> np.ndarray | None:
+    own = None if stratum is None else section.strata[stratum].piezometric_level
+    return section.water_points() if own is None else section.elevations_of(own)
 
 
 def outside(section: Section, x: float, depth: float) -> str:
@@ -75,10 +83,10 @@ def outside(section: Section, x: float, depth: float) -> str:
 
 
 def reaches_water(section: Section, stratum: int) -> bool:
-    """Whether any of a stratum lies below the water table."""
+    """Whether any of a stratum lies below the water table, or below the piezometric level of its own."""
     x = _columns(section)
     levels = section.layering.interfaces(x)
-    points = section.water_points()
+    points = _level(section, stratum)
     if points is None:
         return False
     there = levels[:, stratum] > levels[:, stratum + 1]

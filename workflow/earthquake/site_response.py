@@ -170,7 +170,7 @@ def doubt(strain: float) -> str:
     """What is to be doubted of equivalent linear layers by their largest shear strain; empty where nothing is."""
     if strain <= LARGE:
         return ""
-    told = f"the largest shear strain is {100.0 * strain:.2g} %"
+    told = f"the largest shear strain is {100.0 * strain:.3g} %"
     if strain <= TOO_LARGE:
         return (
             f"{told}, above {100.0 * LARGE:g} %: equivalent linear layers have one stiffness and one damping for all "

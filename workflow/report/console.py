@@ -197,7 +197,8 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         told = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in one.strength_Pa.items()]  # fmt: skip
         drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
-        yield f"{spoken(one.stratum)} keeps a strength of {', '.join(told) or 'outside all relations'}; {drains}."
+        keeps = f"keeps a strength of {', '.join(told)}" if told else "is outside all relations of residual strength"
+        yield f"{spoken(one.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 
@@ -207,7 +208,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     largest = max(answer.layers, key=lambda one: one.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
-        f'x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in "{largest.stratum}" at '
+        f'x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {spoken(largest.stratum)} at '
         f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m."
     )
     if answer.change > CAME_TO_REST:

@@ -146,7 +146,7 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     names = [boring.name for boring in settings.borings]
     problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
                  if names.count(n) > 1]  # fmt: skip
-    if section.water_points() is None:
+    if section.water_points() is None and all(one.piezometric_level is None for one in section.strata):
         problems.append("water, table: missing; soil liquefies below water alone")
     try:
         if earthquake.motion() is None:
@@ -214,11 +214,11 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
     """For every test the depths for which it stands: half-way to the next ones, not beyond its stratum or the water."""
     levels = section.layering.interfaces(np.array([boring.x]))[0]
     depth_of = levels[0] - levels
-    water = water_level(section, boring.x)
     stresses = [overburden(section, boring.x, depth) for depth in depths]
     found = []
     for number, (depth, where) in enumerate(zip(depths, stresses, strict=True)):
         top, bottom = float(depth_of[where.stratum]), float(depth_of[where.stratum + 1])
+        water = water_level(section, boring.x, where.stratum)
         if where.below_water and water is not None:
             top = max(top, float(levels[0]) - water)
         if number > 0 and stresses[number - 1].stratum == where.stratum:

@@ -199,6 +199,25 @@ def test_names_that_a_layer_cannot_have_come_back(tmp_path: Path) -> None:
     assert areas(again) == {key: pytest.approx(value) for key, value in areas(given).items()}
 
 
+def test_strata_that_water_cuts_are_drawn_as_in_their_file(tmp_path: Path) -> None:
+    soil = {**{key: value for key, value in SOIL.items() if not key.startswith("density")}, "density": "18 kN/m^3"}
+    sand = {"name": "Sand", **soil, "density_saturated": "20 kN/m^3"}
+    clay = {"name": "Clay", **soil, "density_saturated": "19 kN/m^3"}
+    given = Section.parse({
+        "name": "cut", "surface": [[0, 12], [40, 12], [60, 4], [100, 4]], "base": {"elevation": -6.0},
+        "water": {"table": [[0, 9], [100, 1]]}, "strata": [{**sand, "bottom": {"elevation": 2.0}}, clay],
+    })  # fmt: skip
+    assert len(given.strata) == 4
+    assert write_dxf(given, tmp_path / "cut.dxf") == []
+    assert [one["name"] for one in tomllib.loads(read_dxf(tmp_path / "cut.dxf", "made").text)["strata"]] == [
+        "Sand",
+        "Clay",
+    ]
+    again, _ = section(tmp_path / "cut.dxf")
+    assert areas(again) == {key: pytest.approx(value) for key, value in areas(given).items()}
+    assert np.allclose(again.water_points(), [[0, 9], [100, 1]])
+
+
 def test_a_section_of_any_names_is_drawn_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "slash.toml"
     text = "\n".join(

@@ -52,6 +52,23 @@ def test_density_and_saturated_density_and_water_on_the_ground() -> None:
     assert drowned.effective == pytest.approx(GRAVITY * 5000.0)
 
 
+def test_water_under_pressure_saturates_ground_above_the_table() -> None:
+    """A level 0.2 m above the ground, a table 1 m below it: at a depth of 0.5 m there is a pressure of 0.7 m of water,
+    so soil may liquefy there; a table is not needed for that."""
+    data = bored()
+    for stratum in data["strata"]:
+        stratum.pop("density_ordinary")
+        stratum.pop("density_seismic")
+        stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3", "piezometric_level": 0.2}
+    data.pop("water_table")
+    for water in ({"water": {"table": -1.0}}, {}):
+        section = Input.parse({**data, **water})
+        found = overburden(section, 50.0, 0.5)
+        assert found.below_water
+        assert found.effective == pytest.approx(GRAVITY * (0.5 * 2000.0 - 0.7 * 1000.0))
+        assert all(one.reason != "above the water table" for one in section.assessment().tests)
+
+
 def test_what_tests_stand_for() -> None:
     """B-1 has loose sand from the water, at 1 m, to 6 m; B-2 as much of dense sand: half of it liquefies."""
     found = Input.parse(bored()).assessment()
