@@ -208,7 +208,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     largest = max(answer.layers, key=lambda one: one.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
-        f'x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {spoken(largest.stratum)} at '
+        f"x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {spoken(largest.stratum)} at "
         f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m."
     )
     if answer.change > CAME_TO_REST:
