@@ -10,7 +10,7 @@ from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.exits import ended, ended_as_program
-from workflow.help_text import with_literal_help
+from workflow.help_text import literal_help
 from workflow.making.command import section
 from workflow.options import (
     Columns,
@@ -393,8 +393,7 @@ def _mind(voice: "Voice", request: "Request", command: str, chosen: Sequence[str
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and leave with its exit code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 our fault."""
-    program = with_literal_help(app) if command is app else command
-    (ended_as_program if arguments is None else ended)(lambda: program(arguments, standalone_mode=True))
+    (ended_as_program if arguments is None else ended)(lambda: literal_help(command)(arguments, standalone_mode=True))
 
 
 if __name__ == "__main__":

@@ -1,15 +1,18 @@
 """The help of commands, in which brackets are brackets: typer takes "[uncertain]" for a style, and leaves it out."""
 
+from collections.abc import Callable
 from typing import Any
 
 import typer
 
 
-def with_literal_help(app: typer.Typer) -> Any:
-    """The command line of ``app``, whose help shows every word in brackets as it was written."""
+def literal_help(call: Callable[..., Any]) -> Any:
+    """A command line whose help shows every word in brackets as it was written; another call as it is."""
     from rich.markup import escape
 
-    program: Any = typer.main.get_command(app)
+    if not isinstance(call, typer.Typer):
+        return call
+    program: Any = typer.main.get_command(call)
     for command in (program, *program.commands.values()):
         for text in (command, *command.params):
             if text.help:

@@ -86,7 +86,8 @@ def _told(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[st
     if error["type"] == "extra_forbidden":
         known = _known_keys(error["loc"], model)
         close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
-        hint = f'; did you mean "{close[0]}"?' if close else f"; expected one of {', '.join(known)}"
+        listed = f"; expected one of {', '.join(known)}" if known else ""
+        hint = f'; did you mean "{close[0]}"?' if close else listed
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
     shown = f" = {value!r}" if isinstance(value, str | int | float | bool) else ""
@@ -127,9 +128,11 @@ def model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[Ba
     for step in location[:-1]:
         if isinstance(step, int):
             continue
-        if here is None or step not in here.model_fields:
+        if here is None:
             return None
-        here = next(_models_in(here.model_fields[step].annotation), None)
+        field = here.model_fields.get(step)
+        others = here.__annotations__.get("__pydantic_extra__")  # of keys that a user makes up
+        here = next(_models_in(others if field is None else field.annotation), None)
     return here
 
 

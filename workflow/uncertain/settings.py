@@ -1,6 +1,6 @@
 """What is uncertain in an input, a table [uncertain], and how a study samples it, a table [study]."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import suppress
 from typing import Annotated, Any, Literal, Self
 
@@ -20,6 +20,14 @@ class Correlation(Model):
     coefficient: float = Field(
         gt=-1.0, lt=1.0, description="correlation of the normal variables behind both (Gaussian copula), such as -0.5"
     )
+
+
+def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
+    """The paths to distributions in tables within a table that is none itself."""
+    for key, inner in value.items() if isinstance(value, Mapping) and not known & set(value) else ():
+        if isinstance(inner, Mapping):
+            deeper = not known & set(inner) and any(isinstance(one, Mapping) for one in inner.values())
+            yield from _nested(f"{path}.{key}", inner, known) if deeper else (f"{path}.{key}",)
 
 
 class UncertainSettings(Model):
@@ -45,6 +53,19 @@ class UncertainSettings(Model):
             i, j = (places[path] for path in pair.of)
             matrix[i, j] = matrix[j, i] = pair.coefficient
         return matrix
+
+    @model_validator(mode="before")
+    @classmethod
+    def _paths_are_quoted(cls, data: Any) -> Any:
+        """TOML takes a path without quotation marks for tables in tables. Raises ValueError with how it is written."""
+        if isinstance(data, Mapping):
+            known = set(Distribution.model_fields)
+            nested = [path for key, value in data.items() for path in _nested(str(key), value, known)]
+            if nested:
+                like = 'such as "strata.Sand.friction_angle"'
+                told = [f'{path}: expected a path in quotation marks, "{path}" = {{ ... }}, {like}' for path in nested]
+                raise ValueError("\n".join(told))
+        return data
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

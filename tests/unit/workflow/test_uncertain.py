@@ -195,3 +195,20 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
     again = Input.parse(tomllib.loads(wet.to_toml()))
     assert again == wet
     assert again.with_drawn(paths) == drawn
+
+
+@pytest.mark.parametrize(
+    ("table", "told"),
+    [
+        (
+            {"strata": {"Sand": {"cohesion": {"normal": ["2 kPa", "1 kPa"]}}}},
+            '"strata.Sand.cohesion" = { ... }, such as',
+        ),
+        ({"Sand": {"cohesion": {"mean": "2 kPa", "deviation": "1 kPa"}}}, '"Sand.cohesion" = { ... }, such as'),
+        ({"strata.*.cohesion": {"mean": "2 kPa"}}, "mean: unknown key; expected one of normal, lognormal, uniform"),
+    ],
+)
+def test_paths_without_quotation_marks_and_unknown_kinds_are_told(table: dict[str, Any], told: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Input.parse({**slope(), "uncertain": table})
+    assert told in str(caught.value)
