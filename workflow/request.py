@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from workflow import stages
 from workflow.earthquake.records_in_use import records
@@ -59,6 +60,8 @@ class Request:
         carried = {} if mesh or afresh else kept(store)
         if carried:
             read = _with(section, tables, carried, store)
+        if read.fem.sides == "tied":
+            refuse_other_sides(read)
         list(records(read))  # a record that cannot be read is told now, not after minutes
         if read.slide.accelerogram:
             from workflow.stages.shaking import shaking_of
@@ -83,7 +86,9 @@ class Request:
         asked = tuple(sorted({0.0, *self.given.fem.kh, *self.given.fem.safety_factor_at}))
         wanted = self.given.fem.model_copy(update={"safety_factor_at": asked})
         bounds = self.given.bounds.model_copy(update={"safety_factor": True})
-        return replace(self, given=self.given.model_copy(update={"fem": wanted, "bounds": bounds}))
+        others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
+        given = self.given.model_copy(update={"fem": wanted, "bounds": bounds})
+        return replace(self, given=given, tables={**self.tables, "bounds": others})
 
     def unread(self, chosen: Sequence[str]) -> list[str]:
         """The settings of the command line that none of the ``chosen`` stages reads."""

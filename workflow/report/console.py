@@ -60,6 +60,8 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
     rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
+    if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
+        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, as far as it was looked for."
     told = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     told += f"{factor.reason}{rest}."
     if factor.slip_surface:

@@ -97,6 +97,7 @@ def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
     if still is not None:
         beside = still.davis if still.davis is not None else still.associated
         told = with_flow(still.factor, fem.flow, beside, fem.estimate, "{:.2f}".format)
+        told = f"above {still.factor:.3g}" if still.verdict == "no failure" else told
         safe = f", with a factor of safety of {told}"
     yield f"Without shaking the section stands{safe}."
     yield (

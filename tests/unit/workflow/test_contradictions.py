@@ -10,7 +10,7 @@ from dem.settings import Case, SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
-from workflow.report.console import slide_sentences
+from workflow.report.console import safety_sentence, slide_sentences
 from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_order, of_settlement, of_sides
 from workflow.report.doubtful import doubtful
 from workflow.results.bounds import SafetyPart
@@ -154,6 +154,12 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     assert any("take 0.281 as an upper limit" in one for one in doubtful(
         results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     ))  # fmt: skip
+
+
+def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Input) -> None:
+    factor = FactorOfSafety(kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), skin=None)
+    told = safety_sentence(factor, fem(run))
+    assert told == "Factor of safety at Kh = 0: above 20, as far as it was looked for."
 
 
 def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Input) -> None:

@@ -170,3 +170,18 @@ def test_cases_are_called_by_number_and_name() -> None:
     data = {**slope(), "slide": {"cases": [{"stiffness": 0.1}, {"stiffness": 0.1, "name": "low strength"}]}}
     given = Input.parse(data)
     assert [given.called(number) for number in (1, 2)] == ["case 1", "case 2, low strength"]
+
+
+def test_tied_sides_that_differ_are_told_before_anything_runs(tmp_path: Path) -> None:
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps(slope()))
+    with pytest.raises(InputError, match='sides = "tied": the left and right sides differ'):
+        Request.of(path, tmp_path, {}, ["fem.sides=tied"])
+
+
+def test_factors_of_safety_read_whether_bounds_are_wanted(tmp_path: Path) -> None:
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps(slope()))
+    request = Request.of(path, tmp_path, {}, ["bounds.run=false", "bounds.gap=0.1"])
+    assert request.unread(["mesh", "fem"]) == ["bounds.run", "bounds.gap"]
+    assert request.with_safety_factors().unread(["mesh", "fem"]) == ["bounds.gap"]
