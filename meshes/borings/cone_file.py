@@ -47,7 +47,9 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Table
 
 
 def _cone(number: int, cells: Mapping[str, str], table: Table) -> list[Cone]:
-    data = {key: with_unit(cells.get(key, ""), table.units.get(key, "")) for key in ("depth", "qc", "fs")}
+    data = {
+        key: with_unit(cells.get(key, ""), table.units.get(key, "")) for key in ("depth", "qc", "fs") if cells.get(key)
+    }
     if cells.get("fines"):
         data["fines"] = cells["fines"].removesuffix("%").strip()
     try:

@@ -14,6 +14,7 @@ JOINED = 0.01
 SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}
 FILLED = {"HATCH", "MPOLYGON"}
+WIDEST = 5e3  # m of a section of a slope
 METRE = 6  # of $INSUNITS
 
 
@@ -89,8 +90,9 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     width = max((float(shape.points[:, 0].max()) for shape in shapes), default=0.0) - min(
         (float(shape.points[:, 0].min()) for shape in shapes), default=0.0
     )
-    if shapes and not 1.0 <= width <= 1e5:
-        notices.append(f"the drawing is {width:.3g} m wide, its unit {size:g} m: --unit says if it is another")
+    if shapes and not 1.0 <= width <= WIDEST:
+        wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
+        notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit says if it is another")
     joined = [one for layer in dict.fromkeys(shape.layer for shape in shapes)
               for one in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
     outlines: list[Shape] = []

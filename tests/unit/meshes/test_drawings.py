@@ -184,6 +184,15 @@ def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> No
     assert 'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: it closes no outline' in told
 
 
+def test_a_drawing_in_millimetres_that_does_not_say_so_is_doubted(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for layer, points in {"Sand": SAND, "Clay": CLAY}.items():
+            space.add_lwpolyline([(1e3 * x, 1e3 * z) for x, z in points], close=True, dxfattribs={"layer": layer})
+
+    path = drawn(tmp_path, draw)
+    assert "100,000 m wide, its unit 1 m: --unit says if it is another" in section(path)[1]
+
+
 NAMES = ("Sand/silt (1)", "Ton, weich – ü β/γ", "sand", "SAND", "WATER", "0", "砂／シルト", "a<b>c=d|e?f*g;h:i\\j`k")
 
 
