@@ -1,9 +1,15 @@
-"""Tests that interrupt: a shell that runs `make test` in the background has told it to ignore Ctrl-C."""
+"""What holds for all tests: Ctrl-C is heard, and no property depends on how busy the machine is."""
 
 import signal
 
+from hypothesis import settings
+
+settings.register_profile("any machine", deadline=None)
+settings.load_profile("any machine")
+
 
 def pytest_configure() -> None:
-    """Hears Ctrl-C again, here and in every program that a test starts."""
+    """Hears Ctrl-C again, here and in every program that a test starts: a shell that runs `make test` in the background
+    has told it to ignore that."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)

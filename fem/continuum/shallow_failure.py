@@ -86,6 +86,10 @@ class _Piece(NamedTuple):
         """x (m)."""
         return 0.5 * (self.start + self.end)
 
+    def is_long(self, depth: float) -> bool:
+        """Whether water below it counts down to a ``depth`` (m)."""
+        return self.end - self.start >= LONG * depth
+
 
 def skins(
     section: Section,
@@ -119,7 +123,9 @@ def skins(
             (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
             for ratio, drawn in _forces(section, piece, settings, shaken)
         ]
-        face = Skin(soil.name, piece.start, piece.end, angle, *min(choices), into_water=piece.strata > 1)
+        face = Skin(
+            soil.name, piece.start, piece.end, angle, *min(choices), into_water=max(piece.strata, len(choices)) > 1
+        )
         if found and found[-1].goes_on_as(face):
             found[-1] = replace(found[-1], end=face.end)
         else:
@@ -189,20 +195,44 @@ def _forces(section: Section, piece: _Piece, settings: FemSettings, shaken: bool
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]
     down, right, seismic = 0.0, 0.0, 0.0
-    for k in range(piece.number, piece.number + piece.strata):
-        soil, lowest = section.strata[k], max(bounds[k + 1], bounds[0] - settings.least_depth)
-        thickness = float(bounds[k] - lowest)
-        if thickness <= 0.0:
-            continue
-        rise = np.zeros(2)
+    for k, top, thickness in _sheets(section, piece, bounds, settings.least_depth):
+        soil, rise = section.strata[k], np.zeros(2)
         if water.present:
             step = min(0.05 * thickness, 0.05 * (piece.end - piece.start), 0.05 * thickness / _steepness(layers, piece))
-            rise = water.slope((piece.middle, float(bounds[k]) - 0.5 * thickness), k, step, shaken)
+            rise = water.slope((piece.middle, top - 0.5 * thickness), k, step, shaken)
         down += thickness * float(soil.density_ordinary - settings.vertical * soil.density_seismic + rise[1] / GRAVITY)
         right -= thickness * float(rise[0]) / GRAVITY
         seismic += thickness * soil.density_seismic
         if seismic > 0.0:
             yield down / seismic, right / seismic
+
+
+def _sheets(
+    section: Section, piece: _Piece, bounds: np.ndarray, least_depth: float
+) -> Iterator[tuple[int, float, float]]:
+    """Stratum, top (m) and thickness (m) of what lies one below the other under a piece, down to the least depth.
+
+    Ground that a film of water's pocket was left with is parted at the water, too: its stratum is not cut there.
+    """
+    for k in range(piece.number, piece.number + piece.strata):
+        top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
+        if top <= lowest:
+            continue
+        level = top if piece.strata > 1 or not piece.is_long(least_depth) else _level(section, piece, k, top, lowest)
+        for upper, lower in ((top, level), (level, lowest)):
+            if upper - lower > section.layering.tolerance:
+                yield k, upper, upper - lower
+
+
+def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
+    """Elevation (m) at which the pore pressure at rest begins between two others in stratum k; ``top`` where it is all
+    wet or all dry. Below it the pressure is linear."""
+    x, water = piece.middle, section.water_pressure
+    ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
+    above, inner, deep = water.at_rest(ends, ends, np.full(3, k))
+    if not water.present or above > UNLIKE or deep <= UNLIKE or deep <= inner:
+        return top
+    return float(np.clip(lowest + 0.1 * (top - lowest) * deep / (deep - inner), lowest, top))
 
 
 def _steepness(layers: Layering, piece: _Piece) -> float:

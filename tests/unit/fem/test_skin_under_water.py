@@ -13,6 +13,8 @@ from fem.limit.bounds import first_mesh, kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.pore_loads import Pressure, at_ends, corner_pressure
+from meshes.section.cutting import FILM
+from meshes.section.dense_lines import CELL
 from meshes.section.section import Section
 from tests.support.water import WATER, soil
 
@@ -102,17 +104,19 @@ def test_pressure_that_shaking_adds_counts_where_the_ground_is_shaken() -> None:
     assert faces_at(section, FIXED, 0.0) == [still]
 
 
-def test_water_just_below_the_face_counts_down_to_the_least_depth() -> None:
-    """A table 0.1 m below the face: of the 0.5 m that are left out, 0.4 m are as wet as with the table along it."""
-    table = [[-30.0, 10.0], [25.0, 9.9], [50.0, 19.9], [90.0, 19.9]]
+@pytest.mark.parametrize(("below", "weight", "strips"), [(0.1, 20e3, 1), (0.4, 19e3, 2)])
+def test_water_just_below_the_face_counts_down_to_the_least_depth(below: float, weight: float, strips: int) -> None:
+    """A table 0.1 m below the face: of the 0.5 m that are left out, 0.4 m are as wet as with the table along it. So
+    thin a film of moist sand is left with the saturated one, and has its weight; 0.4 m are a stratum of their own."""
+    table = [[-30.0, 10.0], [25.0, 10.0 - below], [50.0, 20.0 - below], [90.0, 20.0 - below]]
     section = face_of_sand(water={"table": table})
-    worst = min(skins(section, FIXED), key=lambda face: face.kh)
+    worst = min((face for face in skins(section, FIXED) if face.end > 26.0), key=lambda face: face.kh)
     beta = math.atan(SLOPE)
-    wet = infinite_slope(45.0, 20e3, WATER) * 20e3 * 0.4
-    dry = math.tan(math.radians(45.0) - beta) * 19e3 * 0.1
-    assert worst.kh == pytest.approx((wet + dry) / (20e3 * 0.4 + 19e3 * 0.1), rel=1e-6)
+    wet = infinite_slope(45.0, 20e3, WATER) * 20e3 * (0.5 - below)
+    dry = math.tan(math.radians(45.0) - beta) * weight * below
+    assert worst.kh == pytest.approx((wet + dry) / (20e3 * (0.5 - below) + weight * below), rel=1e-6)
     strong = strengthened(section, [worst], FIXED)
-    assert sum("skin" in s.name for s in strong.strata) == 2
+    assert sum("skin" in s.name for s in strong.strata) == strips
     assert strong.layering.areas().sum() == pytest.approx(section.layering.areas().sum())
 
 
@@ -196,17 +200,23 @@ def test_no_face_is_told_to_bear_more_than_its_infinite_slope(section: Section, 
 @given(random_face())
 @settings(max_examples=15, deadline=None)
 def test_pore_pressure_is_linear_in_every_triangle(section: Section) -> None:
-    """Bounds take it from the corners: where a table bends within a triangle they would be those of other water."""
+    """Bounds take it from the corners: where a table bends within a triangle they would be those of other water.
+
+    A film that is left with the rest lets the corners' pressure be too large by a little, never too small.
+    """
     mesh = first_mesh(section, 2000)
     water = section.water_pressure
+    film = FILM * CELL * float(section.layering.areas().sum()) / 120.0
     for pressure in (water.at_rest, water.shaken):
-        assert_linear(mesh, pressure)
+        assert_linear(mesh, pressure, film)
 
 
-def assert_linear(mesh: Any, pressure: Pressure) -> None:
+def assert_linear(mesh: Any, pressure: Pressure, film: float) -> None:
     corner = corner_pressure(mesh, pressure)
     middle = mesh.points[mesh.cells].mean(axis=1)
     for j in range(3):
         ends = mesh.cells[:, [j, (j + 1) % 3]]
         half = pressure(mesh.points[ends].mean(axis=1), middle, mesh.stratum)
-        assert half == pytest.approx(at_ends(mesh, corner, np.arange(len(middle)), ends).mean(axis=1), abs=250.0)
+        over = at_ends(mesh, corner, np.arange(len(middle)), ends).mean(axis=1) - half
+        assert over.min() > -250.0
+        assert over.max() < 0.5 * WATER * film + 250.0
