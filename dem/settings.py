@@ -289,6 +289,14 @@ class SlideSettings(Model):
         default=0.01, gt=0.0, description="at rest: movement of the surface (m) in 5 s, less than that twice in a row"
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
+    judges: tuple[Literal["discs", "mpm"], ...] = Field(
+        default=("discs",),
+        min_length=1,
+        description='by which methods the slides are computed: "discs", "mpm" (material point method), or both',
+    )
+    mpm_cells: int = Field(
+        default=3000, ge=100, le=100_000, description="cells of the material point method on the section, about"
+    )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
     seeds: tuple[Seed, ...] | PackingCount | None = Field(
         default=None,

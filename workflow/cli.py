@@ -18,6 +18,7 @@ from workflow.options import (
     Force,
     Free,
     Json,
+    Model,
     Out,
     Quiet,
     Refine,
@@ -62,13 +63,12 @@ def init(
     json: Json = False,
 ) -> None:  # fmt: skip
     """Write a section to start from: a commented example, or one of those that come with noshiro."""
-    from json import dumps
-
     from workflow.example import write_example
+    from workflow.terminal import say_data
 
     write_example(file, start)
     words = f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}"
-    typer.echo(dumps({"section": str(file)}) if json else words)
+    return say_data({"section": str(file)}) if json else typer.echo(words)
 
 
 @app.command()
@@ -108,8 +108,7 @@ def run_all(
     only: Annotated[
         list[str] | None,
         typer.Option(
-            "--only", help=f"Run this stage only, one of {STAGES}; repeatable.", show_default=False,
-            autocompletion=lambda: list(stages.NAMES),
+            "--only", help="This stage only; repeatable.", show_default=False, autocompletion=lambda: list(stages.NAMES)
         ),
     ] = None,
     force: Force = False,
@@ -127,10 +126,10 @@ def run_all(
     voice = Voice.of(quiet, verbose, json)
     request = Request.of(section, folder, {}, settings)
     _mind(voice, request, "run", choice.chosen)
-    if voice.speaks and not dry_run:
-        show_strata(request.given)
     if dry_run:
         return show_plan(request.job(), choice, voice)
+    if voice.speaks:
+        show_strata(request.given)
     return execute(request.job(), choice, voice)
 
 
@@ -348,19 +347,20 @@ def slide(
     section: SectionFile,
     folder: Out = None,
     case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
+    model: Model = None,
     settings: Set = None,
     force: Force = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """How far the calibrated discs slide once layers have liquefied."""
+    """How far the ground slides once layers have liquefied: calibrated discs, or --model mpm."""
     from workflow.request import Request
     from workflow.terminal import Voice
 
     request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
     request.refuse_unknown(cases or ())
-    _up_to("slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
+    _up_to("mpm" if model == "mpm" else "slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
 for command in (section, study, converge, verify):

@@ -1,5 +1,6 @@
 """The options that commands have in common."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,13 @@ def _version(wanted: bool) -> None:
 
         typer.echo(f"noshiro {version('noshiro')}")
         raise typer.Exit
+
+
+class SlideModel(StrEnum):
+    """By which method a slide is computed."""
+
+    discs = "discs"
+    mpm = "mpm"
 
 
 Version = Annotated[
@@ -45,3 +53,10 @@ Scheduler = Annotated[
         help="Address of a Dask scheduler whose workers are taken, such as tcp://host:8786.", show_default=False
     ),
 ]
+Model = Annotated[
+    SlideModel | None,
+    typer.Option(
+        "--model", show_default=False,
+        help="By calibrated discs, or by the continuum with the material point method. [default: discs]",
+    ),
+]  # fmt: skip

@@ -126,7 +126,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Re
     ("key", "again"),
     [
         ("slide.seeds", {"slide"}),
-        ("slide.duration", {"slide"}),
+        ("slide.duration", {"mpm", "slide"}),
         ("dem.elements", {"calibrate", "slide"}),
         ("dem.kh", {"calibrate"}),
         ("dem.workers", set()),
@@ -159,7 +159,7 @@ def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liq
     before, as_before, less = (bored_with(peak_acceleration=f"{a} gal") for a in (250, 251, 20))
     assert [bool(stratum.liquefies_in) for stratum in less.strata] != [bool(s.liquefies_in) for s in before.strata]
     assert stale(before, as_before) == {"triggering", "report"}
-    assert stale(before, less) == {"triggering", "liquefied", "slide", "report"}
+    assert stale(before, less) == {"triggering", "liquefied", "mpm", "slide", "report"}
 
 
 def test_what_the_elements_ignore_changes_nothing(tmp_path: Path) -> None:

@@ -66,6 +66,7 @@ CAPTIONS = (
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
+    Caption(r"mpm", "slide", "The surface before and after by the material point method.", True),
     Caption(r"history", "slide", "Settlement and slide in time.", True),
     Caption(r"profiles", "slide", "The surface before and after on all random packings: median, and 5 to 95 %.", True),
     Caption(r"case(\d+)_table2", "slide", "Case {0}, springs of Table 2 as printed."),

@@ -16,6 +16,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.liquefied import LiquefiedAnswer
+from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
@@ -205,6 +206,18 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
 
 
+def mpm_sentences(given: Input, answer: PointSlidesAnswer) -> Iterator[str]:
+    """How far every case slides by the material point method, from mpm/slides.json."""
+    for number, case in sorted(answer.cases.items()):
+        low, high = f"{case.slide_max_low_m:.2g}", f"{case.slide_max_high_m:.2g}"
+        interval = low if low == high else f"{low} to {high}"
+        yield (
+            f"{given.called(number)}: by the material point method the surface slides at most {interval} m, the crest "
+            f"settles {case.settlement_crest_m:.2g} m; {case.reason}."
+        )
+        yield from (f"- {note}." for note in case.notes)
+
+
 def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     """What the layers do under the record, from site_response.json."""
     largest = max(answer.layers, key=lambda one: one.strain)
@@ -240,6 +253,8 @@ def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
         yield from bounds_sentences(BoundsAnswer.read(store))
     elif name == "calibrate":
         yield from calibrate_sentences(CalibrationAnswer.read(store))
+    elif name == "mpm":
+        yield from mpm_sentences(given, PointSlidesAnswer.read(store))
     elif name == "slide":
         yield from slide_sentences(given, CasesAnswer.read(store))
     elif name == "report":

@@ -33,7 +33,10 @@ from workflow.settings import ReportSettings
 
 # Parts of the page with a template of their own.
 MOST_TESTS = 60  # in a table
-PARTS = {"triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja"}
+PARTS = {
+    "triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja",
+    "mpm": "mpm.html.jinja",
+}  # fmt: skip
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 

@@ -48,6 +48,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         cases_table2=_numbers(printed) or None,
         paper_model=_paper_model(results, printed),
         cases_random=results.cases.random if results.cases is not None else None,
+        cases_mpm=results.mpm.cases if results.mpm is not None else None,
         triggering=results.triggering.strata if results.triggering is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
         comparison=tuple(

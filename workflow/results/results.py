@@ -14,6 +14,7 @@ from workflow.results.continuum import Doubt, FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
+from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
@@ -50,6 +51,7 @@ class Results:
     triggering: TriggeringAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
     response: SiteResponseAnswer | None = None
+    mpm: PointSlidesAnswer | None = None
     stages: tuple[Stage, ...] = ()
     older: tuple[str, ...] = ()
 
@@ -90,6 +92,7 @@ class Results:
             triggering=left("triggering", TriggeringAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),
             response=left("response", SiteResponseAnswer),
+            mpm=left("mpm", PointSlidesAnswer),
             stages=told,
             older=tuple(older),
         )

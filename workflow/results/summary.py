@@ -11,6 +11,7 @@ from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import FactorOfSafety, MeshCount, Verdict
 from workflow.results.liquefied import LiquefiedCase
+from workflow.results.material_points import PointCase
 from workflow.results.triggering import StratumPart
 
 
@@ -155,6 +156,9 @@ class Summary(Answer):
     cases_table2: dict[int, CaseNumbers] | None = None
     paper_model: PaperModel | None = Field(default=None, description="the paper's own discs, where they were asked for")
     cases_random: RandomPackings | None = None
+    cases_mpm: dict[int, PointCase] | None = Field(
+        default=None, description="the cases by the material point method, where it was asked for"
+    )
     comparison: tuple[EstimateSummary, ...]
     triggering: tuple[StratumPart, ...] | None = Field(default=None, description="which strata liquefy, by blow counts")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")

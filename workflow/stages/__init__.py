@@ -17,12 +17,14 @@ if TYPE_CHECKING:
     STAGES: tuple[Stage, ...]
 
 # In the order in which they run: each is the name of a stage and of its module here.
-NAMES = ("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report")
+NAMES = (
+    "triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "mpm", "calibrate", "slide", "report",
+)  # fmt: skip
 
 
 def command_of(stage: str) -> str:
     """The command that runs up to a stage; where there is none of its own, `noshiro run` does."""
-    return {"triggering": "liquefaction"}.get(stage, stage)
+    return {"triggering": "liquefaction", "mpm": "slide"}.get(stage, stage)
 
 
 def __getattr__(name: str) -> Any:

@@ -44,8 +44,8 @@ def ignored(given: Input) -> tuple[str, ...]:
     response of the layers, unless it shakes the discs; and what only calibration tells of."""
     unused = () if given.slide.accelerogram == AVERAGE else ("site_response",)
     return (
-        "slide.accelerogram", "site_response.record", "slide.cases", "dem.kh", "dem.element_tests", "dem.out_of_reach",
-        *WITHOUT_EFFECT, *given.dem.without_effect, *unused,
+        "slide.accelerogram", "site_response.record", "slide.cases", "slide.judges", "slide.mpm_cells", "dem.kh",
+        "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *given.dem.without_effect, *unused,
     )  # fmt: skip
 
 

@@ -35,17 +35,17 @@ print(json.dumps(found))
 
 # A file that is changed, the stages that compute again, and those that only draw again.
 CHANGES = {
-    "meshes/section/layering.py": ("triggering response mesh fem variants bounds liquefied calibrate slide", ""),
-    "fem/kernels/return_mapping.py": ("fem variants liquefied calibrate", ""),
-    "fem/solvers/cone_program.py": ("fem variants bounds liquefied calibrate", ""),
-    "dem/kernels/contact.py": ("calibrate slide", ""),
-    "dem/table2_dem.csv": ("calibrate slide", ""),
+    "meshes/section/layering.py": ("triggering response mesh fem variants bounds liquefied mpm calibrate slide", ""),
+    "fem/kernels/return_mapping.py": ("fem variants liquefied mpm calibrate", ""),
+    "fem/solvers/cone_program.py": ("fem variants bounds liquefied mpm calibrate", ""),
+    "dem/kernels/contact.py": ("mpm calibrate slide", ""),
+    "dem/table2_dem.csv": ("mpm calibrate slide", ""),
     "dem/slides/liquefaction.py": ("slide", ""),
     "workflow/stages/random_packings.py": ("slide", ""),
     "workflow/results/journal.py": ("calibrate slide", ""),
     "workflow/figures/bounds.py": ("bounds", ""),  # its pictures cannot be drawn without computing
     "workflow/figures/discs.py": ("", "calibrate slide"),
-    "workflow/figures/canvas.py": ("bounds", "triggering response mesh fem calibrate slide"),
+    "workflow/figures/canvas.py": ("bounds", "triggering response mesh fem mpm calibrate slide"),
     "workflow/report/template.html.jinja": ("", ""),
     "workflow/example.toml": ("", ""),
     "workflow/cli.py": ("", ""),

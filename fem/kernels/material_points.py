@@ -1,0 +1,237 @@
+"""Explicit material point method in plane strain: points to grid, motion of the grid, grid to points, stress.
+
+Points carry mass, momentum, an affine velocity field and stress; a background grid of square cells with quadratic
+B-splines moves them. One step is (Hu et al. 2018, ACM Trans. Graph. 37, 150, eqs. 16 to 18, with D = h² / 4)
+
+    m_i = Σ m N,   p_i = Σ N (m (v + C d) - dt V D⁻¹ σ d + dt m b),   v_i = p_i / m_i + dt f_i / m_i,
+    C' = D⁻¹ Σ N v_i dᵀ,   x' = x + dt Σ N v_i,   v' = Σ N v_i + α (v - Σ N v_i(old)),
+
+d from the point to the node. α = 0 is the affine particle-in-cell transfer (APIC, Jiang et al. 2015), α near 1 keeps
+what the grid cannot resolve (affine FLIP). Stress is Mohr-Coulomb without dilation: with t the radius and p the mean of
+Mohr's circle in the plane (compression positive) t <= c cos φ + p sin φ, the out-of-plane stress the intermediate one,
+returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2, with ψ = 0); a mean tension beyond the apex opens
+the ground, and a volume that has opened has to close before it presses again.
+
+Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
+columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
+order for any number of threads.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), share α of its own
+# velocity that it keeps, volume that drains in a unit of time (1/s, shrinking positive), weight over seismic mass.
+BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY = range(8)
+PROPERTIES = 8
+# Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain.
+VOLUME, MASS, OPENED, SHEARED = range(4)
+STATES = 4
+# Of a node: mass, momentum, force, volume; then velocity before and after the step.
+NODE = 6
+# Sums of a stripe (J/m): work of weight and shaking, plastic work.
+EXTERNAL, PLASTIC = range(2)
+FREE, HELD, WALL = range(3)  # of a node: free; at rest; at rest horizontally
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _weights(f: float) -> tuple[float, float, float]:
+    """Quadratic B-spline weights of three nodes; f is the place of the point from the first one, 0.5 to 1.5."""
+    return 0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def scatter(
+    stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
+    heavy: Floats, cell: float, periodic: bool, push: float, gravity_x: float, gravity_z: float, grid: Floats,
+) -> None:  # fmt: skip
+    """Add mass, momentum, force and volume of the points of some stripes to the grid (nx, nz, NODE).
+
+    push (m/s²): what shaking does to the whole mass, horizontally; gravity (m/s²) acts on ``heavy`` times it.
+    """
+    inverse, columns = 1.0 / cell, grid.shape[0]
+    stiff = 4.0 * inverse * inverse
+    for stripe in stripes:
+        for p in range(offsets[stripe], offsets[stripe + 1]):
+            i, j = math.floor(x[p, 0] * inverse - 0.5), math.floor(x[p, 1] * inverse - 0.5)
+            fx, fz = x[p, 0] * inverse - i, x[p, 1] * inverse - j
+            w0, w1, w2 = _weights(fx)
+            q0, q1, q2 = _weights(fz)
+            mass, volume = state[p, MASS], state[p, VOLUME]
+            px, pz = mass * v[p, 0], mass * v[p, 1]
+            cxx, cxz, czx, czz = mass * affine[p, 0], mass * affine[p, 1], mass * affine[p, 2], mass * affine[p, 3]
+            k = stiff * volume
+            sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
+            bx, bz = mass * (push + heavy[p] * gravity_x), mass * heavy[p] * gravity_z
+            for a in range(3):
+                wa = w0 if a == 0 else (w1 if a == 1 else w2)
+                column = i + a
+                if periodic:
+                    column %= columns
+                dx = (a - fx) * cell
+                for b in range(3):
+                    w = wa * (q0 if b == 0 else (q1 if b == 1 else q2))
+                    dz = (b - fz) * cell
+                    grid[column, j + b, 0] += w * mass
+                    grid[column, j + b, 1] += w * (px + cxx * dx + cxz * dz)
+                    grid[column, j + b, 2] += w * (pz + czx * dx + czz * dz)
+                    grid[column, j + b, 3] += w * (bx - sxx * dx - sxz * dz)
+                    grid[column, j + b, 4] += w * (bz - sxz * dx - szz * dz)
+                    grid[column, j + b, 5] += w * volume
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_grid(
+    first: int, last: int, grid: Floats, uplift: Floats, held: NDArray[np.int8], dt: float, damping: float,
+    velocity: Floats, gained: Floats,
+) -> None:  # fmt: skip
+    """Velocities (nx, nz, 4) of the nodes of some columns before and after a step; ``gained`` (nx,) takes the kinetic
+    energy (J/m) that forces gave them.
+
+    uplift (nx, nz, 2): what pore water does to a volume of ground, minus its pressure gradient (N/m³). damping: local
+    non-viscous damping of the forces (Cundall 1987), 0 for none.
+    """
+    for i in range(first, last):
+        energy = 0.0
+        for j in range(grid.shape[1]):
+            mass = grid[i, j, 0]
+            if mass <= 0.0 or held[i, j] == HELD:
+                velocity[i, j, 0] = velocity[i, j, 1] = velocity[i, j, 2] = velocity[i, j, 3] = 0.0
+                continue
+            old_x, old_z = grid[i, j, 1] / mass, grid[i, j, 2] / mass
+            if held[i, j] == WALL:
+                old_x = 0.0
+            ax = (grid[i, j, 3] + grid[i, j, 5] * uplift[i, j, 0]) / mass
+            az = (grid[i, j, 4] + grid[i, j, 5] * uplift[i, j, 1]) / mass
+            if damping > 0.0:
+                ax *= 1.0 - damping if ax * old_x > 0.0 else 1.0 + damping
+                az *= 1.0 - damping if az * old_z > 0.0 else 1.0 + damping
+            new_x, new_z = old_x + dt * ax, old_z + dt * az
+            if held[i, j] == WALL:
+                new_x = 0.0
+            velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
+            energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
+        gained[i] += energy
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _update_stress(
+    stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
+    drained: float,
+) -> float:  # fmt: skip
+    """Stress of a point after a strain increment (tensor components) and a rotation; the plastic work (J/m)."""
+    bulk, shear = properties[p, BULK], properties[p, SHEAR]
+    mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
+    cos, sin = math.cos(2.0 * spin), math.sin(2.0 * spin)
+    half, cross = half * cos + cross * sin, cross * cos - half * sin
+    half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
+    volumetric = xx + zz + drained
+    opened = state[p, OPENED]
+    if opened > 0.0:
+        opened += volumetric
+        if opened < 0.0:
+            mean, opened = mean + bulk * opened, 0.0
+    else:
+        mean += bulk * volumetric
+    if mean > properties[p, LIMIT]:
+        opened += (mean - properties[p, LIMIT]) / bulk
+        mean = properties[p, LIMIT]
+    state[p, OPENED] = opened
+    radius, work = math.sqrt(half * half + cross * cross), 0.0
+    strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
+    if radius > strength:
+        slip = (radius - strength) / shear
+        state[p, SHEARED] += slip
+        work = strength * slip * state[p, VOLUME]
+        half, cross = half * strength / radius, cross * strength / radius
+    stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
+    state[p, VOLUME] *= 1.0 + xx + zz
+    return work
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather(
+    stripes: Integers, offsets: Integers, velocity: Floats, cell: float, periodic: bool, dt: float, push: float,
+    gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
+    properties: Floats, sums: Floats,
+) -> None:  # fmt: skip
+    """Move the points of some stripes with the grid and update their stress; ``sums`` (stripes, 2) take energies."""
+    inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
+    stiff = 4.0 * inverse * inverse
+    low, high_x, high_z = 2.0 * cell, (columns - 3.0) * cell, (rows - 3.0) * cell
+    for stripe in stripes:
+        external = plastic = 0.0
+        for p in range(offsets[stripe], offsets[stripe + 1]):
+            i, j = math.floor(x[p, 0] * inverse - 0.5), math.floor(x[p, 1] * inverse - 0.5)
+            fx, fz = x[p, 0] * inverse - i, x[p, 1] * inverse - j
+            w0, w1, w2 = _weights(fx)
+            q0, q1, q2 = _weights(fz)
+            old_x = old_z = new_x = new_z = cxx = cxz = czx = czz = 0.0
+            for a in range(3):
+                wa = w0 if a == 0 else (w1 if a == 1 else w2)
+                column = i + a
+                if periodic:
+                    column %= columns
+                dx = (a - fx) * cell
+                for b in range(3):
+                    w = wa * (q0 if b == 0 else (q1 if b == 1 else q2))
+                    dz = (b - fz) * cell
+                    vx, vz = velocity[column, j + b, 2], velocity[column, j + b, 3]
+                    old_x += w * velocity[column, j + b, 0]
+                    old_z += w * velocity[column, j + b, 1]
+                    new_x += w * vx
+                    new_z += w * vz
+                    cxx += w * vx * dx
+                    cxz += w * vx * dz
+                    czx += w * vz * dx
+                    czz += w * vz * dz
+            cxx, cxz, czx, czz = stiff * cxx, stiff * cxz, stiff * czx, stiff * czz
+            affine[p, 0], affine[p, 1], affine[p, 2], affine[p, 3] = cxx, cxz, czx, czz
+            keep, heavy, mass = properties[p, KEEP], properties[p, HEAVY], state[p, MASS]
+            middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
+            external += mass * dt * ((push + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
+            v[p, 0] = new_x + keep * (v[p, 0] - old_x)
+            v[p, 1] = new_z + keep * (v[p, 1] - old_z)
+            x[p, 0] += dt * new_x
+            x[p, 1] += dt * new_z
+            if not periodic and not low < x[p, 0] < high_x:
+                x[p, 0], v[p, 0] = min(max(x[p, 0], low), high_x), 0.0
+            if not low < x[p, 1] < high_z:
+                x[p, 1], v[p, 1] = min(max(x[p, 1], low), high_z), 0.0
+            drained = dt * properties[p, DRAINS]
+            plastic += _update_stress(
+                stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
+                drained,
+            )  # fmt: skip
+        sums[stripe, EXTERNAL] += external
+        sums[stripe, PLASTIC] += plastic
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def advance(
+    steps: int, stripes: Integers, offsets: Integers, cell: float, periodic: bool, dt: float, pushes: Floats,
+    gravity_x: float, gravity_z: float, damping: float, uplift: Floats, held: NDArray[np.int8], x: Floats, v: Floats,
+    affine: Floats, stress: Floats, state: Floats, properties: Floats, grid: Floats, velocity: Floats, gained: Floats,
+    sums: Floats,
+) -> None:  # fmt: skip
+    """Some steps on one thread; ``pushes`` (steps,) are the accelerations by shaking (m/s²)."""
+    heavy = properties[:, HEAVY].copy()
+    for step in range(steps):
+        grid[:] = 0.0
+        push = pushes[step]
+        for parity in range(2):
+            scatter(
+                stripes[parity::2], offsets, x, v, affine, stress, state, heavy, cell, periodic, push, gravity_x,
+                gravity_z, grid,
+            )  # fmt: skip
+        move_grid(0, grid.shape[0], grid, uplift, held, dt, damping, velocity, gained)
+        gather(
+            stripes, offsets, velocity, cell, periodic, dt, push, gravity_x, gravity_z, x, v, affine, stress, state,
+            properties, sums,
+        )  # fmt: skip

@@ -1,0 +1,25 @@
+"""Material point method: the continuum in large displacement, a second opinion on how far the ground slides.
+
+`ground_of` makes material points of a section, `MaterialPointEngine` moves them on a background grid, and `PointSlider`
+takes them through shaking and liquefaction until the surface is at rest. For problems without a section, such as a
+column that is let go, build `MaterialPoints` and a `BackgroundGrid` by hand.
+"""
+
+from fem.mpm.engine import MaterialPointEnergy, MaterialPointEngine
+from fem.mpm.grid import BackgroundGrid
+from fem.mpm.ground import PointGround, ground_of
+from fem.mpm.points import MaterialPoints, PointSoil
+from fem.mpm.slide import PointSlide, PointSlider, SlideProgramme
+
+__all__ = [
+    "BackgroundGrid",
+    "MaterialPointEnergy",
+    "MaterialPointEngine",
+    "MaterialPoints",
+    "PointGround",
+    "PointSlide",
+    "PointSlider",
+    "PointSoil",
+    "SlideProgramme",
+    "ground_of",
+]

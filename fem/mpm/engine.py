@@ -1,0 +1,189 @@
+"""The engine of the material points: takes them forward in time, on any number of threads with the same bits."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.kernels import material_points as kernel
+from fem.mpm.grid import BackgroundGrid
+from fem.mpm.points import MaterialPoints
+from meshes.section.quantity import GRAVITY
+
+COURANT = 0.4  # time step over the time in which the fastest wave crosses a cell
+STRIPE = 8  # columns of cells that belong together
+DRIFT = 0.5  # of a cell, that points may go before they are sorted again
+BATCH = 0.02  # s, after which the time step follows the fastest point
+
+Push = Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass
+class MaterialPointEnergy:
+    """Energies since the beginning (J per metre out of plane).
+
+    Attributes
+    ----------
+    external : float
+        Work of weight and shaking.
+    plastic : float
+        Plastic work in shear.
+    kinetic_gained : float
+        What forces gave to the nodes as kinetic energy.
+    kinetic, elastic : float
+        What the points have now.
+    """
+
+    external: float = 0.0
+    plastic: float = 0.0
+    kinetic_gained: float = 0.0
+    kinetic: float = 0.0
+    elastic: float = 0.0
+
+    @property
+    def transfer_loss(self) -> float:
+        """What was lost between points and grid (J/m): kinetic energy that forces gave and points do not have."""
+        return self.kinetic_gained - self.kinetic
+
+    @property
+    def transfer_loss_share(self) -> float:
+        """The same over the work of weight and shaking (-)."""
+        return self.transfer_loss / max(abs(self.external), 1e-300)
+
+
+class MaterialPointEngine:
+    """Takes points forward on a grid.
+
+    Parameters
+    ----------
+    points : MaterialPoints
+        The ground; its arrays are changed.
+    grid : BackgroundGrid
+        Where it moves.
+    gravity : tuple of float
+        Acceleration by weight (m/s²), x and z.
+    threads : int
+        Threads; the answer is the same to the bit for any number.
+    """
+
+    def __init__(
+        self,
+        points: MaterialPoints,
+        grid: BackgroundGrid,
+        gravity: tuple[float, float] = (0.0, -GRAVITY),
+        threads: int = 1,
+    ) -> None:
+        self.points, self.grid, self.gravity, self.threads = points, grid, gravity, threads
+        self.time, self.steps = 0.0, 0
+        self.order = np.arange(len(points.x))  # numbers, as handed over, of the points as they lie now
+        self._began = points.kinetic(grid.cell)
+        columns, rows = grid.shape
+        self._nodes, self._velocity = np.zeros((columns, rows, kernel.NODE)), np.zeros((columns, rows, 4))
+        self._gained = np.zeros(columns)
+        stripes = 1 if grid.periodic and columns < 2 * STRIPE else -(-columns // STRIPE)
+        if grid.periodic and stripes % 2 and stripes > 1:
+            stripes -= 1  # even, so that the last one is no neighbour of its like
+        self._stripes = np.arange(stripes, dtype=np.int64)
+        self._sums = np.zeros((stripes, 2))
+        self._sort()
+
+    @property
+    def energy(self) -> MaterialPointEnergy:
+        """The balance of energy by now."""
+        external, plastic = self._sums.sum(axis=0)
+        now = self.points.kinetic(self.grid.cell)
+        gained = float(self._gained.sum()) + self._began
+        return MaterialPointEnergy(float(external), float(plastic), gained, now, self.points.elastic())
+
+    def run(self, seconds: float, push: Push | None = None, damping: float = 0.0) -> None:
+        """Go on for some seconds; ``push`` gives the acceleration by shaking (m/s²) at times (s).
+
+        ``damping`` is that of Cundall (1987), 0 to 1, to bring the ground to rest. Raises FloatingPointError where the
+        motion is no longer finite.
+        """
+        end = self.time + seconds
+        while self.time < end - 1e-9:
+            batch = min(BATCH, end - self.time)
+            fastest = float(np.sqrt((self.points.v**2).sum(axis=1).max(initial=0.0)))
+            if not np.isfinite(fastest):
+                raise FloatingPointError(f"the material points have no finite velocity at {self.time:.2f} s")
+            speed = self.points.wave_speed + fastest
+            steps = max(1, int(np.ceil(batch * speed / (COURANT * self.grid.cell))))
+            dt = batch / steps
+            middles = self.time + dt * (np.arange(steps) + 0.5)
+            pushes = np.zeros(steps) if push is None else np.asarray(push(middles), dtype=float)
+            self._advance(dt, pushes, damping)
+            self.time += batch
+            self.steps += steps
+            if np.abs(self.points.x - self._sorted_at).max() > DRIFT * self.grid.cell:
+                self._sort()
+
+    def original(self, values: np.ndarray) -> np.ndarray:
+        """Values (n, ...) of the points in the order in which they were handed over."""
+        out = np.empty_like(values)
+        out[self.order] = values
+        return out
+
+    def begin_again(self) -> None:
+        """Count time and energies from here."""
+        self.time, self.steps = 0.0, 0
+        self._gained[:], self._sums[:] = 0.0, 0.0
+        self._began = self.points.kinetic(self.grid.cell)
+
+    def _advance(self, dt: float, pushes: np.ndarray, damping: float) -> None:
+        points, grid = self.points, self.grid
+        with np.errstate(invalid="ignore"):
+            points.properties[:, kernel.KEEP] = np.maximum(1.0 - points.decay * dt, 0.0)
+        moving = points.x, points.v, points.affine, points.stress, points.state
+        if self.threads == 1:
+            kernel.advance(
+                len(pushes), self._stripes, self._offsets, grid.cell, grid.periodic, dt, pushes, *self.gravity,
+                damping, grid.uplift, grid.held, *moving, points.properties, self._nodes, self._velocity,
+                self._gained, self._sums,
+            )  # fmt: skip
+            return
+        heavy = points.properties[:, kernel.HEAVY].copy()
+        edges = np.linspace(0, grid.shape[0], self.threads + 1).astype(int)
+        with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
+            for push in pushes:
+                self._nodes[:] = 0.0
+                for shares in self._even, self._odd:
+                    list(pool.map(lambda mine, push=push: kernel.scatter(
+                        mine, self._offsets, *moving, heavy, grid.cell, grid.periodic, push, *self.gravity, self._nodes
+                    ), shares))  # fmt: skip
+                list(pool.map(lambda first, last: kernel.move_grid(
+                    first, last, self._nodes, grid.uplift, grid.held, dt, damping, self._velocity, self._gained
+                ), edges[:-1], edges[1:]))  # fmt: skip
+                list(pool.map(lambda mine, push=push: kernel.gather(
+                    mine, self._offsets, self._velocity, grid.cell, grid.periodic, dt, push, *self.gravity, *moving,
+                    points.properties, self._sums,
+                ), self._all))  # fmt: skip
+
+    def _sort(self) -> None:
+        """Put the points in the order of stripes, columns and rows, and the stripes to the threads."""
+        points, columns = self.points, self.grid.shape[0]
+        i, j = (np.floor(points.x / self.grid.cell - 0.5)).astype(np.int64).T
+        i = i % columns if self.grid.periodic else i
+        width = -(-columns // len(self._stripes))
+        stripe = np.minimum(i // width, len(self._stripes) - 1)
+        order = np.lexsort((j, i, stripe))
+        if not np.array_equal(order, np.arange(len(order))):
+            for name in ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay"):
+                array = getattr(points, name)
+                array[:] = array[order]
+            self.order = self.order[order]
+        self._offsets = np.searchsorted(stripe[order], np.arange(len(self._stripes) + 1))
+        self._sorted_at = points.x.copy()
+        counts = np.diff(self._offsets)
+        every = self._stripes
+        self._even, self._odd, self._all = (
+            _shared(stripes, counts, self.threads) for stripes in (every[::2], every[1::2], every)
+        )
+
+
+def _shared(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
+    """The stripes in runs of about as many points for each thread."""
+    done = np.cumsum(counts[stripes])
+    total = done[-1] if len(done) else 0
+    return [stripes[(done > total * k / threads) & (done <= total * (k + 1) / threads)] for k in range(threads)]

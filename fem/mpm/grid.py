@@ -1,0 +1,44 @@
+"""The background grid on which the points move for a step: square cells, and what is held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.kernels import material_points as kernel
+
+
+@dataclass(frozen=True, eq=False)
+class BackgroundGrid:
+    """A grid of square cells from x = 0, z = 0 on.
+
+    Attributes
+    ----------
+    cell : float
+        Side of a cell (m).
+    held : ndarray (nx, nz)
+        What is held at each node: `FREE`, `HELD` or `WALL` of `fem.kernels.material_points`.
+    uplift : ndarray (nx, nz, 2)
+        Minus the gradient of the pore pressure (N/m³).
+    periodic : bool
+        Whether the right side goes on at the left one.
+    """
+
+    cell: float
+    held: np.ndarray
+    uplift: np.ndarray
+    periodic: bool = False
+
+    @classmethod
+    def empty(cls, cell: float, columns: int, rows: int, periodic: bool = False, floor: int = 3) -> "BackgroundGrid":
+        """A grid without water whose lowest rows of nodes, ``floor`` of them, are at rest; so are its sides, three
+        columns each, unless it is periodic."""
+        held = np.full((columns, rows), kernel.FREE, dtype=np.int8)
+        held[:, :floor] = kernel.HELD
+        if not periodic:
+            held[:3] = held[-3:] = kernel.HELD
+        return cls(cell, held, np.zeros((columns, rows, 2)), periodic)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Columns and rows of nodes."""
+        return int(self.held.shape[0]), int(self.held.shape[1])

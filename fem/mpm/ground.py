@@ -1,0 +1,208 @@
+"""A section as material points on a grid: where they lie, what holds them, and the stress with which they begin.
+
+Around the section lie a few cells of rigid ground: below its base, so that the base is rough, and beyond its sides, as
+in the rigid box of the discs. Coordinates of points and grid are those of the section less an `offset`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.kernels import material_points as kernel
+from fem.mpm.grid import BackgroundGrid
+from fem.mpm.points import MaterialPoints, PointSoil
+from meshes.section.section import Section
+
+BORDER = 3  # cells of rigid ground around the section
+HEADROOM = 6  # cells above its highest point
+RIGID = 1e15  # Pa: cohesion of that ground
+THINNEST = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
+# m/s: stiffer ground is given the stiffness with which compression waves travel so fast. What it moves elastically is
+# centimetres, and the time step is as long as waves allow.
+FASTEST = 250.0
+# Above it a nearly incompressible skeleton makes waves fast and pressures rough, and slides no different.
+LARGEST_POISSON = 0.45
+
+
+@dataclass(frozen=True, eq=False)
+class PointGround:
+    """A section as points.
+
+    Attributes
+    ----------
+    section : Section
+        The section.
+    points : MaterialPoints
+        Its points, with those of the rigid ground (stratum -1).
+    grid : BackgroundGrid
+        The grid on which they move.
+    offset : ndarray (2,)
+        Place in the section of the grid's origin (m).
+    surface : ndarray (k,)
+        Numbers of the points that are the surface, from left to right, in the order of ``points`` as they are here.
+    effective : ndarray (n,)
+        Vertical effective stress of each point before the earthquake (Pa), compression positive.
+    softened : tuple of str
+        Strata that had to be made less stiff, see ``FASTEST``.
+    """
+
+    section: Section
+    points: MaterialPoints
+    grid: BackgroundGrid
+    offset: np.ndarray
+    surface: np.ndarray
+    effective: np.ndarray
+    softened: tuple[str, ...]
+
+
+def ground_of(section: Section, cells: int) -> PointGround:
+    """The section as points, four to a cell, on about so many cells.
+
+    Columns of points are filled from the base to the surface layer by layer, so that every layer has its own area and
+    the surface is where it is. Stress is that of the column above, K0 = ν / (1 - ν); it is not yet in equilibrium.
+    """
+    left, right = section.extent
+    area = float(section.layering.areas().sum())
+    width = right - left
+    cell = width / max(8, round(width / np.sqrt(area / cells)))
+    spacing = 0.5 * cell
+    x, top, bottom, stratum = _columns(section, spacing)
+    places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
+    inside = (places[:, 0] > left) & (places[:, 0] < right) & (owners >= 0)
+    low, high = places.min(axis=0), places.max(axis=0)
+    offset = np.array([left - (BORDER + 2) * cell, np.floor(low[1] / cell) * cell - 2.0 * cell])
+    shape = (round(width / cell) + 2 * (BORDER + 2) + 1, int((high[1] - offset[1]) / cell) + HEADROOM)
+    effective = _effective(section, places, owners)
+    soil, softened = _soil(section, places, owners, inside)
+    number = np.where(inside, owners, -1)
+    points = MaterialPoints.of(places - offset, volumes, soil, number)
+    poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
+    points.stress[:, 1] = -effective
+    points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
+    grid = _grid(section, cell, shape, offset)
+    return PointGround(section, points, grid, offset, np.flatnonzero(is_top & inside), effective, softened)
+
+
+def _columns(section: Section, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Columns of points: their x, and tops, bottoms and owners (columns, layers) of what lies in each; m.
+
+    The last layer is the rigid ground below the base (owner -1).
+    """
+    left, right = section.extent
+    extra = 2 * BORDER
+    x = left + spacing * (np.arange(-extra, round((right - left) / spacing) + extra) + 0.5)
+    at = np.clip(x, left + 0.5 * spacing, right - 0.5 * spacing)
+    levels = section.layering.interfaces(at)
+    floor = levels[:, -1:] - 2 * BORDER * spacing
+    top, bottom = levels, np.hstack([levels[:, 1:], floor])
+    owner = np.append(np.arange(levels.shape[1] - 1), -1)
+    return x, top, bottom, np.broadcast_to(owner, top.shape)
+
+
+def _fill(
+    x: np.ndarray, top: np.ndarray, bottom: np.ndarray, owner: np.ndarray, spacing: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Places (n, 2), areas (n,) and owners (n,) of the points of columns, and which are the highest of theirs."""
+    places, volumes, owners, is_top = [], [], [], []
+    for column, at in enumerate(x):
+        first = True
+        for high, low, own in zip(top[column], bottom[column], owner[column], strict=True):
+            if high - low < THINNEST * spacing:
+                continue
+            count = max(1, round((high - low) / spacing))
+            z = high - (high - low) * (np.arange(count) + 0.5) / count
+            places.append(np.column_stack([np.full(count, at), z]))
+            volumes.append(np.full(count, spacing * (high - low) / count))
+            owners.append(np.full(count, own))
+            is_top.append(np.arange(count) == (0 if first else -1))
+            first = False
+    return np.vstack(places), np.concatenate(volumes), np.concatenate(owners), np.concatenate(is_top)
+
+
+def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """Vertical effective stress (n,) of the column above each point (Pa); that at the base below it."""
+    left, right = section.extent
+    tiny = 1e-9 * (right - left)
+    at = np.column_stack([np.clip(places[:, 0], left + tiny, right - tiny), places[:, 1]])
+    at[:, 1] = np.maximum(at[:, 1], section.layering.interfaces(at[:, 0])[:, -1])
+    water, stratum = section.water_pressure, np.maximum(owners, 0)
+    stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
+    total = water.overburden(at, at) + water.ponded(water.after, at, at)
+    surcharge = np.zeros(len(at))
+    return np.maximum(total + surcharge - water.at_rest(at, at, stratum), 0.0)
+
+
+def _soil(
+    section: Section, places: np.ndarray, owners: np.ndarray, inside: np.ndarray
+) -> tuple[PointSoil, tuple[str, ...]]:
+    """Soil of the points; rigid ground has stiffness and weight of the stratum beside it, or of the lowest one."""
+    strata = section.strata
+    k = np.where(owners < 0, len(strata) - 1, owners)
+
+    def of(values: list[float]) -> np.ndarray:
+        return np.array(values, dtype=float)[k]
+
+    mass = [max(s.density_seismic, s.density_ordinary, 1.0) for s in strata]
+    poisson = [min(s.poissons_ratio, LARGEST_POISSON) for s in strata]
+    young, softened = [], []
+    for s, nu, rho in zip(strata, poisson, mass, strict=True):
+        most = rho * FASTEST**2 * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
+        young.append(min(s.youngs_modulus, most))
+        if s.youngs_modulus > most:
+            softened.append(s.name)
+    grown = np.array([s.cohesion_increase for s in strata])[k] * (
+        np.array([s.cohesion_from or 0.0 for s in strata])[k] - places[:, 1]
+    )
+    cohesion = np.where(inside, np.maximum(of([s.cohesion for s in strata]) + grown, 0.0), RIGID)
+    friction = np.where(inside, of([s.friction_angle for s in strata]), 0.0)
+    tension = np.where(inside, of([np.inf if s.tension is None else s.tension for s in strata]), np.inf)
+    weight = of([s.density_ordinary / rho for s, rho in zip(strata, mass, strict=True)])
+    return PointSoil(of(mass), of(young), of(poisson), cohesion, friction, tension, weight), tuple(softened)
+
+
+def _grid(section: Section, cell: float, shape: tuple[int, int], offset: np.ndarray) -> BackgroundGrid:
+    """Nodes well inside the rigid ground are held; pore water works by its gradient."""
+    left, right = section.extent
+    x, z = (offset[axis] + cell * np.arange(shape[axis]) for axis in (0, 1))
+    at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
+    base = section.layering.interfaces(at)[:, -1]
+    held = np.full(shape, kernel.FREE, dtype=np.int8)
+    held[z[None, :] <= base[:, None] - (BORDER - 1) * cell] = kernel.HELD
+    held[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.HELD
+    held[:, -2:] = kernel.HELD
+    return BackgroundGrid(cell, held, _uplift(section, cell, x, z))
+
+
+def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Minus the gradient of the pressure of the water (N/m³) at nodes, over a cell; (nx, nz, 2).
+
+    Above the ground it is that of the water that stands there, so that ground that has slid into it is borne by it.
+    """
+    shape = (len(x), len(z))
+    if not section.water_pressure.present:
+        return np.zeros((*shape, 2))
+    grid = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    out = np.zeros((*shape, 2))
+    for axis in (0, 1):
+        step = np.zeros(2)
+        step[axis] = 0.5 * cell
+        drop = _pressure(section, grid - step) - _pressure(section, grid + step)
+        out[..., axis] = (drop / cell).reshape(shape)
+    return out
+
+
+def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
+    """Pressure of the water (n,) in the ground and above it (Pa); beyond sides and base as it is there."""
+    left, right = section.extent
+    water, tiny = section.water_pressure, 1e-9 * (right - left)
+    at = np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])
+    levels = section.layering.interfaces(at[:, 0])
+    drop = np.maximum(levels[:, -1] - at[:, 1], 0.0)  # below the base it goes on as still water
+    at[:, 1] += drop
+    stratum = section.layering.stratum_at(at[:, 0], np.minimum(at[:, 1], levels[:, 0]))
+    inside = (at[:, 1] <= levels[:, 0]) & (stratum >= 0)
+    pressure = water.on_ground(at, at)
+    if inside.any():
+        mine = at[inside]
+        pressure[inside] = water.at_rest(mine, mine, stratum[inside]) + water.shaken(mine, mine, stratum[inside])
+    return pressure + np.where(pressure > 0.0, drop * water.unit_weight, 0.0)

@@ -1,0 +1,158 @@
+"""Material points: mass, motion, stress and strength of the ground, point by point.
+
+Lengths in m, z upwards; stress in Pa, tension positive, components [xx, zz, xz]; masses in kg per metre out of plane.
+"""
+
+from dataclasses import dataclass, fields, replace
+from typing import Self
+
+import numpy as np
+
+from fem.kernels import material_points as kernel
+
+UNLIMITED = 1e30  # Pa: tension without a cut-off
+
+
+@dataclass(frozen=True, eq=False)
+class PointSoil:
+    """Soil of the points; numbers, or arrays of shape (n,).
+
+    Attributes
+    ----------
+    density : float or ndarray
+        Whole mass per volume, which resists acceleration (kg/m³).
+    youngs_modulus, poissons_ratio : float or ndarray
+        Elastic constants in plane strain (Pa, -).
+    cohesion, friction : float or ndarray
+        Mohr-Coulomb strength (Pa, rad); flow is without dilation.
+    tension : float or ndarray
+        Largest mean tension (Pa); inf for none but the apex of the cone, c cot φ.
+    weight_ratio : float or ndarray
+        Density that gravity acts on over ``density`` (-); below 1 where buoyancy is in the density.
+    keep : float or ndarray
+        Share of its own velocity that a point keeps in a second, as κ (1/s) of α = 1 - κ dt; inf for APIC (α = 0).
+    """
+
+    density: float | np.ndarray
+    youngs_modulus: float | np.ndarray
+    poissons_ratio: float | np.ndarray
+    cohesion: float | np.ndarray
+    friction: float | np.ndarray
+    tension: float | np.ndarray = np.inf
+    weight_ratio: float | np.ndarray = 1.0
+    keep: float | np.ndarray = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialPoints:
+    """The points; arrays are changed in place by the engine.
+
+    Attributes
+    ----------
+    x, v : ndarray (n, 2)
+        Place (m) and velocity (m/s).
+    affine : ndarray (n, 4)
+        Velocity gradient [xx, xz, zx, zz] of a point's own field (1/s).
+    stress : ndarray (n, 3)
+        Effective stress [xx, zz, xz] (Pa).
+    state : ndarray (n, 4)
+        Volume (m²), mass (kg/m), opened volumetric strain (-), plastic shear strain (-).
+    properties : ndarray (n, 8)
+        As `fem.kernels.material_points` lists them; the share of velocity kept is in 1/s until the step is known.
+    start : ndarray (n, 2)
+        Place at the beginning (m).
+    stratum : ndarray (n,)
+        Number of the stratum, -1 for rigid ground around the section.
+    """
+
+    x: np.ndarray
+    v: np.ndarray
+    affine: np.ndarray
+    stress: np.ndarray
+    state: np.ndarray
+    properties: np.ndarray
+    start: np.ndarray
+    stratum: np.ndarray
+    decay: np.ndarray
+
+    @classmethod
+    def of(cls, x: np.ndarray, volume: np.ndarray, soil: PointSoil, stratum: np.ndarray | None = None) -> Self:
+        """Points at rest without stress.
+
+        Parameters
+        ----------
+        x : ndarray (n, 2)
+            Places (m).
+        volume : ndarray (n,)
+            Areas in the plane (m²).
+        soil : PointSoil
+            Their soil.
+        stratum : ndarray (n,), optional
+            Numbers of their strata; 0 where not given.
+        """
+        n = len(x)
+        properties = np.zeros((n, kernel.PROPERTIES))
+        shear = soil.youngs_modulus / (2.0 * (1.0 + np.asarray(soil.poissons_ratio)))
+        properties[:, kernel.SHEAR] = shear
+        properties[:, kernel.BULK] = shear / (1.0 - 2.0 * np.asarray(soil.poissons_ratio))
+        properties[:, kernel.HEAVY] = soil.weight_ratio
+        points = cls(
+            x=np.array(x, dtype=float),
+            v=np.zeros((n, 2)),
+            affine=np.zeros((n, 4)),
+            stress=np.zeros((n, 3)),
+            state=np.column_stack([volume, np.broadcast_to(soil.density, n) * volume, np.zeros(n), np.zeros(n)]),
+            properties=properties,
+            start=np.array(x, dtype=float),
+            stratum=np.zeros(n, dtype=np.int64) if stratum is None else np.array(stratum, dtype=np.int64),
+            decay=np.array(np.broadcast_to(np.asarray(soil.keep, dtype=float), n)),
+        )
+        points.set_strength(soil.cohesion, soil.friction, soil.tension)
+        return points
+
+    def set_strength(
+        self,
+        cohesion: float | np.ndarray,
+        friction: float | np.ndarray,
+        tension: float | np.ndarray = np.inf,
+        where: np.ndarray | slice = slice(None),
+    ) -> None:
+        """Give points ``where`` another strength: cohesion (Pa), friction angle (rad), largest mean tension (Pa)."""
+        c, phi, limit = (np.asarray(value, dtype=float) for value in (cohesion, friction, tension))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED)
+        self.properties[where, kernel.STRENGTH] = c * np.cos(phi)
+        self.properties[where, kernel.SIN_PHI] = np.sin(phi)
+        self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED)
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses (n,) in kg/m."""
+        return self.state[:, kernel.MASS]
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Displacement (n, 2) since the beginning (m)."""
+        return self.x - self.start
+
+    @property
+    def wave_speed(self) -> float:
+        """Fastest compression wave (m/s)."""
+        modulus = self.properties[:, kernel.BULK] + self.properties[:, kernel.SHEAR]
+        return float(np.sqrt(modulus * self.state[:, kernel.VOLUME] / self.mass).max())
+
+    def kinetic(self, cell: float) -> float:
+        """Kinetic energy (J/m), that of the affine fields among it, on cells of this size (m)."""
+        own = (self.v**2).sum(axis=1) + 0.25 * cell**2 * (self.affine**2).sum(axis=1)
+        return float(0.5 * np.sum(self.mass * own))
+
+    def elastic(self) -> float:
+        """Elastic energy (J/m) of the stress in the plane."""
+        mean = 0.5 * (self.stress[:, 0] + self.stress[:, 1])
+        radius2 = (0.5 * (self.stress[:, 0] - self.stress[:, 1])) ** 2 + self.stress[:, 2] ** 2
+        density = mean**2 / (2.0 * self.properties[:, kernel.BULK]) + radius2 / (2.0 * self.properties[:, kernel.SHEAR])
+        return float(np.sum(self.state[:, kernel.VOLUME] * density))
+
+    def in_order(self, order: np.ndarray) -> Self:
+        """The same points in another order (n,)."""
+        return replace(self, **{f.name: np.ascontiguousarray(getattr(self, f.name)[order]) for f in fields(self)})

@@ -1,0 +1,266 @@
+"""A slide of material points: at rest, shaken, liquefied, and on until the surface no longer moves."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.kernels import material_points as kernel
+from fem.mpm.engine import MaterialPointEngine, Push
+from fem.mpm.ground import PointGround
+from fem.mpm.points import UNLIMITED
+from fem.search.liquefied_ground import LEAST, Remains
+
+DAMPING = 0.7  # with which the ground comes to rest under its weight
+SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
+STILL = 1e-4  # m: movement between those looks with which the ground is at rest
+LOOK, WINDOW, WINDOWS = 0.5, 5.0, 2  # s between two looks; s in which the surface must not move, twice in a row
+ONSET_STEPS = 20  # in which strength changes as ground liquefies
+UNDRAINED_DECAY = 1.0  # 1/s: with which ground that cannot drain gives its own velocities up to the grid
+LOSS = 0.02  # of the work of weight and shaking, lost between points and grid, above which a slide is doubted
+SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
+
+
+@dataclass(frozen=True, eq=False)
+class SlideProgramme:
+    """What happens to the ground, in s since the slide begins.
+
+    Attributes
+    ----------
+    push : callable
+        Acceleration that the ground feels (m/s²) at times (n,) in s, positive downslope.
+    starts : dict of int to float
+        When each liquefying stratum begins to liquefy, by its number.
+    onset : float
+        How long that takes (s).
+    calm : float
+        From when on the ground may come to rest.
+    duration : float
+        When it is no longer followed.
+    still : float
+        Movement (m) of the surface in 5 s below which, twice in a row, it is at rest.
+    """
+
+    push: Push
+    starts: Mapping[int, float]
+    onset: float
+    calm: float
+    duration: float
+    still: float = 0.01
+
+
+@dataclass
+class PointSlide:
+    """A slide as it went; lengths in m, downslope and down positive.
+
+    Attributes
+    ----------
+    times : list of float
+        Of the looks (s).
+    slide, settlement : list of ndarray (k,)
+        Movement of the surface at each look, from left to right, smoothed.
+    settled : bool
+        Whether the surface came to rest.
+    reason : str
+        Why the slide is over.
+    before, after : ndarray (k, 2)
+        The surface in coordinates of the section.
+    transfer_loss_share : float
+        Energy lost between points and grid over the work of weight and shaking (-).
+    plastic_share : float
+        Plastic work over the same (-).
+    stopped_by : str or None
+        "left" or "right", the side of the box that the slide ran up against.
+    cell : float
+        Side of a cell of the grid (m).
+    """
+
+    times: list[float] = field(default_factory=list)
+    slide: list[np.ndarray] = field(default_factory=list)
+    settlement: list[np.ndarray] = field(default_factory=list)
+    settled: bool = False
+    reason: str = ""
+    before: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    after: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    transfer_loss_share: float = 0.0
+    plastic_share: float = 0.0
+    stopped_by: str | None = None
+    cell: float = 0.0
+
+    @property
+    def slide_max(self) -> float:
+        """Largest slide of the surface at the end (m)."""
+        return float(self.slide[-1].max()) if self.slide else 0.0
+
+
+class PointSlider:
+    """Takes a ground of material points through a slide.
+
+    Parameters
+    ----------
+    ground : PointGround
+        The section as points; they are changed.
+    downslope : int
+        +1 if the slide's positive direction is to the right, -1 if to the left.
+    remains : dict of int to Remains
+        What each liquefying stratum keeps, by its number.
+    drained : float
+        Volume that drains away over the onset (-).
+    threads : int
+        Threads of the engine; same bits for any number.
+    affine_flip : bool
+        Whether undrained ground keeps velocities that the grid cannot resolve (κ of ``UNDRAINED_DECAY``); without it
+        all ground is moved by APIC, whose loss acts as a viscosity.
+    """
+
+    def __init__(
+        self,
+        ground: PointGround,
+        downslope: int,
+        remains: Mapping[int, Remains],
+        drained: float = 0.0,
+        threads: int = 1,
+        affine_flip: bool = True,
+    ) -> None:
+        self.ground, self.sign, self.remains, self.drained = ground, downslope, remains, drained
+        self.affine_flip = affine_flip
+        self.engine = MaterialPointEngine(ground.points, ground.grid, threads=threads)
+        self.began: dict[str, np.ndarray] = {}
+
+    def settle(self) -> float:
+        """Bring the ground to equilibrium under its weight; how far its surface moved (m). It begins anew from there.
+
+        Raises FloatingPointError where the ground has no equilibrium within ``LONGEST_SETTLING``.
+        """
+        points = self.ground.points
+        while True:
+            before = points.x.copy()
+            order = self.engine.order.copy()
+            self.engine.run(SETTLE, damping=DAMPING)
+            moved = self.engine.original(points.x)[order] - before
+            if np.abs(moved).max() < STILL:
+                break
+            if self.engine.time > LONGEST_SETTLING:
+                raise FloatingPointError(
+                    f"the ground does not come to rest under its weight within {LONGEST_SETTLING:g} s: it moved "
+                    f"{np.abs(moved).max():.2g} m in the last {SETTLE:g} s"
+                )
+        far = float(np.abs(points.displacement[points.stratum >= 0]).max())
+        points.start[:] = points.x
+        points.v[:], points.affine[:] = 0.0, 0.0
+        points.state[:, kernel.SHEARED] = 0.0
+        self.engine.begin_again()
+        return far
+
+    def run(self, programme: SlideProgramme, on_look: Callable[[float, np.ndarray], None] | None = None) -> PointSlide:
+        """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide."""
+        slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
+        self._remember()
+        shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
+        while not slide.reason:
+            time = self.engine.time
+            self._liquefy(programme, shares)
+            seconds = min(LOOK, programme.onset / ONSET_STEPS) if self._under_way(programme, time) else LOOK
+            self.engine.run(seconds, lambda times: self.sign * programme.push(times))
+            self._look(slide)
+            if on_look is not None:
+                on_look(self.engine.time, slide.slide[-1])
+            if self._at_rest(slide, programme):
+                slide.settled, slide.reason = True, "the surface has come to rest"
+            elif self.engine.time >= programme.duration - 1e-9:
+                slide.reason = f"still moving after {programme.duration:g} s"
+        slide.after = self._surface()
+        energy = self.engine.energy
+        slide.transfer_loss_share = energy.transfer_loss_share
+        slide.plastic_share = energy.plastic / max(abs(energy.external), 1e-300)
+        slide.stopped_by = self._side_reached()
+        return slide
+
+    def _remember(self) -> None:
+        """Strength before anything liquefies, and what it becomes, point by point."""
+        points, original = self.ground.points, self.engine.original
+        before = original(points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]])
+        after, stratum = before.copy(), original(points.stratum)
+        undrained = (before[:, 1] == 0.0) & (stratum >= 0)
+        for k, kept in self.remains.items():
+            mine, soil = stratum == k, self.ground.section.strata[k]
+            stress = self.ground.effective[mine]
+            friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
+            cohesion = kept.cohesion * soil.cohesion + kept.residual * stress + kept.strength
+            if friction == 0.0:
+                cohesion = np.maximum(cohesion, LEAST * stress)
+            after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)
+            after[mine, 2] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            undrained |= mine
+        self.began = {"before": before, "after": after, "stratum": stratum}
+        if self.affine_flip:
+            points.decay[undrained[self.engine.order]] = UNDRAINED_DECAY
+
+    def _under_way(self, programme: SlideProgramme, time: float) -> bool:
+        """Whether some stratum is liquefying now."""
+        return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
+
+    def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
+        """Strength as the time since the beginning asks for it, and volume that drains meanwhile."""
+        points, order = self.ground.points, self.engine.order
+        columns = [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]
+        for k, start in programme.starts.items():
+            share = _share(self.engine.time - start, programme.onset)
+            if share == shares[k]:
+                continue
+            mine = points.stratum == k
+            before, after = (self.began[name][order][mine] for name in ("before", "after"))
+            strength, sine = (before + share * (after - before))[:, :2].T
+            apex = np.divide(strength, sine, out=np.full(len(sine), UNLIMITED), where=sine > 0.0)
+            limit = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
+            points.properties[np.ix_(mine, columns)] = np.column_stack([strength, sine, limit])
+            draining = self.drained / programme.onset if 0.0 < share < 1.0 else 0.0
+            points.properties[mine, kernel.DRAINS] = draining
+            shares[k] = share
+
+    def _look(self, slide: PointSlide) -> None:
+        moved = self.engine.original(self.ground.points.displacement)[self.ground.surface]
+        slide.times.append(self.engine.time)
+        slide.slide.append(self._smoothed(self.sign * moved[:, 0]))
+        slide.settlement.append(self._smoothed(-moved[:, 1]))
+
+    def _smoothed(self, values: np.ndarray) -> np.ndarray:
+        """Running median over ``SMOOTH`` of the surface: single points that roll ahead are no slide."""
+        half = max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell)))
+        padded = np.pad(values, half, mode="edge")
+        return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1), axis=1)
+
+    def _surface(self) -> np.ndarray:
+        """Tops (k, 2) of the points that are the surface, from left to right, in the section (m)."""
+        top = np.array([0.0, 0.25 * self.ground.grid.cell])
+        return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
+
+    def _at_rest(self, slide: PointSlide, programme: SlideProgramme) -> bool:
+        """Whether the surface has moved by less than ``still`` in each of the last windows."""
+        times = np.array(slide.times)
+        if times[-1] - max(programme.calm, times[0]) < WINDOWS * WINDOW - 1e-9:
+            return False
+        moved = np.hstack([np.array(slide.slide), np.array(slide.settlement)])
+        for k in range(WINDOWS):
+            first, last = times[-1] - (k + 1) * WINDOW, times[-1] - k * WINDOW
+            inside = (times >= first - 1e-9) & (times <= last + 1e-9)
+            if np.ptp(moved[inside], axis=0).max() >= programme.still:
+                return False
+        return True
+
+    def _side_reached(self) -> str | None:
+        """The side against which the slide has piled up: ground that moved lies within two cells of it."""
+        points, grid = self.ground.points, self.ground.grid
+        left, right = self.ground.section.extent
+        x = points.x[:, 0] + self.ground.offset[0]
+        moved = (points.stratum >= 0) & (self.sign * points.displacement[:, 0] > 2.0 * grid.cell)
+        edge = right - 2.0 * grid.cell if self.sign > 0 else left + 2.0 * grid.cell
+        beyond = moved & (x > edge if self.sign > 0 else x < edge)
+        return ("right" if self.sign > 0 else "left") if beyond.any() else None
+
+
+def _share(since: float, onset: float) -> float:
+    """How far ground has liquefied (0 to 1), some seconds ``since`` it began, in steps."""
+    if since < -1e-9:
+        return 0.0
+    return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)

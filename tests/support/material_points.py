@@ -1,0 +1,117 @@
+"""Problems of the material point method with known answers: a slope without end, a column that is let go."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.mpm import BackgroundGrid, MaterialPointEngine, MaterialPoints, PointSoil
+from meshes.section.quantity import GRAVITY
+
+UNIT_WEIGHT = 18e3  # N/m³
+FLOOR = 3  # rows of nodes at rest
+
+
+def lattice(width: float, height: float, spacing: float) -> np.ndarray:
+    """Places (n, 2) of points in rows, from (0, 0) on."""
+    x, z = (np.arange(round(size / spacing)) * spacing + 0.5 * spacing for size in (width, height))
+    return np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class EndlessSlope:
+    """14 m of crust on a liquefied layer of 6 m on firm ground, in the frame of a slope of 4°; sides are periodic."""
+
+    strength: float  # of the layer: over the vertical stress, or in Pa
+    as_ratio: bool = True
+    angle: float = np.radians(4.0)
+    crust: float = 14.0
+    layer: float = 6.0
+    rise: float = 1.0
+    hold: float = 10.0
+
+    @property
+    def yield_coefficient(self) -> float:
+        """k_y of the block on the bottom of the layer, where demand over strength is largest (rigid block)."""
+        depth = self.crust + self.layer
+        share = self.strength if self.as_ratio else self.strength / (UNIT_WEIGHT * depth)
+        return float((share - np.sin(self.angle)) / np.cos(self.angle))
+
+    def newmark(self, kh: float, end: float, step: float = 2e-4) -> float:
+        """Displacement (m) of that block under Kh that rises, is held and goes (Newmark 1965)."""
+        speed = moved = 0.0
+        share = self.strength if self.as_ratio else self.strength / (UNIT_WEIGHT * (self.crust + self.layer))
+        for time in np.arange(0.5 * step, end, step):
+            now = kh * min(1.0, time / self.rise) * (time < self.hold)
+            pull = GRAVITY * (np.sin(self.angle) + now * np.cos(self.angle) - share)
+            speed = max(0.0, speed + pull * step)
+            moved += speed * step
+        return float(moved)
+
+    def engine(self, cell: float, columns: int = 6, threads: int = 1, decay: float = 1.0) -> MaterialPointEngine:
+        """The slope at rest, in equilibrium."""
+        firm, deep = 3.0 * cell, self.crust + self.layer
+        places = lattice(columns * cell, deep + firm, 0.5 * cell)
+        height = places[:, 1] - firm
+        depth = deep - height
+        stratum = np.where(height < 0.0, -1, np.where(height < self.layer, 0, 1))
+        density = UNIT_WEIGHT / GRAVITY
+        shear = density * np.where(stratum == 0, 100.0, 200.0) ** 2
+        poisson = np.where(stratum == 0, 0.45, 0.3)
+        own = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
+        cohesion = np.where(stratum == 0, own, np.where(stratum < 0, 1e15, 5e3))
+        friction = np.where(stratum == 1, np.radians(33.0), 0.0)
+        soil = PointSoil(density, 2.0 * shear * (1.0 + poisson), poisson, cohesion, friction, keep=decay)
+        places = places + np.array([0.0, (FLOOR - 1) * cell])
+        points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
+        points.stress[:, 1] = -UNIT_WEIGHT * np.cos(self.angle) * depth
+        points.stress[:, 0] = np.where(stratum == 0, 1.0, 0.6) * points.stress[:, 1]
+        points.stress[:, 2] = UNIT_WEIGHT * np.sin(self.angle) * depth
+        grid = BackgroundGrid.empty(cell, columns, int((deep + firm) / cell) + FLOOR + 6, periodic=True, floor=FLOOR)
+        gravity = GRAVITY * np.sin(self.angle), -GRAVITY * np.cos(self.angle)
+        return MaterialPointEngine(points, grid, gravity, threads)
+
+    def moved(self, engine: MaterialPointEngine, kh: float, end: float) -> float:
+        """Displacement (m) of the crust under Kh as in `newmark`."""
+
+        def push(time: np.ndarray) -> np.ndarray:
+            return kh * GRAVITY * np.cos(self.angle) * np.minimum(1.0, time / self.rise) * (time < self.hold)
+
+        engine.run(end, push)
+        points = engine.points
+        return float(points.displacement[points.stratum == 1, 0].mean())
+
+
+def column(
+    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float, keep: float = np.inf
+) -> MaterialPointEngine:
+    """A column of ground on rough firm ground, free at both sides, under its weight from the beginning."""
+    firm = 3.0 * cell
+    soil_places = lattice(2.0 * half_width, height, 0.5 * cell) - np.array([half_width, 0.0])
+    below = lattice(2.0 * reach, firm, 0.5 * cell) - np.array([reach, firm])
+    places = np.vstack([soil_places, below])
+    stratum = np.where(np.arange(len(places)) < len(soil_places), 0, -1)
+    density = UNIT_WEIGHT / GRAVITY
+    young = max(200.0 * UNIT_WEIGHT * height, 300.0 * cohesion)
+    poisson = 0.3 if friction > 0.0 else 0.45
+    own = np.where(stratum == 0, cohesion, 1e15)
+    phi = np.where(stratum == 0, friction, 0.0)
+    soil = PointSoil(density, young, poisson, own, phi, keep=keep)
+    half = int(reach / cell) + 4
+    places = places + np.array([half * cell, (FLOOR - 1) * cell + firm])
+    points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
+    depth = np.where(stratum == 0, height + (FLOOR - 1) * cell + firm - places[:, 1], 0.0)
+    points.stress[:, 1] = -UNIT_WEIGHT * depth
+    points.stress[:, 0] = points.stress[:, 1] * poisson / (1.0 - poisson)
+    grid = BackgroundGrid.empty(cell, 2 * half + 1, int(height / cell) + 2 * FLOOR + 8, floor=FLOOR)
+    return MaterialPointEngine(points, grid)
+
+
+def front(engine: MaterialPointEngine) -> float:
+    """How far from the middle (m) the deposit reaches without a gap: columns of cells a quarter of a point high."""
+    points, cell = engine.points, engine.grid.cell
+    middle = (engine.grid.shape[0] // 2) * cell
+    mine = points.stratum == 0
+    cells = (np.abs(points.x[mine, 0] - middle) / cell).astype(int)
+    thickness = np.bincount(cells, weights=points.state[mine, 0]) / (2.0 * cell)
+    empty = np.flatnonzero(thickness < 0.125 * cell)
+    return float(cell * (empty[0] if len(empty) else len(thickness)))

@@ -1,0 +1,45 @@
+"""mpm/slides.json: how far each case of liquefaction slides by the material point method."""
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from workflow.results.answer import Answer, Line, Part, SectionLabel
+
+
+class PointCase(Part):
+    """One case by material points. Lengths in m, downslope and down positive."""
+
+    slide_max_m: float = Field(description="largest slide of the surface, with the transfer that counts (affine FLIP)")
+    slide_max_low_m: float = Field(description="the smaller of the slides by affine FLIP and by APIC")
+    slide_max_high_m: float = Field(description="the larger of the two; their difference is the method's interval")
+    slide_max_at_x_m: float = Field(description="where the surface slides furthest")
+    slide_uphill_m: float = Field(description="median over the uphill third of the surface")
+    slide_middle_m: float
+    slide_downhill_m: float
+    settlement_uphill_m: float = Field(description="median over the uphill third of the surface")
+    settlement_middle_m: float
+    settlement_downhill_m: float
+    settlement_crest_m: float = Field(description="how much lower the highest point of the ground is")
+    settled: bool = Field(description="whether the surface came to rest")
+    reason: str
+    seconds_simulated: float
+    transfer_loss_share: float = Field(description="energy lost between points and grid, over that of weight and Kh")
+    stopped_by: str | None = Field(default=None, description="the side of the box that the slide ran up against")
+    notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
+    surface_before: Line
+    surface_after: Line
+    slide_along: Line = Field(description="points [x, slide] of the surface as it was before")
+
+
+class PointSlidesAnswer(Answer):
+    """All cases by number, and how the ground was made of points."""
+
+    FILE: ClassVar[str] = "mpm/slides.json"
+
+    section: SectionLabel
+    points: int = Field(description="material points of the ground")
+    cell_m: float = Field(description="side of a cell of the background grid")
+    settled_by_m: float = Field(description="how far the ground moved as its stress came to equilibrium under weight")
+    softened: tuple[str, ...] = Field(description="strata that were made less stiff, so that waves allow longer steps")
+    cases: dict[int, PointCase]
