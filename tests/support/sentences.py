@@ -4,6 +4,8 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from workflow.estimates.slide_error import slide_error
+
 GRAVITY = 9.80665
 NUMBER = r"(-?[\d.]*\d)"
 Summary = dict[str, Any]
@@ -77,6 +79,11 @@ def _safe(summary: Summary, factor: str, other: str | None) -> bool:
     return _near(factor, found["factor"]) and (other is None or _near(other, _other(summary, of=found)))
 
 
+def _known_slides(summary: Summary, told: str) -> bool:
+    """The error of the model, from the table of the collection, for flows, spreads, or all of them."""
+    return any(error is not None and error.sentence() == told for error in map(slide_error, (None, True, False)))
+
+
 Check = Callable[..., bool]
 CASES = r"In (cases? [\d, and]+\d)"
 # The first pattern that is found in a sentence decides about it.
@@ -122,5 +129,6 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         rf"^The methods disagree .* about {NUMBER}(?: to {NUMBER})? m.* gives about {NUMBER}(?: to {NUMBER})? m",
         _disagree,
     ),
+    (r"^(.* of the collection were predicted within a factor of [\d.]+ in \d+ of \d+ cases)", _known_slides),
     (rf"^{CASES} it is a flow failure: without any shaking it slides about ([\d., and]+) m in 20 s", _by_weight),
 )  # fmt: skip

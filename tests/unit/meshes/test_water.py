@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from meshes.section.cutting import BELOW_WATER
+from meshes.section.cutting import BELOW_WATER, THICKEST_POCKET
+from meshes.section.dense_lines import CELL
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from tests.support.sections import problems
@@ -52,14 +53,16 @@ def test_without_water_nothing_is_cut_and_one_density_is_both() -> None:
 def test_cut_strata_fill_the_section_and_lie_on_their_side_of_the_water(cut: Section) -> None:
     assert cut.layering.areas().sum() == pytest.approx(section().layering.areas().sum(), rel=1e-9)
     table = cut.water_points()
+    # a pocket smaller than cells stays with the other half
+    pocket = THICKEST_POCKET * CELL * float(cut.layering.areas().sum() / np.ptp(cut.extent))
     for k, stratum in enumerate(cut.strata):
         whole = any(other.name == stratum.name + BELOW_WATER for other in cut.strata)
         for polygon in cut.layering.polygons(k):
             over = polygon[:, 1] - np.interp(polygon[:, 0], *table.T)
             if stratum.name.endswith(BELOW_WATER):
-                assert over.max() <= 0.02
+                assert over.max() <= 0.02 + pocket
             elif whole:
-                assert over.min() >= -0.02
+                assert over.min() >= -0.02 - pocket
 
 
 def test_pressure_is_hydrostatic_below_the_table_and_water_stands_on_the_ground() -> None:
