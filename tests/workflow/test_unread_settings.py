@@ -9,6 +9,7 @@ from tests.support.sections import written
 from tests.support.settings_reads import KEYS
 from workflow.request import Request
 from workflow.stages import STAGES, command_of
+from workflow.study.command import _unread
 from workflow.unread import in_words
 
 NAMES = [stage.name for stage in STAGES]
@@ -70,3 +71,15 @@ def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
     run("fem", path, "--out", tmp_path / "out", "--safety-factor")
     run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")
     assert chosen == [("mesh", "fem", "bounds"), ("mesh", "fem")]
+
+
+def test_a_study_tells_what_its_parts_do_not_read() -> None:
+    """The elements of a sample read no discs and no bounds; its slides do."""
+    asked = {"bounds": {"gap": 0.1}, "dem": {"elements": 500}, "fem": {"sides": "fixed"}, "study": {"samples": 2}}
+    told = _unread(asked, "study", ["fem", "block"])
+    assert [line.split(" does not read ")[1].split(";")[0] for line in told] == ["bounds.gap", "dem.elements"]
+    assert "noshiro bounds" in told[0]
+    assert _unread(asked, "study", ["bounds", "slide"]) == []
+    assert [line.split(";")[0] for line in _unread(asked, "converge", ["slide"])] == [
+        "Mind: noshiro converge does not read bounds.gap"
+    ]

@@ -1,7 +1,8 @@
 """The commands `noshiro study` and `noshiro converge`."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -43,9 +44,13 @@ def study(
 
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
-    given = Input.load(section, merged(dotted(settings or []), asked))
+    changed = dotted(settings or [])
+    given = Input.load(section, merged(changed, asked))
     store = Store(folder or Path("runs") / f"{given.name}_study")
     parts = only or ["fem", "block"]
+    for line in _unread(changed, "study", parts):
+        if not (quiet or json):
+            say(line)
     with Counted(silent=quiet or json) as counted:
         found = run(given, store, parts, Ensemble(store.folder, workers or given.dem.workers, scheduler), counted)
     draw_all(given, found.table, found.answer, store)
@@ -86,8 +91,12 @@ def converge(
     from workflow.study.watch import Counted
     from workflow.terminal import say, say_data
 
-    given = Input.load(section, dotted(settings or []))
+    changed = dotted(settings or [])
+    given = Input.load(section, changed)
     store = Store(folder or Path("runs") / f"{given.name}_converge")
+    for line in _unread(changed, "converge", ["slide"]):
+        if not (quiet or json):
+            say(line)
     ensemble = Ensemble(store.folder, workers or given.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(given, store, within / 100.0, ensemble, counted)
@@ -103,3 +112,14 @@ def converge(
         for reason in answer.missing:
             say(f"Without an answer: {reason}")
     return None
+
+
+def _unread(settings: Mapping[str, Mapping[str, Any]], command: str, parts: Sequence[str]) -> list[str]:
+    """One sentence for each setting of the command line that no part of a study reads."""
+    from workflow.stages import NAMES, command_of
+    from workflow.study.parts import read_by
+    from workflow.unread import in_words, is_read, keys_of
+
+    reads = read_by(parts)
+    keys = [key for key in keys_of(settings) if not is_read(key, reads)]
+    return in_words(keys, command, [command_of(stage) for stage in NAMES])

@@ -40,3 +40,14 @@ PARTS = (
     Part("bounds", bounds, ("fem", "bounds"), (*WITHOUT_EFFECT, "fem.rigid_box", "bounds.safety_factor")),
     Part("slide", discs, (*_read_by(STAGES), "earthquake", "triggering"), keeps=True),
 )
+
+# What the sliding block of a sample reads, which needs no part of its own.
+OF_THE_BLOCK = ("fem", "sliding_block", "slide", "site_response")
+# What every study reads, whatever it computes.
+OF_ALL = ("study", "uncertain", "earthquake", "triggering", "figures", "report", "dem.workers")
+
+
+def read_by(parts: Sequence[str]) -> tuple[str, ...]:
+    """The tables of settings that some parts of a study read, by their names, "block" among them."""
+    own = [table for part in PARTS if part.name in parts for table in part.tables]
+    return (*OF_ALL, *own, *(OF_THE_BLOCK if "block" in parts else ()))
