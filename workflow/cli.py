@@ -63,12 +63,10 @@ def init(
     json: Json = False,
 ) -> None:  # fmt: skip
     """Write a section to start from: a commented example, or one of those that come with noshiro."""
-    from workflow.example import write_example
-    from workflow.terminal import say_data
+    from workflow.example import said_of, write_example
 
     write_example(file, start)
-    words = f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}"
-    return say_data({"section": str(file)}) if json else typer.echo(words)
+    typer.echo(said_of(file, json))
 
 
 @app.command()

@@ -1,5 +1,6 @@
 """Sections to start from: a commented one, and those that come with the program."""
 
+import json
 from importlib import resources
 from pathlib import Path
 
@@ -26,3 +27,10 @@ def write_example(path: Path, name: str | None = None) -> None:
         raise InputError(str(path), ["is there already; expected the name of a new file"]) from None
     except OSError as error:
         raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from None
+
+
+def said_of(path: Path, as_json: bool) -> str:
+    """What is said once an example is written: what to do with it, or its place as JSON."""
+    if as_json:
+        return json.dumps({"section": str(path)})
+    return f"{path} is a section that runs as it is. Change it to yours, then: noshiro run {path}"
