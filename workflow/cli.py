@@ -106,7 +106,8 @@ def run_all(
     only: Annotated[
         list[str] | None,
         typer.Option(
-            "--only", help="This stage only; repeatable.", show_default=False, autocompletion=lambda: list(stages.NAMES)
+            "--only", help=f"Run this stage only, one of {STAGES}; repeatable.", show_default=False,
+            autocompletion=lambda: list(stages.NAMES),
         ),
     ] = None,
     force: Force = False,
