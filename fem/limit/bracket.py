@@ -169,21 +169,18 @@ class Limits:
         The clock is not asked: the same input takes the same meshes, however loaded the machine is.
     enough : float
         An upper bound below this one is as good as any.
-    width : float
-        Difference of the bounds that is small enough, whatever their gap.
     """
 
     gap: float
     max_cells: int
     seconds: float = np.inf
     enough: float = -np.inf
-    width: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
         """How many times as far as is small enough two bounds are apart; inf where one is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
-        return (upper - lower) / max(self.gap * 0.5 * (abs(upper) + abs(lower)), self.width, 1e-12)
+        return (upper - lower) / max(self.gap * 0.5 * (abs(upper) + abs(lower)), 1e-12)
 
     def growth(self, found: Bracket, cells: int) -> float:
         """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.

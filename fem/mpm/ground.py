@@ -128,8 +128,7 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.n
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
     total = water.overburden(at, at) + water.ponded(water.after, at, at)
-    surcharge = np.zeros(len(at))
-    return np.maximum(total + surcharge - water.at_rest(at, at, stratum), 0.0)
+    return np.maximum(total - water.at_rest(at, at, stratum), 0.0)
 
 
 def _soil(

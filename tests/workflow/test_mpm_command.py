@@ -52,3 +52,11 @@ def test_the_report_has_it_beside_the_discs(folder: Path) -> None:
     assert command_line.run("report", folder, "--quiet") == 0
     assert "The same by the material point method" in (folder / "report.html").read_text(encoding="utf-8")
     assert set(json.loads((folder / "summary.json").read_text())["cases_mpm"]) == {"1", "2"}
+
+
+def test_loads_on_the_ground_are_not_passed_over(folder: Path, tmp_path: Path) -> None:
+    text = (folder.parent / "gentle.toml").read_text()
+    loaded = tmp_path / "loaded.toml"
+    loaded.write_text(text + '\n[[surcharges]]\nfrom = 2.0\nto = 8.0\npressure = "20 kPa"\n')
+    assert command_line.run("slide", loaded, "--model", "mpm", "--out", tmp_path / "run", "--quiet") == 3
+    assert not (tmp_path / "run/mpm/slides.json").exists()

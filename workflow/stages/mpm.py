@@ -6,6 +6,7 @@ import numpy as np
 
 from workflow.results.answer import SectionLabel
 from workflow.results.material_points import PointCase, PointSlidesAnswer
+from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 from workflow.stages.liquefaction import cases_as_data, liquefying, lowest_factors
@@ -20,8 +21,15 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 
 def work(job: Job) -> None:
-    """Slides of the cases asked for, or of all; leaves mpm/slides.json and a picture of each."""
+    """Slides of the cases asked for, or of all; leaves mpm/slides.json and a picture.
+
+    Raises NoAnswerError for ground that bears loads.
+    """
     given, store = job.given, job.store
+    if given.surcharges:
+        raise NoAnswerError(
+            "the material point method does not carry loads on the ground", "leave them out, or slide discs alone"
+        )
     wanted = [n for n in liquefying(given) if job.cases is None or n in job.cases]
     found: dict[int, PointCase] = {}
     about: tuple[int, float, float, tuple[str, ...]] = (0, 0.0, 0.0, ())
