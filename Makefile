@@ -16,8 +16,8 @@ run: setup  ## the whole workflow on meshes/sections/s13.toml, or on SECTION=my.
 verify: setup ## what others published on slopes, beside our answers; takes an hour
 	@$(BIN)/noshiro verify --page
 
-docs: setup ## the documentation site from the same files, without the network: .docs/build/site/index.html
-	@$(BIN)/python .docs/build.py
+docs: setup ## the documentation site from the same files, without the network: docs/build/site/index.html
+	@$(BIN)/python docs/build.py
 
 lint: setup ## style, types, and who may import whom
 	$(BIN)/ruff check .

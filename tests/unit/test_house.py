@@ -28,6 +28,7 @@ LAYOUT = {
     "pyproject.toml",
     "README.md",
     "Makefile",
+    "docs",
     "LICENSE",
     "CITATION.cff",
     "fem",

@@ -16,9 +16,9 @@ from workflow.cli import app
 from workflow.report.reference import keys
 from workflow.settings import Input
 
-DOCS = TOP / ".docs"
-PAGES = [TOP / "README.md", DOCS / "tutorial.md", *sorted(TOP.glob("*/README.md"))]
-TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+DOCS = TOP / "docs"
+PAGES = [TOP / "README.md", DOCS / "tutorials/river_bank.md", *sorted(TOP.glob("*/README.md"))]
+TUTORIAL = (DOCS / "tutorials/river_bank.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

@@ -25,8 +25,8 @@ FILES = {
     "dem/README.md": "dem.md",
     "workflow/README.md": "workflow.md",
     "tests/README.md": "tests.md",
-    ".docs/tutorial.md": "tutorial.md",
-    ".docs/changelog.md": "changelog.md",
+    "docs/tutorials/river_bank.md": "tutorial.md",
+    "docs/changelog.md": "changelog.md",
 }
 
 
@@ -38,7 +38,7 @@ def gather() -> None:
         (PAGES / page).write_text(turned((TOP / file).read_text(encoding="utf-8")), encoding="utf-8")
     (PAGES / "keys.md").write_text(markdown(), encoding="utf-8")
     (PAGES / "s13.md").write_text(of_notebook(HERE / "s13.ipynb"), encoding="utf-8")
-    shutil.copytree(TOP / ".readme", PAGES / "pictures")
+    shutil.copytree(TOP / "docs/pictures", PAGES / "pictures")
     shutil.copytree(PUBLISHED, PAGES / "published", ignore=lambda _, names: [n for n in names if n.endswith(".json")])
 
 
@@ -46,7 +46,7 @@ def turned(text: str) -> str:
     """A page with its pictures and links where the site has them."""
     for file, page in FILES.items():
         text = text.replace(f"]({file})", f"]({page})").replace(f"`{file}`", f"[`{file}`]({page})")
-    return text.replace("](.readme/", "](pictures/")
+    return text.replace("](docs/pictures/", "](pictures/")
 
 
 def of_notebook(path: Path) -> str:
