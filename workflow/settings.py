@@ -340,8 +340,9 @@ class Input(Section):
         return [name for name in cls.model_fields if name not in Section.model_fields]
 
     def sha256(self) -> str:
-        """A fingerprint of the section alone, without the settings."""
-        section = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude=set(self.tables()))
+        """A fingerprint of the ground alone, without what it is called and the settings."""
+        others = {"name", "title", *self.tables()}
+        section = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude=others)
         return hashlib.sha256(tomli_w.dumps(section).encode()).hexdigest()
 
     @classmethod

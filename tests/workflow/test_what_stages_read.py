@@ -146,6 +146,12 @@ def test_which_stages_run_again(key: str, again: set[str]) -> None:
     assert stale(given, altered(given, key)) == {*again, "report"}
 
 
+def test_what_a_section_is_called_changes_no_result() -> None:
+    before = Input.parse(SECTION)
+    for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
+        assert stale(before, Input.parse({**SECTION, **changes})) == {"report"}
+
+
 def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:
     def bored_with(**changes: Any) -> Input:
         data = bored()

@@ -74,7 +74,7 @@ def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window
         tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
-    title = f"{given.title or given.name}: upper bound, Kh = {mechanism.multiplier:.4f}"
+    title = f"Upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(given), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
@@ -94,7 +94,7 @@ def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window
 
 def _stress_sheet(given: Input, found: KhBounds, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
-    title = f"{given.title or given.name}: lower bound, Kh = {stress.multiplier:.4f}"
+    title = f"Lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(given), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
@@ -122,7 +122,7 @@ def _mesh_sheet(given: Input, found: KhBounds, window: Window) -> Sheet:
             edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
         )  # fmt: skip
 
-    title = f"{given.title or given.name}: {len(mesh.cells)} triangles of the bounds"
+    title = f"{len(mesh.cells)} triangles of the bounds"
     sheet = Sheet(title, [window.proportion], foot(given), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
     sheet.show(0, render(window, draw), window, "divided where the gap between the bounds is")

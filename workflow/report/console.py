@@ -19,7 +19,7 @@ from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.summary import Summary
-from workflow.results.triggering import TriggeringAnswer
+from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 
@@ -191,11 +191,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
     magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
     yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
-    for stratum in answer.strata:
-        if stratum.share is not None:
-            lowest = f", smallest F_L {stratum.lowest_factor:.2f}" if stratum.lowest_factor is not None else ""
-            word = "liquefies" if stratum.liquefies else "does not liquefy"
-            yield f"{spoken(stratum.name)} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it{lowest}."
+    yield from map(stratum_sentence, answer.strata)
     for one in answer.left:
         told = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in one.strength_Pa.items()]  # fmt: skip
@@ -204,6 +200,19 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         yield f"{spoken(one.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
+
+
+def stratum_sentence(stratum: StratumPart) -> str:
+    """Whether a stratum liquefies, or why that was not judged."""
+    name = spoken(stratum.name)
+    if not stratum.judged or stratum.share is None:
+        return f"{name} was not judged ({stratum.reason})."
+    word = "liquefies" if stratum.liquefies else "does not liquefy"
+    told = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
+    if stratum.lowest_factor is not None:
+        told += f", smallest F_L {stratum.lowest_factor:.2f}"
+    rest = stratum.tests - stratum.judged
+    return told + (f"; {rest} of its {stratum.tests} tests not judged ({stratum.reason})." if rest else ".")
 
 
 def mpm_sentences(given: Input, answer: PointSlidesAnswer) -> Iterator[str]:

@@ -89,7 +89,7 @@ class SectionLabel(Part):
     """Which section an answer belongs to."""
 
     name: str
-    sha256: str = Field(description="fingerprint of the section without the settings")
+    sha256: str = Field(description="fingerprint of the section without its title and the settings")
     reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
 
     @classmethod

@@ -93,10 +93,20 @@ class StratumPart(Part):
 
     name: str
     tests: int
+    judged: int = Field(description="how many of the tests have an F_L")
     share: float | None = Field(description="share of it in which F_L is below 1")
     lowest_factor: float | None
     liquefies: bool
+    reason: str = Field(description="why it, or tests of it, were not judged")
     pore_pressure: float = Field(description="mean excess pore pressure over the vertical effective stress")
+
+    @property
+    def words(self) -> str:
+        """Whether it liquefies, as a table says it."""
+        if not self.judged:
+            return f"not judged: {self.reason}"
+        rest = f" ({self.judged} of {self.tests} tests judged)" if self.judged < self.tests else ""
+        return f"{'yes' if self.liquefies else 'no'}{rest}"
 
     @classmethod
     def of(cls, stratum: OfStratum, pore_pressure: float) -> Self:
@@ -104,9 +114,11 @@ class StratumPart(Part):
         return cls(
             name=stratum.name,
             tests=stratum.tests,
+            judged=stratum.judged,
             share=stratum.share,
             lowest_factor=stratum.lowest,
             liquefies=stratum.liquefies,
+            reason=stratum.reason,
             pore_pressure=pore_pressure,
         )
 

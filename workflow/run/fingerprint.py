@@ -10,6 +10,7 @@ from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 
 PROGRAM = "the program"
+TITLE = {"name", "title"}  # of a section: what pictures and the report say, and nothing is computed from
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
@@ -22,6 +23,8 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     for name in stage.reads:
         if name not in ignored:
             prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.given, ignored))
+    if stage.of_all:
+        prints["title"] = title(job.given)
     prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.given).items()}
     for name, path in stage.files(job).items():
         prints[name] = fingerprint_of_file(path)
@@ -37,14 +40,19 @@ def program(stage: Stage) -> str:
     return source.fingerprint(source.closure(stage.module, without=apart))
 
 
-def drawing(stage: Stage) -> str:
-    """Of all code of a stage, with what draws its pictures."""
-    return source.fingerprint(source.closure(stage.module))
+def drawing(stage: Stage, given: Input) -> str:
+    """A fingerprint of all that a stage's pictures are drawn with beside its results: its code, and the title."""
+    return fingerprint_of([source.fingerprint(source.closure(stage.module)), title(given)])
+
+
+def title(given: Input) -> str:
+    """A fingerprint of what the section is called."""
+    return fingerprint_of(given.model_dump(mode="json", include=TITLE))
 
 
 def section_data(given: Input) -> dict[str, Any]:
-    """The section as it was written, without the settings."""
-    return given.model_dump(mode="json", exclude=set(given.tables()))
+    """The section as it was written, without its title and the settings."""
+    return given.model_dump(mode="json", exclude={*given.tables(), *TITLE})
 
 
 def _settings(name: str, given: Input, ignored: frozenset[str]) -> dict[str, Any]:

@@ -199,7 +199,7 @@ class Run:
         with self.one_at_a_time:
             entry = self.record.entries[stage.name]
             pictures = self._drawn(stage, before)
-            self.record.put(stage.name, replace(entry, pictures=pictures, drawing=drawing(stage)))
+            self.record.put(stage.name, replace(entry, pictures=pictures, drawing=drawing(stage, self.job.given)))
 
     def work_beside(self, decision: Decision) -> None:
         """Let a stage work in another process; how it ended is kept as soon as it has."""
@@ -237,7 +237,7 @@ class Run:
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
             [] if to_draw else self._drawn(stage, begun.before),
-            "" if to_draw else drawing(stage),
+            "" if to_draw else drawing(stage, self.job.given),
         )
         with self.one_at_a_time:
             if failure is None:

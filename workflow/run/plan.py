@@ -133,8 +133,8 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     left = record.entries[stage.name]
     if stage.drawn_after and not left.drawing:
         return Decision(stage, "redraw", "it was stopped before its pictures were drawn")
-    if stage.draw is not None and left.pictures and left.drawing != drawing(stage):
-        return Decision(stage, "redraw", "pictures are drawn in another way now")
+    if stage.draw is not None and left.pictures and left.drawing != drawing(stage, job.given):
+        return Decision(stage, "redraw", "the title, or the way pictures are drawn, has changed")
     return Decision(stage, "reuse", "")
 
 

@@ -27,7 +27,7 @@ class Entry:
     ended: when, as a date and a time.
     files: the sizes (bytes) of the files in which it left its results.
     pictures: the pictures that it left.
-    drawing: the fingerprint of the code that drew them; empty as long as they are still to be drawn.
+    drawing: the fingerprint of the code that drew them, and of the title in them; empty until they are drawn.
     """
 
     inputs: dict[str, str]

@@ -108,7 +108,7 @@ def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
     if "triggering" in others:
         data["strata"] = [{**stratum, "liquefies_in": []} for stratum in data["strata"]]
     files = {name: fingerprint_of_file(path) for name, path in read.files(*part.tables).items()}
-    task = Task(part.function, Sample(data={**data, "name": "sample"}, files=files))
+    task = Task(part.function, Sample(data={**data, "name": "sample", "title": ""}, files=files))
     if not part.keeps:
         return task
     folder = store.folder.absolute() / "running" / task.fingerprint

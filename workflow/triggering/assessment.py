@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.borings.boring import Boring, Cone, Sample
 from meshes.errors import InputError
-from meshes.section.overburden import Overburden, outside, overburden, water_level
+from meshes.section.overburden import Overburden, outside, overburden, reaches_water, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from workflow.earthquake.attenuation import Motion, Range
@@ -19,6 +19,8 @@ from workflow.triggering.boulanger_idriss import ConeTest
 from workflow.triggering.methods import RELATIONS, Relation
 from workflow.triggering.potential import potential
 from workflow.triggering.settings import TriggeringSettings
+
+ABOVE_WATER = "above the water table"  # why a soil is not judged
 
 
 @dataclass(frozen=True)
@@ -69,16 +71,20 @@ class OfStratum:
     ----------
     name : of the stratum
     tests : how many tests lie in it
+    judged : how many of them have an F_L
     share : share of what its tests stand for in which F_L is below 1; None without tests
     lowest : smallest F_L; None where none was judged
+    reason : why it, or tests of it, were not judged, each reason once
     liquefies : whether the share is as large as asked for
     """
 
     name: str
     tests: int
+    judged: int
     share: float | None
     lowest: float | None
     liquefies: bool
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -110,7 +116,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
         pieces = _pieces(section, boring, [float(sample.depth) for sample in samples])
         for sample, (top, bottom, where) in zip(samples, pieces, strict=True):
             point = point_of(sample, where)
-            reason = relation.why_not(point) if where.below_water else "above the water table"
+            reason = relation.why_not(point) if where.below_water else ABOVE_WATER
             try:
                 found = None if reason else _found(relation, point, shaking, settings)
             except ValueError as error:
@@ -234,7 +240,12 @@ def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: floa
     share = sum(test.area for test in here if test.liquefies) / sum(test.area for test in here) if here else None
     factors = [test.factor for test in here if test.factor is not None]
     enough = share is not None and share >= wanted
-    return OfStratum(section.strata[number].name, len(here), share, min(factors, default=None), enough)
+    reason = "; ".join(dict.fromkeys(test.reason for test in here if test.reason))
+    if not here:
+        reason = "no test lies in it" if reaches_water(section, number) else ABOVE_WATER
+    return OfStratum(
+        section.strata[number].name, len(here), len(factors), share, min(factors, default=None), enough, reason
+    )
 
 
 def _stretches(section: Section, x: list[float]) -> dict[float, float]:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from meshes.errors import InputError
-from tests.support.toy_stages import ALL_OF_THEM, Heard, Toys
+from tests.support.toy_stages import ALL_OF_THEM, Heard, Toys, leaves
 from workflow.run import pipeline, source
 from workflow.run.errors import NoAnswerError
 from workflow.run.plan import Choice, plan
@@ -30,7 +30,8 @@ def test_what_has_not_changed_is_reused(toys: Toys, tmp_path: Path) -> None:
         ({"mesh": {"refine": 2}}, ALL_OF_THEM),
         ({"fem": {"sides": "fixed"}}, ["fem", "slide", "report"]),
         ({"figures": {"report_width": 800}}, ["report"]),
-        ({"name": "other"}, ALL_OF_THEM),
+        ({"beyond": "10 m"}, ALL_OF_THEM),
+        ({"name": "other", "title": "Another"}, ["report"]),
     ],
 )
 def test_what_has_changed_runs_with_all_that_hangs_on_it(
@@ -69,6 +70,18 @@ def test_missing_pictures_are_drawn_without_computing(toys: Toys, tmp_path: Path
     (tmp_path / "mesh.txt").write_text("RESULT")  # as long as before: nobody computes it again
     toys.go(tmp_path)
     assert (tmp_path / "mesh.png").read_text() == "drawn again"
+    assert (tmp_path / "mesh.txt").read_text() == "RESULT"
+
+
+def test_pictures_have_the_new_title_without_computing(toys: Toys, tmp_path: Path) -> None:
+    def draw(job: Job) -> None:
+        job.store.write_text("mesh.png", job.given.title)
+
+    toys.change("mesh", work=leaves("mesh.txt"), draw=draw, drawn_after=True)
+    toys.go(tmp_path, title="Before")
+    (tmp_path / "mesh.txt").write_text("RESULT")  # as long as before: nobody computes it again
+    toys.go(tmp_path, title="After")
+    assert (tmp_path / "mesh.png").read_text() == "After"
     assert (tmp_path / "mesh.txt").read_text() == "RESULT"
 
 

@@ -78,6 +78,7 @@ def test_what_tests_stand_for() -> None:
     assert found.tests[0].reason == "above the water table"
     assert loose.share == pytest.approx((6.0 - 1.75) / (6.0 + 5.0))
     assert (dense.share, dense.liquefies) == (0.0, False)
+    assert (loose.judged, loose.tests - loose.judged, loose.reason) == (3, 1, "above the water table")
     assert found.potentials["B-2"] == 0.0
     assert found.potentials["B-1"] > 5.0
 
