@@ -124,12 +124,12 @@ def run_all(
     choice = Choice.of(stages.STAGES, start, only or (), force)
     voice = Voice.of(quiet, verbose, json)
     request = Request.of(section, folder, {}, settings)
-    _mind(voice, request, "run", choice.chosen)
+    warnings = _warn(voice, request, "run", choice.chosen)
     if dry_run:
         return show_plan(request.job(), choice, voice)
     if voice.speaks:
         show_strata(request.given)
-    return execute(request.job(), choice, voice)
+    return execute(request.job(), choice, voice, warnings)
 
 
 @app.command()
@@ -265,7 +265,7 @@ def report(
     from workflow.terminal import Voice, execute
 
     job = stages.stored_job(folder)
-    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json), pdf)
+    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json), pdf=pdf)
 
 
 @app.command()
@@ -375,19 +375,16 @@ def _up_to(
 
     job = request.job(**more)
     choice = Choice.up_to(job.stages, stage, force, beside)
-    _mind(voice, request, stages.command_of(stage), choice.chosen)
-    execute(job, choice, voice)
+    execute(job, choice, voice, _warn(voice, request, stages.command_of(stage), choice.chosen))
 
 
-def _mind(voice: "Voice", request: "Request", command: str, chosen: Sequence[str]) -> None:
-    """Say what of an earlier command still holds, and what of the command line is not read."""
-    from workflow.terminal import say
+def _warn(voice: "Voice", request: "Request", command: str, chosen: Sequence[str]) -> list[str]:
+    """Tell, and return, what of an earlier command still holds, and what of the command line is not read."""
+    from workflow.terminal import warn
     from workflow.unread import in_words
 
     names = [one.name or one.callback.__name__ for one in app.registered_commands if one.callback]
-    for line in [request.notice, *in_words(request.unread(chosen), command, names)]:
-        if line and voice.speaks:
-            say(line)
+    return warn([*request.notices, *in_words(request.unread(chosen), command, names)], voice)
 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:

@@ -103,12 +103,12 @@ class Request:
         return unread(keys_of(self.tables), self.job(), chosen, without)
 
     @property
-    def notice(self) -> str:
-        """That options of an earlier command hold, and how to be rid of them; empty where there are none."""
+    def notices(self) -> list[str]:
+        """That options of an earlier command hold, and how to be rid of them; none where there are none."""
         if not self.carried:
-            return ""
+            return []
         told = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
-        return f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."
+        return [f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."]
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Input:

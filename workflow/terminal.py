@@ -48,6 +48,14 @@ def say(line: str) -> None:
     out.print(line, soft_wrap=True, markup=False)
 
 
+def warn(lines: Iterable[str], voice: Voice) -> list[str]:
+    """Tell, and return, what has to be known of a command: beside its output where that holds no sentences."""
+    told = list(lines)
+    for line in told:
+        (out if voice.speaks else err).print(line, soft_wrap=True, markup=False)
+    return told
+
+
 def say_data(what: Any) -> None:
     """Data as JSON, and nothing else."""
     text = data.told(what)
@@ -108,8 +116,8 @@ def _show_time(job: Job, decisions: Sequence[Decision]) -> None:
         say(told)
 
 
-def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
-    """Run the stages that have to, tell what they found, and print the report if asked.
+def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = (), pdf: bool = False) -> None:
+    """Run the stages that have to, tell what they found, and print the report if asked; data holds the ``warnings``.
 
     Raises what `pipeline.execute` and `write_pdf` do.
     """
@@ -126,19 +134,19 @@ def execute(job: Job, choice: Choice, voice: Voice, pdf: bool = False) -> None:
         with Display(out, err, shown, verbosity) as display, crew(job.given.dem.workers) as team:
             pipeline.execute(replace(job, team=team), choice, display, what)
     except NoAnswerError:
-        _tell(job, choice, voice, pdf)
+        _tell(job, choice, voice, warnings, pdf)
         raise
-    _tell(job, choice, voice, pdf)
+    _tell(job, choice, voice, warnings, pdf)
 
 
-def _tell(job: Job, choice: Choice, voice: Voice, pdf: bool) -> None:
+def _tell(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str], pdf: bool) -> None:
     """What the stages found, in sentences or as data, and where it all is; on paper, too, if asked."""
     if pdf:
         from workflow.report.pdf import write_pdf
 
         write_pdf(job.store)
     if voice == Voice.JSON:
-        say_data(data.of_stages(job, choice.chosen))
+        say_data(data.of_stages(job, choice.chosen, warnings))
     elif voice.speaks:
         _tell_in_sentences(job, choice)
 

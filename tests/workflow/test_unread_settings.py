@@ -1,5 +1,6 @@
 """Settings of the command line that a command does not read are told; `noshiro fem` heeds bounds.run."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,21 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
     assert "does not read mesh" not in words
 
 
+@pytest.mark.parametrize("way", ["--quiet", "--json"])
+def test_it_is_told_beside_an_output_without_sentences(
+    way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = ("--set", "bounds.run=false", way)
+    assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
+    heard = capsys.readouterr()
+    line = "Mind: noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run."
+    assert line in heard.err
+    if way == "--json":
+        assert line in json.loads(heard.out)["warnings"]
+    else:
+        assert heard.out == ""
+
+
 def test_a_run_reads_all_but_the_settings_of_studies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ("--dry-run", "--set", "bounds.gap=0.1", "--set", "figures.report_width=800", "--set", "study.samples=3")
     assert run("run", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
@@ -66,7 +82,7 @@ def test_bounds_that_are_not_wanted_are_not_made_beside_a_factor_of_safety(
 ) -> None:
     """They took 87 of 180 s."""
     chosen = []
-    monkeypatch.setattr("workflow.terminal.execute", lambda job, choice, voice: chosen.append(choice.chosen))
+    monkeypatch.setattr("workflow.terminal.execute", lambda job, choice, voice, warnings: chosen.append(choice.chosen))
     path = written(tmp_path)
     run("fem", path, "--out", tmp_path / "out", "--safety-factor")
     run("fem", path, "--out", tmp_path / "out", "--safety-factor", "--set", "bounds.run=false")

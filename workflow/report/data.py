@@ -44,8 +44,11 @@ def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
     return [{"stage": one.stage.name, "would": one.action, "because": one.why} for one in decisions]
 
 
-def of_stages(job: Job, names: Iterable[str]) -> dict[str, Any]:
-    """How stages ended, and the answers that they left: every JSON file by its name, and how good the mesh is."""
+def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
+    """How stages ended, and the answers that they left: every JSON file by its name, and how good the mesh is.
+
+    ``warnings`` are of the command; those of the section stand with them.
+    """
     record = Record(job.store)
     found: dict[str, Any] = {}
     for stage in job.stages:
@@ -60,4 +63,9 @@ def of_stages(job: Job, names: Iterable[str]) -> dict[str, Any]:
 
             mesh = stored_mesh(job.given, job.store)
             found[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
-    return {"folder": str(job.store.folder), "mesh_options": dict(job.mesh_options or {}), "stages": found}
+    return {
+        "folder": str(job.store.folder),
+        "mesh_options": dict(job.mesh_options or {}),
+        "warnings": [*warnings, *job.given.notices],
+        "stages": found,
+    }

@@ -40,7 +40,7 @@ def study(
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
     from workflow.study.watch import Counted
-    from workflow.terminal import say, say_data
+    from workflow.terminal import Voice, say, say_data, warn
 
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
@@ -48,16 +48,14 @@ def study(
     given = Input.load(section, merged(changed, asked))
     store = Store(folder or Path("runs") / f"{given.name}_study")
     parts = only or ["fem", "block"]
-    for line in _unread(changed, "study", parts):
-        if not (quiet or json):
-            say(line)
+    warnings = warn(_unread(changed, "study", parts), Voice.of(quiet, False, json))
     with Counted(silent=quiet or json) as counted:
         found = run(given, store, parts, Ensemble(store.folder, workers or given.dem.workers, scheduler), counted)
     draw_all(given, found.table, found.answer, store)
     answer = found.answer
     page = write_page(given, answer, store)
     if json:
-        say_data(answer.model_dump(mode="json"))
+        say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     elif not quiet:
         for sentence in sentences(given, answer):
             say(sentence)
@@ -89,21 +87,19 @@ def converge(
     from workflow.settings import Input
     from workflow.study.converge import run
     from workflow.study.watch import Counted
-    from workflow.terminal import say, say_data
+    from workflow.terminal import Voice, say, say_data, warn
 
     changed = dotted(settings or [])
     given = Input.load(section, changed)
     store = Store(folder or Path("runs") / f"{given.name}_converge")
-    for line in _unread(changed, "converge", ["slide"]):
-        if not (quiet or json):
-            say(line)
+    warnings = warn(_unread(changed, "converge", ["slide"]), Voice.of(quiet, False, json))
     ensemble = Ensemble(store.folder, workers or given.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(given, store, within / 100.0, ensemble, counted)
     with store.writing("figures/converge.png") as path:
         draw(answer.series, f"{given.title or given.name}: convergence of the slides", path)
     if json:
-        return say_data(answer.model_dump(mode="json"))
+        return say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     if not quiet:
         for one in answer.series:
             values = ", ".join(f"{value:.3g}" for value in one.values)
