@@ -1,6 +1,6 @@
 """How to build, test, calibrate and slide the discs: the tables [dem] and [slide]."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -13,15 +13,17 @@ from meshes.section.record_of_motion import RecordComponent, RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 
+DiscModelName = Literal["soil", "paper"]
 TABLE2_STRATA = 10
 # Patches of soil discs have 0.99 of what is left to them after the peak at 3.4 times the strain at which an elastic
 # body of the same E has it (3.8 in the sands of S-13, 2.7 in its clays); the continuum, too, is looked at at 0.99
-GROWTH = {"soil": 3.5, "paper": 3.0}
-FACTORS = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
-SEEDS: dict[str, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
+GROWTH: Mapping[DiscModelName, float] = {"soil": 3.5, "paper": 3.0}
+FACTORS: Mapping[DiscModelName, tuple[float, float]] = {"soil": (0.75, 1.33), "paper": (0.1, 10.0)}
+SEEDS: Mapping[DiscModelName, tuple[int, ...]] = {"soil": (1, 2), "paper": ()}
 # s: sand liquefies over some cycles of shaking, and what loses its strength at once is thrown; the paper's does
-ONSET = {"soil": 5.0, "paper": 0.0}
-STEP = {"soil": 0.6, "paper": 0.3}  # soil discs have dashpots a tenth as large, and their energy balances with this
+ONSET: Mapping[DiscModelName, float] = {"soil": 5.0, "paper": 0.0}
+# soil discs have dashpots a tenth as large, and their energy balances with this
+STEP: Mapping[DiscModelName, float] = {"soil": 0.6, "paper": 0.3}
 # Settings of [dem] that soil discs do not know.
 OF_THE_PAPER = tuple(
     f"dem.{key}"
@@ -33,7 +35,7 @@ Parameter = Literal["stiffness", "friction", "pore_strength", "strength", "all"]
 class DemSettings(Model):
     """Settings of the discs and of the search for their critical Kh, a table [dem]."""
 
-    model: Literal["soil", "paper"] = Field(
+    model: DiscModelName = Field(
         default="soil",
         description='"soil": random discs whose contacts are found in element tests, or "paper": rows, springs and '
         "pore springs of the paper",
@@ -327,15 +329,15 @@ class SlideSettings(Model):
             return "its weight alone"
         return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
-    def onset_of(self, model: Literal["soil", "paper"]) -> float:
+    def onset_of(self, model: DiscModelName) -> float:
         """`onset` (s), or what it is for the model of the discs."""
         return ONSET[model] if self.onset is None else self.onset
 
-    def step_of(self, model: Literal["soil", "paper"]) -> float:
+    def step_of(self, model: DiscModelName) -> float:
         """`step`, or what it is for the model of the discs."""
         return STEP[model] if self.step is None else self.step
 
-    def packings(self, model: Literal["soil", "paper"]) -> tuple[int, ...]:
+    def packings(self, model: DiscModelName) -> tuple[int, ...]:
         """`seeds`, or what they are for the model of the discs."""
         if isinstance(self.seeds, int):
             return tuple(range(self.seeds))

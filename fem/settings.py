@@ -10,6 +10,7 @@ from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]
+DirectionSetting = Literal["both", "downhill", "uphill"]
 
 YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
 
@@ -33,7 +34,7 @@ class FemSettings(Model):
         default=True,
         description="true to find the critical Kh with fixed sides as well, which discs in their box are held against",
     )
-    direction: Literal["both", "downhill", "uphill"] = Field(
+    direction: DirectionSetting = Field(
         default="both",
         description='where the ground is pushed, by the ends of its surface; "both": the smaller Kh counts',
     )

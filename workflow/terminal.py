@@ -2,7 +2,7 @@
 
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from rich.table import Table
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.report import data, tables
-from workflow.run.plan import Choice, Decision, plan
+from workflow.run.plan import Action, Choice, Decision, plan
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
@@ -23,6 +23,7 @@ from workflow.run.stage import Job
 if TYPE_CHECKING:
     from workflow.report.side_by_side import Found
 
+VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -95,8 +96,7 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
     decisions = plan(job, Record(job.store), choice)
     if voice == Voice.JSON:
         return say_data(data.of_plan(decisions))
-    verbs = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
-    rows = [(one.stage.name, verbs[one.action], one.why or "nothing has changed") for one in decisions]
+    rows = [(one.stage.name, VERBS[one.action], one.why or "nothing has changed") for one in decisions]
     show_table(("stage", "would", "because"), rows)
     _show_shaking(job)
     return _show_time(job, decisions)

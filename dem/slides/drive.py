@@ -9,11 +9,12 @@ from dem.acceleration import Acceleration
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.settings import SlideSettings
+from dem.springs import Law
 
 FADE = 20  # steps in which springs change at an onset that takes time
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
 # their soil, and the shock would move them several times as far as Kh does
-LEAD = {"paper": 0.0, "soil": 2.0}
+LEAD: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
 SAME = 1e-6  # s: times that differ by less are one
 
 

@@ -1,7 +1,7 @@
 """Both bounds on a sequence of meshes, each refined where the one before leaves a gap between the bounds."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
@@ -13,6 +13,7 @@ from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds,
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
+from fem.solvers.cone_program import NoSolution
 from fem.solvers.meanwhile import Meanwhile
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
@@ -190,7 +191,7 @@ def _first_that_holds(
     return found, None, [*notes, f"{name} refused: {check}"]
 
 
-NONE_FOUND = {
+NONE_FOUND: Mapping[NoSolution, str] = {
     "no stress": "no stress field on this mesh is in equilibrium with the dead load",
     "no mechanism": "in no mechanism on this mesh does the live load do work",
 }

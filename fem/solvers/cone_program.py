@@ -16,9 +16,10 @@ solves the second one, which is the smaller, and gives the stress as its multipl
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Literal
 
 import clarabel
 import numpy as np
@@ -36,6 +37,9 @@ SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 FEASIBILITY_TORN = 1e-11
 # Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
 MET = ("Solved", "AlmostSolved")
+# The ends that prove that there is no solution.
+NoSolution = Literal["no stress", "no mechanism"]
+INFEASIBLE: Mapping[str, NoSolution] = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}
 # Of the pivots, for mechanisms the solver's own first. Where ground next to rock has hardly any strength, which of many
 # mechanisms goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the
 # answer. For stress fields 1e-8 is too little from the start: of 180 programs of benches with seams, random slopes and
@@ -146,7 +150,7 @@ class Solution:
     shear: np.ndarray
     torn: float
     ended: str
-    none: str
+    none: NoSolution | Literal[""]
     sure: bool
     iterations: int
     work: float
@@ -199,7 +203,7 @@ def _solve(
     x, z = np.asarray(found.x), np.asarray(found.z) / magnified
     first = 1 + len(clay)
     stress = _stress(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
-    none = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}.get(status.removeprefix("Almost"), "")
+    none = INFEASIBLE.get(status.removeprefix("Almost")) or ""
     return Solution(
         multiplier=-float(z[0]),
         rates=x[:n],

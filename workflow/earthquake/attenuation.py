@@ -4,6 +4,7 @@ Accelerations in m/s², distances and depths in m, magnitudes without a unit; σ
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +16,9 @@ Site = Literal["rock", "average", "soft"]
 
 SI_MIDORIKAWA = "H. Si, S. Midorikawa, J. Struct. Constr. Eng., AIJ 523 (1999) 63-70"
 FUKUSHIMA_TANAKA = "Y. Fukushima, T. Tanaka, Bull. Seism. Soc. Am. 80 (1990) 757-783"
+
+OF_EVENT: Mapping[Mechanism, float] = {"crustal": 0.0, "interplate": 0.01, "intraplate": 0.22}  # Si & Midorikawa's d
+ON_GROUND: Mapping[Site, float] = {"rock": 0.6, "average": 1.0, "soft": 1.4}  # Fukushima & Tanaka, over average ground
 
 
 @dataclass(frozen=True)
@@ -73,8 +77,7 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
         (Range("distance", 0.0, 300.0, "km"), kilometres),
         (Range("depth", 0.0, 120.0, "km"), deep),
     )
-    of_kind = {"crustal": 0.0, "interplate": 0.01, "intraplate": 0.22}[mechanism]
-    b = 0.50 * magnitude + 0.0043 * deep + of_kind + 0.61
+    b = 0.50 * magnitude + 0.0043 * deep + OF_EVENT[mechanism] + 0.61
     c = 0.0055 * 10.0 ** (0.50 * magnitude)
     median = GAL * 10.0 ** (b - math.log10(kilometres + c) - 0.003 * kilometres)
     validity = "Mw 5.8-8.3, 0-300 km from the fault plane, down to 120 km; firm ground; larger component"
@@ -92,7 +95,7 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> Motion:
     within(relation, (Range("magnitude", 4.6, 8.2), magnitude), (Range("distance", 0.0, 300.0, "km"), kilometres))
     near = kilometres + 0.032 * 10.0 ** (0.41 * magnitude)
     logarithm = 0.41 * magnitude - math.log10(near) - 0.0034 * kilometres + 1.30
-    median = GAL * 10.0**logarithm * {"rock": 0.6, "average": 1.0, "soft": 1.4}[site]
+    median = GAL * 10.0**logarithm * ON_GROUND[site]
     validity = "M 4.6-8.2, 0-300 km from the fault, shallow earthquakes of Japan; mean of both components"
     return Motion(median, 0.21, f"{relation}, {site} ground", FUKUSHIMA_TANAKA, validity)
 

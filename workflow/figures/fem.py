@@ -1,6 +1,6 @@
 """Pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the path of Kh."""
 
-from typing import NamedTuple
+from typing import NamedTuple, assert_never
 
 import numpy as np
 import pyvista as pv
@@ -75,14 +75,22 @@ def picture_of(given: Input, state: State) -> str:
 
 def conditions(given: Input, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
-    flow = {
-        "associated": "ψ = φ",
-        "davis": f"Davis's estimate for ψ = {_dilations(given)}",
-        "section": f"ψ as given ({_dilations(given)})",
-    }[flow_of(given.strata, given.fem.flow)]
+    flow = _flow_in_words(given)
     kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
     way = "both ways, of which the smaller Kh counts" if given.fem.direction == "both" else given.fem.direction
     return f"sides {given.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
+
+
+def _flow_in_words(given: Input) -> str:
+    flow = flow_of(given.strata, given.fem.flow)
+    match flow:
+        case "associated":
+            return "ψ = φ"
+        case "davis":
+            return f"Davis's estimate for ψ = {_dilations(given)}"
+        case "section":
+            return f"ψ as given ({_dilations(given)})"
+    assert_never(flow)
 
 
 def _dilations(given: Input) -> str:

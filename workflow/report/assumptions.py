@@ -1,25 +1,25 @@
 """What the analysis assumes, and what it cannot say: for a reviewer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from fem.continuum.strength import flow_of
+from fem.continuum.strength import Flow, flow_of
+from fem.settings import DirectionSetting, Sides
 from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 from workflow.settings import Input
 
-SIDES = {
+SIDES: Mapping[Sides, str] = {
     "roller": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
     "fixed": "The sides are held in both directions, which helps it to stand.",
     "tied": "Both sides move alike, as if the section were one of many in a row.",
 }
-FLOWS = {
+FLOWS: Mapping[Flow, str] = {
     "associated": "Ground that yields dilates with ψ = φ, as strict bounds and limit equilibrium have it; Davis's "
     "estimate for less dilation stands beside.",
     "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968): an "
     "estimate, and no bound.",
     "section": "Ground that yields dilates with ψ as given; its limit load is then not unique.",
 }
-
-DIRECTIONS = {
+DIRECTIONS: Mapping[DirectionSetting, str] = {
     "both": "It pushes downhill in one analysis and uphill in another.",
     "downhill": "It pushes downhill.",
     "uphill": "It pushes uphill.",

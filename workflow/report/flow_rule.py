@@ -1,6 +1,7 @@
 """A critical Kh, or a factor of safety, with its flow rule: ψ = φ, and Davis's estimate in the same line."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import assert_never
 
 from fem.continuum.strength import Flow
 from workflow.results.continuum import FemAnswer
@@ -12,7 +13,7 @@ WHEN = (
     "and where a dilation angle was given."
 )
 # Which critical Kh sliding blocks resist with, and why.
-BLOCKS = {
+BLOCKS: Mapping[Flow, str] = {
     "associated": "The critical Kh with ψ = φ, as the yield coefficients of limit equilibrium are that such blocks and "
     "relations were checked with.",
     "davis": "The critical Kh by Davis's estimate, since the section asks for it: with ψ = φ they would slide less.",
@@ -44,13 +45,16 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
     str
         Such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
     """
-    if flow == "associated":
-        told = f"{shown(value)} with ψ = φ"
-        return told if beside is None else f"{told}; {estimate}, which is no bound: {_low(beside, shown)}"
-    told = {
-        "davis": f"{shown(value)} by {estimate}, which is no bound",
-        "section": f"{shown(value)} with ψ as given on a non-associated path",
-    }[flow]
+    match flow:
+        case "associated":
+            told = f"{shown(value)} with ψ = φ"
+            return told if beside is None else f"{told}; {estimate}, which is no bound: {_low(beside, shown)}"
+        case "davis":
+            told = f"{shown(value)} by {estimate}, which is no bound"
+        case "section":
+            told = f"{shown(value)} with ψ as given on a non-associated path"
+        case _:
+            assert_never(flow)
     return told if beside is None else f"{told}; with ψ = φ: {shown(beside)}"
 
 

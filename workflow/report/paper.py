@@ -1,7 +1,7 @@
 """What the paper says of section S-13, against what was computed here, and why they differ where they do."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,6 +21,9 @@ ASD_BELOW_WATER = ("4 Asd", "5 Asd")
 
 KC = 0.25  # Sec. 4(1): "about 0.25 g"
 KC_WITHIN = 0.025  # half of the paper's steps of Kh, 0.2, 0.25, 0.3
+CALLED: Mapping[SetOfSprings, str] = {
+    "before": ", before calibration", "after": ", calibrated", "paper": ", the paper's discs",
+}  # fmt: skip
 SETTLEMENT = {1: 0.1, 2: 0.5, 3: 1.0}  # m, Sec. 4(3)
 SLIDE = {2: 3.3, 3: 4.9}  # m, Sec. 4(3)
 MEASURED = 3.0  # m, Figs 4 and 5
@@ -143,7 +146,7 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
     """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
-    springs = {"before": ", before calibration", "after": ", calibrated", "paper": ", the paper's discs"}[which]
+    springs = CALLED[which]
     stands = Row(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
     broken = Row(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
                  _absent(results, "calibrate"), None)  # fmt: skip

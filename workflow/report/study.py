@@ -1,6 +1,6 @@
 """The page of a study: what was drawn, what was found, and what that hangs on, with the pictures."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -13,9 +13,10 @@ from workflow.results.study import WORDS, Result, StudyAnswer
 from workflow.run.store import Store
 from workflow.settings import Input
 from workflow.uncertain.distribution import Distribution
+from workflow.uncertain.settings import Method
 
 FILE = "study.html"
-METHODS = {
+METHODS: Mapping[Method, str] = {
     "sobol": "a scrambled Sobol' sequence",
     "latin": "a Latin hypercube",
     "saltelli": "Saltelli's design for Sobol' indices",

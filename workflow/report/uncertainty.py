@@ -1,7 +1,9 @@
 """On what the answers hang, and by how much: mesh, step, dilation, sides, bounds, packing."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
+from fem.continuum.strength import Flow
+from fem.settings import Sides
 from workflow.report.console import meshes_sentences
 from workflow.report.findings import fail_alike
 from workflow.report.flow_rule import WHEN, critical_with_flow
@@ -13,10 +15,15 @@ from workflow.results.results import Results
 from workflow.results.variants import Variant
 
 NO_MORE = 0.005  # a share of Kh that is none in whole per cent
-SIDES = {
+SIDES: Mapping[Sides, str] = {
     "roller": "The sides may move horizontally under their K0 stress, and not vertically",
     "fixed": "The sides are held in both directions, which helps the slope to stand",
     "tied": "Both sides move alike: the section is one of many in a row",
+}
+FLOWS: Mapping[Flow, str] = {
+    "associated": "The ground yields with ψ = φ: ground that dilates less bears no more (Radenkovic 1961).",
+    "davis": "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor, with associated flow (Davis 1968).",
+    "section": "Dilation angles as given for each stratum; the limit load of such ground is not unique.",
 }
 
 
@@ -101,11 +108,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
 
 def _dilation(fem: FemAnswer) -> str:
     """What was assumed of the flow rule, and the critical Kh by the other one."""
-    how = {
-        "associated": "The ground yields with ψ = φ: ground that dilates less bears no more (Radenkovic 1961).",
-        "davis": "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor, with associated flow (Davis 1968).",
-        "section": "Dilation angles as given for each stratum; the limit load of such ground is not unique.",
-    }[fem.flow]
+    how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how
     return f"{how} Critical Kh = {critical_with_flow(fem, '{:.4f}'.format)}. {WHEN}"

@@ -1,5 +1,6 @@
 """dem/continuum.json: the continuum that soil discs are held against, as like them as it can be had."""
 
+from collections.abc import Mapping
 from typing import ClassVar, Self
 
 from pydantic import Field
@@ -9,7 +10,7 @@ from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
 from workflow.results.continuum import FemAnswer, PathStep, RigidBox, Verdict, displacement_at
 
-FLOWS = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
+FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 
 
 class LikeDiscs(Answer):

@@ -2,8 +2,9 @@
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from typing import Literal
 
 from rich.console import Console
 from rich.live import Live
@@ -13,14 +14,19 @@ from rich.text import Text
 
 from workflow.run.plan import Decision
 from workflow.run.progress import Progress, TimeLeft, duration
-from workflow.run.record import Entry
+from workflow.run.record import Entry, Outcome
 from workflow.run.spelling import legible
 from workflow.run.stage import Stage
 
 QUIET, NORMAL, VERBOSE = 0, 1, 2
 BAR = 14
-MARKS = {"wait": " ", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-"}
-STYLES = {"run": "bold", "done": "green", "part": "green", "no answer": "red", "off": "dim", "wait": "dim"}
+State = Outcome | Literal["wait", "run", "off"]  # of a stage on the screen
+MARKS: Mapping[State, str] = {
+    "wait": " ", "begun": "▸", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-",
+}  # fmt: skip
+STYLES: Mapping[State, str] = {
+    "begun": "bold", "run": "bold", "done": "green", "part": "green", "no answer": "red", "off": "dim", "wait": "dim",
+}  # fmt: skip
 
 
 class StageLine:
@@ -28,7 +34,7 @@ class StageLine:
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.state, self.text, self.share = "wait", stage.what, None  # type: tuple[str, str, float | None]
+        self.state, self.text, self.share = "wait", stage.what, None  # type: tuple[State, str, float | None]
         self.start, self.seconds = 0.0, 0.0
         self.left = TimeLeft(0.0)
 

@@ -1,6 +1,7 @@
 """The stage `variants`: the critical Kh once more with one thing changed at a time, to see on what it hangs."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ LARGEST_STEP = 0.1
 # Cells of the answer's mesh beyond which a change that wants a path is looked at on the mesh it began with: a path
 # takes minutes on 5,000 cells of bare sand, and the change is told beside that mesh without it.
 PATH_CELLS = 2500
-FLOWS = {
+FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",
     "associated": "ψ = φ",
     "section": "the non-associated path with ψ as given",
