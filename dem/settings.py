@@ -254,12 +254,19 @@ class SlideSettings(Model):
         default=0.1,
         ge=0.0,
         le=1.0,
-        description='seismic coefficient that is held; "k_max" takes that of [site_response], "earthquake" that of '
-        "[earthquake] with its seconds, which is the default where there is one",
+        description='seismic coefficient that is held, or that reverses in kh_cycles; "k_max" takes that of '
+        '[site_response], "earthquake" that of [earthquake] with its cycles, which is the default where there is one',
     )
     kh_seconds: float | None = Field(
         default=None, gt=0.0, description="seconds for which Kh is held, then taken away; for ever if not given"
     )
+    kh_cycles: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=200.0,
+        description="uniform cycles of a Kh that pushes both ways, in the place of one that is held",
+    )
+    kh_period: float | None = Field(default=None, gt=0.0, le=20.0, description="period of these cycles (s)")
     accelerogram: str = Field(
         default="",
         description="a record of the base in the place of kh, a file as in [sliding_block]; positive pushes downhill; "
@@ -272,8 +279,9 @@ class SlideSettings(Model):
     )
     liquefies_at: Seconds | Literal["F_L"] = Field(
         default="F_L",
-        description='seconds after the record begins at which the layers liquefy, or "F_L": each when the record first '
-        "reaches the share F_L of its peak, its smallest by the blow counts, or 1 without any",
+        description='seconds after the shaking begins at which the layers liquefy, or "F_L", its smallest by the blow '
+        "counts: when a record first reaches that share of its peak (1 without any), and after F_L^(1/0.34) of the "
+        "cycles of Kh (0 without any)",
     )
     onset: Seconds | None = Field(
         default=None,
@@ -308,8 +316,13 @@ class SlideSettings(Model):
     )
 
     def problems(self, strata: Sequence[str]) -> list[str]:
-        """What does not fit strata of these names, one sentence each."""
-        return [
+        """What does not fit strata of these names, or each other, one sentence each."""
+        told = []
+        if (self.kh_cycles is None) != (self.kh_period is None):
+            told.append("slide, kh_cycles and kh_period: expected both, or neither")
+        elif self.kh_cycles is not None and self.kh_seconds is not None:
+            told.append("slide, kh_cycles and kh_seconds: expected one of them; Kh reverses, or is held")
+        return told + [
             f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
             for number, case in enumerate(self.cases, start=1)
             for key in ("residual", "residual_strength")
@@ -327,6 +340,8 @@ class SlideSettings(Model):
             return f"the record {Path(self.accelerogram).name}"
         if self.kh == 0.0:
             return "its weight alone"
+        if self.kh_cycles is not None:
+            return f"Kh = {self.kh:g} both ways, {self.kh_cycles:g} cycles of {self.kh_period:g} s"
         return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
     def onset_of(self, model: DiscModelName) -> float:

@@ -18,7 +18,8 @@ from workflow.earthquake.attenuation import GAL, Mechanism, Motion, Site, fukush
 from workflow.earthquake.boore import Slip, boore
 from workflow.earthquake.equivalent_kh import EquivalentKh, equivalent_kh
 
-EARTHQUAKE = "earthquake"  # in place of the Kh of the slides and of its seconds: those that stand for [earthquake]
+EARTHQUAKE = "earthquake"  # in place of the Kh of the slides, its cycles and period: those that stand for [earthquake]
+CYCLES = ("kh_cycles", "kh_period")
 PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
@@ -105,9 +106,9 @@ class EarthquakeSettings(Model):
     def notices(self, slide: SlideSettings | None) -> list[str]:
         """What is doubtful, what contradicts itself, and where the Kh of the slides comes from, if it is of here."""
         told, found = [self._unlikely_peak(), self.contradiction()], self.equivalent()
-        pushed = (slide.kh, slide.kh_seconds) if slide is not None and not slide.accelerogram else None
-        if found is not None and pushed == (found.kh, found.seconds):
-            told.append(f"slide, kh = {found.kh:g} of [earthquake]: {found.words}; all that time it pushes one way")
+        pushed = (slide.kh, slide.kh_cycles) if slide is not None and not slide.accelerogram else None
+        if found is not None and pushed == (found.kh, found.cycles):
+            told.append(f"slide, kh = {found.kh:g} of [earthquake]: {found.words}")
         return [text for text in told if text]
 
     def _unlikely_peak(self) -> str:
@@ -122,13 +123,15 @@ class EarthquakeSettings(Model):
         return ""
 
     def equivalent(self) -> EquivalentKh | None:
-        """The constant Kh that stands for it, and for how long; None where nothing says its peak."""
+        """The cycles of Kh that stand for it; None where nothing says its peak."""
         try:
             motion = self.motion()
             record = self._recorded() if self.record and self.peak_acceleration is None else None
         except InputError:
             return None
-        return None if motion is None else equivalent_kh(motion, self.magnitude, record)
+        if motion is None:
+            return None
+        return equivalent_kh(motion, self.magnitude, self.distance, self.site, record)
 
     def problems(self) -> list[str]:
         """What the relation misses, or cannot be used for; a record is looked at when it is read."""
@@ -169,25 +172,29 @@ class SiteResponseSettings(Model):
 
 
 def push_of_slides(earthquake: Any, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """Kh of the slides, and its seconds unless they are given, where these are left to the earthquake of an input.
+    """Kh of the slides, its cycles and their period, where these are left to the earthquake of an input.
 
-    Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Raises InputError where kh =
-    "earthquake" is asked for and nothing says its peak.
+    Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Kh that is given, or seconds for
+    which it is held, leave the cycles out unless these are asked for. Raises InputError where ``"earthquake"`` is asked
+    for and nothing says its peak.
     """
+    asked = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
-    seconds_left = slide.get("kh_seconds", EARTHQUAKE if kh_left else None) == EARTHQUAKE
-    if slide.get("accelerogram") or not (kh_left or seconds_left):
+    held = "kh_seconds" in slide or not kh_left
+    left = [key for key in CYCLES if slide.get(key, None if held else EARTHQUAKE) == EARTHQUAKE]
+    if slide.get("accelerogram") or not (kh_left or left):
         return {}
     try:
         found = EarthquakeSettings.model_validate(earthquake or {}).equivalent()
     except ValidationError:
         found = None
-    if found is None and EARTHQUAKE in (slide.get("kh"), slide.get("kh_seconds")):
-        told = f'slide, kh = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and distance'
-        raise InputError(source, [told])
+    if found is None and asked:
+        told = f'slide, {asked[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
+        raise InputError(source, [told + "distance"])
     if found is None:
         return {}
-    return {**({"kh": found.kh} if kh_left else {}), **({"kh_seconds": found.seconds} if seconds_left else {})}
+    values = {"kh": found.kh, "kh_cycles": found.cycles, "kh_period": found.period}
+    return {key: values[key] for key in [*(["kh"] if kh_left else []), *left]}
 
 
 def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> Motion:

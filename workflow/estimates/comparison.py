@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from dem.slides.cycles import cyclic_acceleration
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
@@ -27,7 +29,7 @@ FOR_EVER = 10.0  # s for which a block is pushed where slides are pushed for eve
 
 NO_LINE = np.zeros((0, 2))
 
-__all__ = ["Estimate", "Kind", "constant_kh", "constant_seconds", "estimates", "mean_inclination"]
+__all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
 
 
 def constant_kh(given: Input) -> float:
@@ -35,9 +37,35 @@ def constant_kh(given: Input) -> float:
     return given.slide.kh if given.sliding_block.kh is None else given.sliding_block.kh
 
 
-def constant_seconds(given: Input) -> float:
-    """How long the constant Kh pushes the block (s): as set for it, else as long as the slides, else 10."""
-    return given.sliding_block.seconds or given.slide.kh_seconds or FOR_EVER
+@dataclass(frozen=True)
+class BlockDrive:
+    """What drives the block where no record does: Kh that is held for ``seconds``, or reverses in ``cycles`` of a
+    ``period`` (s)."""
+
+    seconds: float
+    cycles: float | None = None
+    period: float = 0.0
+
+    def slide(self, kc: float, kh: float) -> float:
+        """How far (m) a block that resists ``kc`` slides under ``kh`` (-)."""
+        if self.cycles is None:
+            return rectangular_pulse(kc, kh, self.seconds)
+        return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent
+
+    @property
+    def words(self) -> str:
+        """How Kh acts."""
+        return f"for {self.seconds:g} s" if self.cycles is None else (
+            f"both ways, {self.cycles:g} cycles of {self.period:g} s"
+        )  # fmt: skip
+
+
+def block_drive(given: Input) -> BlockDrive:
+    """How Kh drives the block: for the seconds set for it, else as it drives the slides, else for 10 s."""
+    slide, seconds = given.slide, given.sliding_block.seconds
+    if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
+        return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
+    return BlockDrive(seconds or slide.kh_seconds or FOR_EVER)
 
 
 def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
@@ -55,9 +83,9 @@ def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE
 
 
 def _constant(given: Input, kc: float) -> Estimate:
-    kh, seconds = constant_kh(given), constant_seconds(given)
-    slide = rectangular_pulse(kc, kh, seconds)
-    words = f"Kh = {kh:g} for {seconds:g} s, resisted by kc = {kc:.3f} {flow_words(given)}: "
+    kh, drive = constant_kh(given), block_drive(given)
+    slide = drive.slide(kc, kh)
+    words = f"Kh = {kh:g} {drive.words}, resisted by kc = {kc:.3f} {flow_words(given)}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 

@@ -95,5 +95,7 @@ def _driven(given: Input) -> str:
         return f"{words}, which moves the base and all that is fixed to it as one; then it is calm"
     if given.slide.kh == 0.0:
         return f"{words}, as if all shaking were over"
+    if given.slide.kh_cycles is not None:
+        return f"{words}: uniform cycles in the place of the irregular ones of an earthquake"
     lasts = "" if given.slide.kh_seconds is not None else " that acts as long as they last"
     return f"a constant {words}{lasts}, where an earthquake pushes both ways and ends"

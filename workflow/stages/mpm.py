@@ -164,7 +164,7 @@ def seconds(given: Input) -> float:
 
 def taken(given: Input) -> dict[str, object]:
     """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = given.slide.accelerogram and given.slide.liquefies_at == "F_L"
+    decides = (given.slide.accelerogram or given.slide.kh_cycles) and given.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(given)} | ({"its F_L": lowest_factors(given)} if decides else {})
 
 
@@ -176,8 +176,8 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     reads=(
-        "slide.kh", "slide.kh_seconds", "slide.accelerogram", "slide.unit", "slide.scale", "slide.liquefies_at",
-        "slide.onset", "slide.still", "slide.duration", "slide.mpm_cells",
+        "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.accelerogram", "slide.unit",
+        "slide.scale", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration", "slide.mpm_cells",
     ),
     takes=taken,
     beside=("mesh",),

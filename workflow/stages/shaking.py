@@ -1,4 +1,4 @@
-"""The record that shakes the discs, and when each stratum liquefies under it."""
+"""What shakes the discs both ways, a record or cycles of Kh, and when each stratum liquefies under it."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from dem.settings import AVERAGE
+from dem.slides.cycles import cyclic_acceleration
 from dem.slides.drive import Shaking
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
+from workflow.earthquake.equivalent_kh import POWER
 from workflow.settings import Input
 from workflow.stages.liquefaction import lowest_factors
 
@@ -16,7 +18,7 @@ APART = 1e-6  # s between the two ends of a step of a record
 
 
 def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
-    """What shakes the discs, with the times at which strata liquefy; None where Kh is held.
+    """What shakes the discs, with the times at which strata begin to liquefy; None where Kh is held.
 
     That is a record of the base, or the average acceleration of all above the slip surface in time (Makdisi & Seed
     1978), which the layers make of a record of the rock.
@@ -26,7 +28,7 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
     """
     settings = given.slide
     if not settings.accelerogram:
-        return None
+        return _cycles(given, strata) if settings.kh_cycles is not None and settings.kh > 0.0 else None
     time, push = _average(given) if settings.accelerogram == AVERAGE else _record(given)
     push = settings.scale * push
     if settings.liquefies_at != "F_L":
@@ -36,6 +38,27 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
     size = np.abs(push)
     reached = {k: int(np.argmax(size >= factor * size.max())) for k, factor in factors.items()}
     return Shaking(time, push, {k: float(time[place] - time[0]) for k, place in reached.items()})
+
+
+def _cycles(given: Input, strata: Sequence[int]) -> Shaking:
+    """Cycles of Kh, after a calm as long as an onset: a layer has liquefied in full when its own cycles have passed.
+
+    Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that F_L is reached after F_L^(1/
+    0.34) of them: a layer with 0.5 has an eighth of the shaking behind it. Layers without blow counts liquefy at once.
+    """
+    settings = given.slide
+    cycles, period, onset = (
+        float(settings.kh_cycles or 0.0),
+        float(settings.kh_period or 0.0),
+        settings.onset_of("soil"),
+    )
+    time, push = cyclic_acceleration(settings.kh, cycles, period)
+    time, push = np.append(0.0, time + onset + APART), np.append(0.0, push)
+    if settings.liquefies_at != "F_L":
+        return Shaking(time, push, dict.fromkeys(strata, onset + settings.liquefies_at))
+    lowest = lowest_factors(given)
+    factors = {k: min(1.0, lowest[k] or 0.0) if k < len(lowest) else 0.0 for k in strata}
+    return Shaking(time, push, {k: cycles * period * factor ** (1.0 / POWER) for k, factor in factors.items()})
 
 
 def _record(given: Input) -> tuple[np.ndarray, np.ndarray]:

@@ -51,7 +51,7 @@ def ignored(given: Input) -> tuple[str, ...]:
 
 def taken(given: Input) -> dict[str, Any]:
     """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = given.slide.accelerogram and given.slide.liquefies_at == "F_L"
+    decides = (given.slide.accelerogram or given.slide.kh_cycles) and given.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(given)} | ({"its F_L": lowest_factors(given)} if decides else {})
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from dem.settings import AVERAGE
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram, read
-from workflow.estimates.comparison import constant_kh, constant_seconds
-from workflow.estimates.sliding_block import newmark, rectangular_pulse
+from workflow.estimates.comparison import block_drive, constant_kh
+from workflow.estimates.sliding_block import newmark
 from workflow.results.study import Curve
 from workflow.settings import Input
 from workflow.study.lognormal_fragility import curve
@@ -72,11 +72,11 @@ def _levels(given: Input, table: Table) -> dict[str, np.ndarray]:
 
 
 def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:
-    seconds = constant_seconds(given)
+    drive = block_drive(given)
     over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
-    slides = np.array([[rectangular_pulse(own, kh, seconds) for kh in over] for own in kc])
+    slides = np.array([[drive.slide(own, kh) for kh in over] for own in kc])
     for far in given.study.exceeds:
-        yield probability(f"block, Kh for {seconds:g} s: slide > {far:g} m", over, slides > far)
+        yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
     if not given.sliding_block.accelerogram:
         return
     record = given.sliding_block.in_use()
@@ -99,7 +99,7 @@ def block(given: Input, kc: float | None) -> float | None:
     if kc is None:
         return None
     if not given.sliding_block.accelerogram:
-        return rectangular_pulse(max(kc, LEAST), constant_kh(given), constant_seconds(given))
+        return block_drive(given).slide(max(kc, LEAST), constant_kh(given))
     record = given.sliding_block.in_use()
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 

@@ -7,16 +7,25 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dem.slides.cycles import cyclic_acceleration
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.records import motion, peer
 from workflow.earthquake.accelerogram import Accelerogram
-from workflow.earthquake.equivalent_kh import duration_of_magnitude, significant_duration
-from workflow.estimates.comparison import constant_seconds
+from workflow.earthquake.equivalent_kh import (
+    cycles_of_magnitude,
+    cycles_of_record,
+    mean_period,
+    mean_period_of_record,
+)
+from workflow.estimates.comparison import block_drive
 from workflow.estimates.empirical import empirical
+from workflow.estimates.sliding_block import newmark
 from workflow.settings import Input
+from workflow.stages.liquefaction import lowest_factors
+from workflow.stages.shaking import shaking_of
 
 LEVEE = {"magnitude": 7.4, "distance": "60 km", "peak_acceleration": "0.25 g"}
 
@@ -27,51 +36,104 @@ def shaken(earthquake: dict[str, Any], **slide: Any) -> Input:
     return Input.parse(data)
 
 
-def test_kh_and_its_seconds_are_those_of_the_earthquake() -> None:
-    """0.65 of 0.25 g is 0.1625; log D = 0.432 · 7.4 - 1.83 makes 23.3 s: Kh was 0.1 for ever."""
+def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
+    """0.65 of 0.25 g is 0.1625; MSF of M 7.4 is 1.027 and makes 13.9 cycles; ln T = -1 + 0.225 + 0.228 + 0.27."""
     given = shaken(LEVEE)
     assert given.slide.kh == pytest.approx(0.1625, abs=6e-4)
-    assert given.slide.kh_seconds == pytest.approx(23.3, abs=0.05)
+    assert given.slide.kh_seconds is None
+    assert given.slide.kh_cycles == pytest.approx(13.9, abs=0.06)
+    assert given.slide.kh_period == pytest.approx(0.758, abs=6e-3)
     [pushed] = [text for text in given.notices if text.startswith("slide, kh")]
     assert "of [earthquake]: 0.65 of the peak of 0.25 g" in pushed
-    assert "M 7.4, 23.3 s" in pushed
+    assert "both ways in 13.9 cycles of M 7.4" in pushed
     again = Input.parse(tomllib.loads(given.to_toml()))
     assert (again.slide, again.notices) == (given.slide, given.notices)
-    assert given.slide.shaking == f"Kh = {given.slide.kh:g} for 23.3 s"
+    assert given.slide.shaking == f"Kh = {given.slide.kh:g} both ways, 13.9 cycles of {given.slide.kh_period:g} s"
+
+
+def test_cycles_and_period_of_a_magnitude() -> None:
+    """15 cycles at M 7.5, by definition; Rathje et al. (2004): 0.53 s for M 6.5 at 2 km on deep soil."""
+    assert cycles_of_magnitude(7.5) == pytest.approx(15.0, abs=0.1)
+    assert cycles_of_magnitude(6.5) == pytest.approx(6.9, abs=0.1)
+    assert mean_period(6.5, 2000.0) == pytest.approx(np.exp(-1.0 + 0.09 + 0.0076 + 0.27))
+    assert mean_period(6.5, 2000.0, "rock") == pytest.approx(np.exp(-1.0 + 0.09 + 0.0076))
+    assert mean_period(9.0, 2000.0) == mean_period(7.25, 2000.0)
+
+
+def test_layers_liquefy_when_their_cycles_have_passed() -> None:
+    """After F_L^(1/0.34) of the shaking, after a calm in which strength may fade; without counts at once."""
+    given = shaken(LEVEE)
+    [stratum] = [k for k, one in enumerate(given.strata) if one.liquefies_in]
+    shaking = shaking_of(given, [stratum])
+    assert shaking is not None
+    factor = lowest_factors(given)[stratum]
+    assert factor is not None
+    lasts = float(given.slide.kh_cycles or 0.0) * float(given.slide.kh_period or 0.0)
+    assert shaking.onsets[stratum] == pytest.approx(lasts * factor ** (1.0 / 0.34))
+    assert np.abs(shaking.push[shaking.time < 5.0]).max() == 0.0
+    assert np.abs(shaking.push).max() == pytest.approx(given.slide.kh * GRAVITY, rel=2e-3)
+    untested = Input.parse({**_without_borings(), "slide": {"kh": 0.1, "kh_cycles": 8.0, "kh_period": 0.5}})
+    calm = shaking_of(untested, [0])
+    assert calm is not None
+    assert calm.onsets == {0: 0.0}
+
+
+def test_cycles_want_a_period_and_no_seconds() -> None:
+    for slide, told in (
+        ({"kh_cycles": 8.0}, "kh_cycles and kh_period: expected both"),
+        ({"kh_cycles": 8.0, "kh_period": 0.5, "kh_seconds": 4.0}, "kh_cycles and kh_seconds: expected one"),
+    ):
+        with pytest.raises(InputError, match=told):
+            Input.parse({**_without_borings(), "slide": {"kh": 0.1, **slide}})
+
+
+def _without_borings() -> dict[str, Any]:
+    found = {key: value for key, value in bored().items() if key not in ("earthquake", "triggering")}
+    for stratum in found["strata"]:
+        stratum["liquefies_in"] = [1]
+    return found
 
 
 def test_what_the_slides_are_given_goes_before_the_earthquake(tmp_path: Path) -> None:
     given = shaken(LEVEE, kh=0.1)
-    assert (given.slide.kh, given.slide.kh_seconds) == (0.1, None)
+    assert (given.slide.kh, given.slide.kh_seconds, given.slide.kh_cycles) == (0.1, None, None)
     assert not any(text.startswith("slide, kh") for text in given.notices)
     given = shaken(LEVEE, kh_seconds=5.0)
-    assert (given.slide.kh, given.slide.kh_seconds) == (shaken(LEVEE).slide.kh, 5.0)
+    assert (given.slide.kh, given.slide.kh_seconds, given.slide.kh_cycles) == (shaken(LEVEE).slide.kh, 5.0, None)
+    both_ways = shaken(LEVEE, kh=0.1, kh_cycles="earthquake", kh_period="earthquake").slide
+    assert (both_ways.kh, both_ways.kh_cycles) == (0.1, shaken(LEVEE).slide.kh_cycles)
     (tmp_path / "a.AT2").write_text(peer(motion(1, 400, 0.01) / GRAVITY, 0.01, "G"))
     assert shaken(LEVEE, accelerogram=str(tmp_path / "a.AT2")).slide.kh == 0.1
-    without = {key: value for key, value in bored().items() if key not in ("earthquake", "triggering")}
-    for stratum in without["strata"]:
-        stratum["liquefies_in"] = [1]
+    without = _without_borings()
     assert Input.parse(without).slide.kh == 0.1
     with pytest.raises(InputError, match='kh = "earthquake": expected'):
         Input.parse({**without, "slide": {"kh": "earthquake"}})
     assert shaken(LEVEE, kh="earthquake").slide == shaken(LEVEE).slide
 
 
-def test_the_block_is_pushed_as_long_as_the_slides() -> None:
-    assert constant_seconds(shaken(LEVEE)) == shaken(LEVEE).slide.kh_seconds
-    assert constant_seconds(shaken(LEVEE, kh=0.1)) == 10.0
-    assert constant_seconds(Input.parse({**bored(), "sliding_block": {"seconds": 4.0}})) == 4.0
+def test_the_block_is_driven_as_the_slides() -> None:
+    both_ways = block_drive(shaken(LEVEE))
+    assert (both_ways.cycles, both_ways.period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
+    assert block_drive(shaken(LEVEE, kh=0.1)).seconds == 10.0
+    assert block_drive(Input.parse({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
+    # nothing below yield, and far less than a push of one way that lasts as long
+    assert both_ways.slide(0.2, 0.16) == 0.0
+    assert 0.0 < both_ways.slide(0.04, 0.16) < 0.1 * block_drive(shaken(LEVEE, kh_seconds=10.5)).slide(0.04, 0.16)
 
 
-def test_a_record_says_how_long(tmp_path: Path) -> None:
-    """Constant power from 2 to 12 s: 5 to 95 % of it takes 9 s."""
+def test_the_cycles_of_a_record_are_counted(tmp_path: Path) -> None:
+    """10 s of a sine of 5 Hz: 100 half waves of the peak are ½ · 100 · 0.65^(-1/0.34) = 177.5 cycles of 0.2 s."""
     time = 0.01 * np.arange(2000)
-    values = np.where((time >= 2.0) & (time < 12.0), 2.0 * np.sin(10.0 * np.pi * time), 0.0)
-    assert significant_duration(Accelerogram("a", "b", time, values)) == pytest.approx(9.0, abs=0.03)
-    (tmp_path / "a.AT2").write_text(peer(values / GRAVITY, 0.01, "G"))
+    values = np.where((time >= 2.0) & (time < 12.0), 2.0 * np.sin(10.0 * np.pi * time + 0.1), 0.0)
+    record = Accelerogram("a", "b", time, values)
+    assert cycles_of_record(record) == pytest.approx(177.5, rel=0.02)
+    assert mean_period_of_record(record) == pytest.approx(0.2, rel=0.02)
+    shaking = np.where((time >= 2.0) & (time < 4.0), 2.0 * np.sin(10.0 * np.pi * time), 0.0)
+    (tmp_path / "a.AT2").write_text(peer(shaking / GRAVITY, 0.01, "G"))
     slide = shaken({"magnitude": 7.4, "record": str(tmp_path / "a.AT2")}).slide
-    assert (slide.kh, slide.kh_seconds) == (pytest.approx(0.65 * 2.0 / GRAVITY, abs=1e-3), pytest.approx(9.0, abs=0.06))
-    assert duration_of_magnitude(6.5) == pytest.approx(9.51, abs=0.01)
+    assert slide.kh == pytest.approx(0.65 * 2.0 / GRAVITY, abs=1e-3)
+    assert slide.kh_cycles == pytest.approx(35.5, rel=0.03)
+    assert slide.kh_period == pytest.approx(0.2, abs=0.011)
 
 
 def test_a_sample_of_the_earthquake_pushes_its_own_slides() -> None:
@@ -80,7 +142,7 @@ def test_a_sample_of_the_earthquake_pushes_its_own_slides() -> None:
         "uncertain": {"earthquake.magnitude": {"normal": [7.4, 0.1]}},
     })  # fmt: skip
     drawn = given.with_drawn({"earthquake.magnitude": 7.0})
-    assert drawn.slide.kh_seconds == pytest.approx(10.0 ** (0.432 * 7.0 - 1.83), abs=0.05)
+    assert drawn.slide.kh_cycles == pytest.approx(cycles_of_magnitude(7.0), abs=0.05)
 
 
 def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
@@ -131,3 +193,34 @@ def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     out = " ".join(capsys.readouterr().out.split())
     assert "Mind: slide, kh = 0.16" in out
     assert "143 gal are expected" in out
+
+
+def test_cycles_have_no_mean_velocity_and_slide_a_block_as_a_sine_does() -> None:
+    """Eight cycles, and eight hundred against one: Newmark's block slides as far in each whole cycle of a sine.
+
+    A sine of amplitude A that slides from where A sin = ky to where both velocities are equal again; per cycle, found
+    here by quadrature.
+    """
+    kh, ky, period = 0.3, 0.1, 0.8
+    time, push = cyclic_acceleration(kh, 8.0, period)
+    velocity = np.append(0.0, np.cumsum(0.5 * (push[1:] + push[:-1]) * np.diff(time)))
+    largest = kh * GRAVITY * period / (2.0 * np.pi)
+    assert np.abs(velocity).max() == pytest.approx(largest, rel=0.01)
+    assert abs(velocity[-1]) < 1e-3 * largest
+    assert abs(np.mean(velocity)) < 0.02 * largest
+    of_a_cycle = (_slid_in(kh, 21.0, period, ky) - _slid_in(kh, 11.0, period, ky)) / 10.0
+    assert of_a_cycle == pytest.approx(_of_a_sine(kh, ky, period), rel=5e-3)
+    assert _slid_in(kh, 8.0, period, ky) == pytest.approx(8.0 * of_a_cycle, rel=0.05)
+
+
+def _slid_in(kh: float, cycles: float, period: float, ky: float) -> float:
+    return newmark(*cyclic_acceleration(kh, cycles, period), ky).permanent
+
+
+def _of_a_sine(kh: float, ky: float, period: float) -> float:
+    """Slide (m) in a cycle: ∫ v dt, v = ∫ (A sin ωt - ky g) dt from A sin ωt = ky g until v = 0."""
+    time = np.linspace(np.arcsin(ky / kh), 2.0 * np.pi + np.arcsin(ky / kh), 200_001) * period / (2.0 * np.pi)
+    excess = GRAVITY * (kh * np.sin(2.0 * np.pi * time / period) - ky)
+    speed = np.append(0.0, np.cumsum(0.5 * (excess[1:] + excess[:-1]) * np.diff(time)))
+    stop = int(np.argmax(speed[1:] <= 0.0)) + 1
+    return float(np.sum(0.5 * (speed[1:stop] + speed[: stop - 1]) * np.diff(time[:stop])))

@@ -21,6 +21,7 @@ from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
 from meshes.errors import InputError, NoAnswerError
 from workflow.settings import Input
+from workflow.stages.shaking import shaking_of
 from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
 from workflow.verify.slides.record import Line, SlideAnswer
 
@@ -152,7 +153,8 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     settings = given.dem.model_copy(update={"seed": seed})
     lies = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
     strata = [k for k, stratum in enumerate(given.strata) if number in stratum.liquefies_in]
-    slider = Slider(lies.settled, lies.ground, strata, given.cases[number - 1], given.slide)
+    shaking = shaking_of(given, strata)
+    slider = Slider(lies.settled, lies.ground, strata, given.cases[number - 1], given.slide, shaking=shaking)
     slide = slider.run()
     if not slide.rows or slide.reason.startswith("stopped"):
         raise ValueError(slide.reason)

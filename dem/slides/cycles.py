@@ -1,0 +1,44 @@
+"""A seismic coefficient that reverses: uniform cycles that stand for the irregular ones of an earthquake."""
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+
+PER_CYCLE = 64  # points in time
+EDGE = 1.0  # cycles in which the motion comes, and in which it goes: half of each counts
+
+
+def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """Kh g cos(2 π t / T) that comes and goes within a cycle each.
+
+    It is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either end, so that the
+    base has no mean velocity: one that begins at once would leave ground that has liquefied behind.
+
+    Parameters
+    ----------
+    kh
+        Largest seismic coefficient, both ways (-).
+    cycles
+        How many cycles of that size it is worth: the two at the edges count as half a cycle each.
+    period
+        Of a cycle, T (s).
+
+    Returns
+    -------
+    time, push : (n,) arrays
+        In s from 0, and what the ground feels in m/s²; it begins and ends with 0.
+
+    Raises
+    ------
+    ValueError
+        For cycles or a period that are not positive.
+    """
+    if not (cycles > 0.0 and period > 0.0):
+        raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")
+    last = max(cycles, EDGE) + EDGE  # in cycles; a whole one at least comes and goes
+    phase = np.linspace(0.0, last, int(np.ceil(PER_CYCLE * last)) + 1)
+    inside = np.clip(np.minimum(phase, last - phase) / EDGE, 0.0, 1.0)
+    window = 0.5 - 0.5 * np.cos(np.pi * inside)
+    rises = np.where(phase < 0.5 * last, 1.0, -1.0) * 0.5 * np.pi * np.sin(np.pi * inside) / EDGE  # a cycle
+    push = window * np.cos(2.0 * np.pi * phase) + rises * np.sin(2.0 * np.pi * phase) / (2.0 * np.pi)
+    return period * phase, kh * GRAVITY * push
