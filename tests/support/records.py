@@ -133,7 +133,50 @@ def columns(time: np.ndarray, values: np.ndarray, heading: str, apart: str = ","
 
 Writer = Callable[[np.ndarray, float], str]
 CM = 100.0  # gal in m/s²
+
+
 # Of a record in m/s²; what the columns of each format leave of it is a hundred-thousandth of a gal, or of its peak.
+def geonet(components: dict[str, np.ndarray], step: float, raw: bool = False) -> str:
+    """Values in mm/s²; of corrected records velocity and displacement follow, which nobody reads."""
+    blocks = []
+    for name, values in components.items():
+        count, peak = len(values), float(max(values[values < 9e5], key=abs))
+        others = 0 if raw else count
+        text = [f"{'Unc' if raw else 'C'}orrected accelerogram 20161113_110256_WTMC_20 GNS Science"]
+        text += ["Site WTMC      42 37 10S  173 03 13E", *["Somewhere"] * 10, f"Component {name}  Longitudinal Axis"]
+        text += [f"Acceleration:  peak {peak:.1f} mm/s/s", "Velocity:", "Displacement:"]
+        heading = [[0.0] * 10 for _ in range(10)]
+        heading[3][3:6] = [count, others, others]
+        heading[4][:2], heading[4][7] = [200.0, 0.7], 1.0
+        heading[6][4:6], heading[6][9] = [0.005, step], 9806.6
+        heading[7][0] = peak if raw else 1.13 * peak
+        heading[7][5] = 0.0 if raw else peak
+        rows = ["".join(f"{v:8.0f}" for v in row) for row in heading[:4]]
+        rows += ["".join(f"{v:8.5g}" if k == 6 else f"{v:8.1f}" for v in row) for k, row in enumerate(heading[4:], 4)]
+        data = [values, *([] if raw else [0.1 * values, 0.01 * values])]
+        rows += ["".join(f"{v:8.1f}" for v in one[k : k + 10]) for one in data for k in range(0, count, 10)]
+        blocks += text + rows
+    return "\n".join(blocks) + "\n"
+
+
+def bhrc(components: dict[str, np.ndarray], step: float) -> str:
+    """Values in g."""
+    blocks = []
+    for name, values in components.items():
+        blocks += ["* VOL1DS FILE:  5523/01", "Inst Type = SSA-2", "Origin Time : 2012/08/11   12:23:16", "", name, " "]
+        blocks += [
+            f"COMP {name}1",
+            "Amand   Station   38.231 N 46.156 E   Altitude 1495m   Azimuth L 177   T 267",
+            "",
+            "",
+        ]
+        blocks += [f"NO. OF POINTS = {len(values):6d}      DURATION = {len(values) * step:8.4f}"]
+        blocks += ["UNITS ARE SECONDS AND G/10", " ", *["    0" * 14] * 7, *["  .000000E+00" * 5] * 7]
+        blocks += ["".join(f"{10.0 * v:13.6E}" for v in values[k : k + 10]) for k in range(0, len(values), 10)]
+        blocks += ["/&"]
+    return "\n".join(blocks) + "\n"
+
+
 WRITERS: dict[str, Writer] = {
     "PEER in g": lambda a, dt: peer(a / GRAVITY, dt, "G"),
     "PEER in CM/SEC/SEC": lambda a, dt: peer(CM * a, dt, "CM/SEC/SEC"),
@@ -146,6 +189,9 @@ WRITERS: dict[str, Writer] = {
     "CSMIP V1": lambda a, dt: csmip_v1(a / GRAVITY, dt, "g"),
     "CSMIP V2": lambda a, dt: csmip_v2(CM * a, dt, "cm/sec2"),
     "ESM": lambda a, dt: esm(CM * a, dt, "cm/s^2"),
+    "GeoNet V1": lambda a, dt: geonet({"N28W": 1e3 * a}, dt, raw=True),
+    "GeoNet V2": lambda a, dt: geonet({"N28W": 1e3 * a}, dt),
+    "BHRC": lambda a, dt: bhrc({"L": a / GRAVITY}, dt),
     "JMA": lambda a, dt: jma({"NS": CM * a}, dt),
     "semicolons": lambda a, dt: columns(dt * np.arange(len(a)), a, "t [s];a [m/s²]", ";"),
     "decimal commas": lambda a, dt: columns(dt * np.arange(len(a)), a, "t [s];a [m/s²]", ";", ","),

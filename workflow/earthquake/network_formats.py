@@ -1,4 +1,4 @@
-"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, ESM.
+"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, ESM; and what is read.
 
 Sources: PEER NGA-West2, file formats; NIED, "About K-NET ASCII format"; COSMOS Strong Motion Data Format v1.20 (2001);
 A. F. Shakal, M. J. Huang, Standard Tape Format for CSMIP Strong-Motion Data, OSMS 85-03 (1985); ESM, DYNA 1.2.
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
+from workflow.earthquake.national_formats import bhrc, geonet, is_bhrc, is_geonet
 from workflow.earthquake.recorded_series import RecordedSeries, fixed_numbers, free_numbers, steps
 
 Lines = Sequence[str]
@@ -50,6 +51,9 @@ CSMIP_V2 = re.compile(
     re.IGNORECASE,
 )
 CSMIP_CHANNEL = re.compile(r"\bChan\s+(\d+)\s*:\s*(.*?)\s*(?:Location|from|$)", re.IGNORECASE)
+
+# The first line of volume 3 of CSMIP and COSMOS: "Response and Fourier amplitude spectra (86 periods, ...".
+SPECTRA = re.compile(r"^\s*(?:response|fourier)\b.*\bspectr(?:a|um)\b", re.IGNORECASE)
 
 ESM_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*): ?(.*)$")
 
@@ -167,6 +171,14 @@ def esm(lines: Lines) -> list[RecordedSeries]:
                            abs(float(stated)) if stated else None)]  # fmt: skip
 
 
+def spectra(lines: Lines) -> list[RecordedSeries]:
+    """Raise ValueError: spectra are no record."""
+    raise ValueError(
+        "holds spectra (volume 3 of CSMIP or COSMOS), not a record; expected the acceleration in time of the same "
+        "station, volume 1 or 2"
+    )
+
+
 def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
     """That a file holds fewer or more values than its heading states, and what that means."""
     of = f" ({what})" if what else ""
@@ -199,9 +211,14 @@ def _any(*patterns: re.Pattern[str]) -> Callable[[Lines], bool]:
 
 
 FORMATS = (
+    NetworkFormat("", lambda lines: bool(lines) and bool(SPECTRA.match(lines[0])), spectra),
+    NetworkFormat("GeoNet V1 and V2", is_geonet, geonet),
+    NetworkFormat("BHRC V1", is_bhrc, bhrc),
     NetworkFormat("COSMOS V1 and V2", _any(COSMOS, COSMOS_REALS), cosmos),
     NetworkFormat("CSMIP V1 and V2", _any(CSMIP_V1, CSMIP_V2), csmip),
-    NetworkFormat("K-NET", lambda lines: bool(KNET_SCALE.search("\n".join(lines[:KNET_LINES]))), knet),
+    NetworkFormat("K-NET and KiK-net", lambda lines: bool(KNET_SCALE.search("\n".join(lines[:KNET_LINES]))), knet),
     NetworkFormat("ESM", lambda lines: any(line.startswith("SAMPLING_INTERVAL_S:") for line in lines[:HEADING]), esm),
     NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),
 )
+# Which files are read, in a sentence.
+READ = f"{', '.join(one.name for one in FORMATS if one.name)}, and columns of numbers: time (s) and acceleration"

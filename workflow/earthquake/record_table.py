@@ -7,11 +7,12 @@ Meteorological Agency), and with decimal commas where semicolons or tabs part th
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
-from workflow.earthquake.network_formats import unit_in
+from workflow.earthquake.network_formats import READ, unit_in
 from workflow.earthquake.recorded_series import LONGEST_STEP, RecordedSeries, finite, steps
 
 BRACKETS = re.compile(r"\[([^\]]+)\]|\(((?:[^()]|\([^()]*\))+)\)|_(g|gal|m_s2|ms2|cm_s2|s|ms)\s*$", re.IGNORECASE)
@@ -25,6 +26,7 @@ STEP = re.compile(
 RATE = re.compile(
     r"\b(?:(?:sampling|sample)[ _](?:rate|freq\w*)|frequency|fs)\b[^\d\n]*?(\d+\.?\d*)\s*(hz|sps|1/s)?", re.IGNORECASE
 )
+NETWORKS_HEADING = 8  # lines of words from which on a file is no table that a person made, but a network's
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
 
 
@@ -38,12 +40,18 @@ class Column:
 
 def table(lines: Sequence[str]) -> list[RecordedSeries]:
     """The components of a record in columns. Raises ValueError for what is no such table, or has no times."""
+    try:
+        return _components(lines)
+    except ValueError as error:
+        if len(list(takewhile(lambda line: _row(line) is None, lines))) < NETWORKS_HEADING:
+            raise
+        raise ValueError(f"is of a format that is not known ({error}); read are {READ}") from None
+
+
+def _components(lines: Sequence[str]) -> list[RecordedSeries]:
     heading, rows = _split(lines)
     if len(rows) < 2:
-        raise ValueError(
-            "is no accelerogram: expected PEER .AT2, K-NET, COSMOS, CSMIP, ESM, or columns of numbers, time (s) and "
-            "acceleration"
-        )
+        raise ValueError(f"is no accelerogram of a known format; read are {READ}")
     values = np.array(rows)
     columns = _columns(heading, values.shape[1])
     text = "\n".join(heading)

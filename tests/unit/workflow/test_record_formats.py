@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from meshes.errors import InputError
 from meshes.section.motion_units import motion_unit, time_unit
 from tests.support import records
-from tests.support.records import CM, GRAVITY, WRITERS, columns, motion
+from tests.support.records import CM, GRAVITY, WRITERS, bhrc, columns, geonet, motion
 from workflow.earthquake.acceleration import read as acceleration
 from workflow.earthquake.accelerogram import Accelerogram, read
 
@@ -41,6 +42,41 @@ def test_a_record_comes_back_from_every_format(name: str, seed: int, count: int,
     np.testing.assert_allclose(found.time, step * np.arange(count), rtol=1e-9, atol=1e-9)
     # K-NET's counts are 0.0006 gal, COSMOS's and CSMIP's columns 1e-5 cm/s² or g
     np.testing.assert_allclose(found.acceleration, values, atol=1.2e-4)
+
+
+@pytest.mark.parametrize(("write", "names"), [(geonet, ["N28W", "S62W", "Up"]), (bhrc, ["L", "T", "V"])])
+def test_one_of_the_components_of_a_national_network(write: Any, names: list[str]) -> None:
+    """The three stand one behind the other; of GeoNet's with velocity and displacement between them."""
+    values = dict(zip(names, records.three(5, 407, 0.02).values(), strict=True))
+    scale = 1e3 if write is geonet else 1.0 / GRAVITY
+    text = write({name: scale * one for name, one in values.items()}, 0.02)
+    assert "holds 3 components" in refused(text)
+    for name, one in values.items():
+        np.testing.assert_allclose(read_text(text, component=name).acceleration, one, atol=1.2e-4)
+
+
+def test_samples_that_were_not_recorded_are_left_out() -> None:
+    values = 1e3 * motion(3, 200, 0.01)
+    found = read_text(geonet({"Up": np.r_[[999999.9] * 3, values, 999999.9]}, 0.01))
+    assert len(found.time) == 200
+    values[100] = 999999.9
+    assert "samples are missing within the record" in refused(geonet({"Up": values}, 0.01))
+
+
+def test_spectra_are_no_record() -> None:
+    text = "Response and Fourier amplitude spectra (86 periods,  .04 - 10.0 sec)   for\nCorrected accelerogram\n"
+    assert "holds spectra" in refused(text + "  .267E-03  .219E-01\n  .134E-01  .349E-01\n")
+
+
+@pytest.mark.parametrize(
+    "rows",
+    ["1 2 3 4 5\n6 7 8 9 10\n11 12", "0.1 0.2 0.3\n0.2 0.1 0.3\n0.1 0.1 0.1", "1 2 3 4 5\nEND OF DATA"],
+    ids=["shorter last row", "no times", "words at the end"],
+)
+def test_a_format_that_is_not_known_is_told_with_those_that_are_read(rows: str) -> None:
+    told = refused("\n".join(f"Heading of a network nobody knows, line {k}" for k in range(12)) + "\n" + rows)
+    assert "GeoNet V1 and V2, BHRC V1, COSMOS V1 and V2" in told
+    assert len(told.splitlines()) == 1
 
 
 @pytest.mark.parametrize("name", ["K-NET", "PEER in g", "COSMOS in cm/sec2", "ESM"])

@@ -1,0 +1,102 @@
+"""Files of two national networks: GeoNet of New Zealand (.V1A, .V2A) and BHRC of Iran (.V1).
+
+Sources: GNS Science, "Accelerogram data file format" (2012), and files that GeoNet and BHRC have published.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from workflow.earthquake.recorded_series import RecordedSeries, fixed_numbers, steps
+
+Lines = Sequence[str]
+
+GEONET = re.compile(r"^\s*(un)?corrected accelerogram\b.*\bGNS Science", re.IGNORECASE)
+GEONET_COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
+# Of a component's heading: lines of text, and ten lines of ten numbers, which begin on these lines (from 0).
+TEXT_LINES, GEONET_HEADING = 16, 26
+COUNTS, INSTRUMENT, TIMES, PEAKS = 19, 20, 22, 23
+IN_THE_TEXT = 12  # where the component stands
+# Stands for a sample that was not recorded, where the ends of several instruments differ.
+NOT_RECORDED = (999999.9, 9999.999, 99.99999)
+
+BHRC = re.compile(r"^\*\s*(VOL\w*)\s+FILE", re.IGNORECASE)
+BHRC_COMPONENT = re.compile(r"^\s*COMP\s+(\w)", re.IGNORECASE)
+BHRC_AZIMUTHS = re.compile(r"Azimuth\s+L\s+(\d+)\s+T\s+(\d+)", re.IGNORECASE)
+BHRC_POINTS = re.compile(r"NO\. OF POINTS\s*=\s*(\d+)\s+DURATION\s*=\s*([\d.]+)", re.IGNORECASE)
+BHRC_UNITS = re.compile(r"UNITS ARE SECONDS AND\s+(\S+)", re.IGNORECASE)
+BHRC_HEADING = 15  # lines between that of the units and the first values: a blank one, 7 of integers and 7 of reals
+BHRC_VOLUME = "VOL1DS"
+
+
+def is_geonet(lines: Lines) -> bool:
+    """Whether these are lines of a file of GeoNet."""
+    return bool(lines) and bool(GEONET.match(lines[0]))
+
+
+def geonet(lines: Lines) -> list[RecordedSeries]:
+    """GeoNet V1 and V2: for each component a heading of 26 lines, acceleration (mm/s²), velocity and displacement."""
+    found: list[RecordedSeries] = []
+    place = 0
+    while place < len(lines) and lines[place].strip():
+        heading = GEONET.match(lines[place])
+        if heading is None or len(lines) < place + GEONET_HEADING:
+            raise ValueError(f"line {place + 1}: expected the heading of a component, {GEONET_HEADING} lines")
+        raw = heading[1] is not None
+        named = GEONET_COMPONENT.match(lines[place + IN_THE_TEXT])
+        counts, instrument, times, peaks = (_row(lines, place + k) for k in (COUNTS, INSTRUMENT, TIMES, PEAKS))
+        first = place + GEONET_HEADING
+        values, place = fixed_numbers(lines, first, int(counts[3]), "10F8.1")
+        values = _recorded(values) * (instrument[7] if raw and instrument[7] > 0.0 else 1.0)
+        time = steps(len(values), float(times[5]), f"line {first - GEONET_HEADING + TIMES + 1}")
+        peak = abs(float(peaks[0] if raw else peaks[5]))
+        name = named[1] if named else ""
+        found.append(RecordedSeries("GeoNet", name, time, values, "mm/s/s", "acceleration", peak or None, raw))
+        place += sum(-(-int(count) // 10) for count in counts[4:6])  # velocity and displacement, ten a line
+    return found
+
+
+def _row(lines: Lines, place: int) -> np.ndarray:
+    """Ten numbers of a heading, in columns of eight."""
+    return fixed_numbers(lines[: place + 1], place, 10, "10F8.1")[0]
+
+
+def _recorded(values: np.ndarray) -> np.ndarray:
+    """The values without what was not recorded at both ends. Raises ValueError where some are missing between."""
+    there = ~np.isin(values, NOT_RECORDED)
+    known = np.flatnonzero(there)
+    if not len(known) or not there[known[0] : known[-1] + 1].all():
+        raise ValueError("samples are missing within the record")
+    return values[known[0] : known[-1] + 1]
+
+
+def is_bhrc(lines: Lines) -> bool:
+    """Whether these are lines of a file of BHRC."""
+    return bool(lines) and bool(BHRC.match(lines[0]))
+
+
+def bhrc(lines: Lines) -> list[RecordedSeries]:
+    """BHRC, volume 1: for each component a heading of 27 lines and acceleration, as a rule in tenths of g."""
+    found: list[RecordedSeries] = []
+    name, azimuths, count, duration, place = "", {}, 0, 0.0, 0  # type: tuple[str, dict[str, str], int, float, int]
+    while place < len(lines):
+        line = lines[place]
+        place += 1
+        if (volume := BHRC.match(line)) and volume[1].upper() != BHRC_VOLUME:
+            raise ValueError(f"is a file of BHRC with {volume[1]}; expected {BHRC_VOLUME}, uncorrected acceleration")
+        if component := BHRC_COMPONENT.match(line):
+            name = component[1].upper()
+        elif known := BHRC_AZIMUTHS.search(line):
+            azimuths = {"L": known[1], "T": known[2]}
+        elif points := BHRC_POINTS.search(line):
+            count, duration = int(points[1]), float(points[2])
+        elif unit := BHRC_UNITS.search(line):
+            first = place + BHRC_HEADING
+            values, place = fixed_numbers(lines, first, count, "10E13.6")
+            share = re.fullmatch(r"g\s*/\s*(\d+)", unit[1], re.IGNORECASE)
+            scale, measured = (1.0 / float(share[1]), "g") if share else (1.0, unit[1])
+            time = steps(count, duration / max(count, 1), "DURATION over NO. OF POINTS")
+            called = f"{name}: {azimuths[name]}" if name in azimuths else name
+            found.append(RecordedSeries("BHRC", called, time, scale * values, measured, "acceleration"))
+    return found
