@@ -15,7 +15,7 @@ from rich.table import Table
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.report import data, tables
-from workflow.run.plan import Action, Choice, Decision, plan
+from workflow.run.plan import Action, Choice, plan
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
@@ -98,22 +98,13 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
         return say_data(data.of_plan(decisions))
     rows = [(one.stage.name, VERBS[one.action], one.why or "nothing has changed") for one in decisions]
     show_table(("stage", "would", "because"), rows)
-    _show_shaking(job)
-    return _show_time(job, decisions)
+    return _show_shaking(job)
 
 
 def _show_shaking(job: Job) -> None:
     """What was done to records, what is doubtful about them and the earthquake, and which Kh follows from it."""
     for text in job.given.notices_of_shaking:
         out.print(escape(f"Mind: {text}."))
-
-
-def _show_time(job: Job, decisions: Sequence[Decision]) -> None:
-    """How long the stages will take that are to run."""
-    from workflow.run.pace import expected
-
-    if told := expected(sum(one.stage.seconds(job.given) for one in decisions if one.action == "run")):
-        say(told)
 
 
 def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = (), pdf: bool = False) -> None:
@@ -128,8 +119,6 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
     verbosity = {Voice.NORMAL: NORMAL, Voice.VERBOSE: VERBOSE}.get(voice, QUIET)
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
-    if voice.speaks:
-        _show_time(job, plan(job, Record(job.store), choice))
     try:
         with Display(out, err, shown, verbosity) as display, crew(job.given.dem.workers) as team:
             pipeline.execute(replace(job, team=team), choice, display, what)

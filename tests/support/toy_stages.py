@@ -44,9 +44,9 @@ def leaves(name: str, text: str = "result") -> Work:
 
 
 def stage(name: str, **more: Any) -> Stage:
-    """A stage that leaves one file, and has no code of its own."""
+    """A stage that leaves one file."""
     return Stage(
-        name=name, what=f"the {name}", module="workflow.run.errors", work=leaves(f"{name}.txt"),
+        name=name, what=f"the {name}", work=leaves(f"{name}.txt"),
         results=(f"{name}.txt",), pictures=(f"{name}*.png",), **more,
     )  # fmt: skip
 

@@ -10,8 +10,7 @@ from typing import Generic, TypeVar, get_type_hints
 
 from pydantic import BaseModel
 
-from workflow.run import source
-from workflow.run.fingerprint import fingerprint_of
+from workflow.run.fingerprint import fingerprint_of, program
 
 Given = TypeVar("Given", bound=BaseModel)
 Found = TypeVar("Found", bound=BaseModel)
@@ -46,18 +45,12 @@ class Task(Generic[Given, Found]):
 
     @cached_property
     def fingerprint(self) -> str:
-        """Of the function, of the text of all that it is made of, and of its input."""
-        data = {"task": self.name, "program": _program(self.function.__module__), **_as_data(self.given)}
-        return fingerprint_of(data)
+        """Of the function, of its module and the program, and of its input."""
+        made_by = {"task": self.name, "program": program(), "module": _text(self.function.__module__)}
+        return fingerprint_of({**made_by, "given": self.given.model_dump(mode="json")})
 
 
-def _as_data(given: BaseModel) -> dict[str, object]:
-    return {"given": given.model_dump(mode="json")}
-
-
-def _program(module: str) -> str:
-    """A fingerprint of a module with all of noshiro that it imports; of one that is not noshiro's, its own text."""
-    if module.split(".")[0] in source.PACKAGES:
-        return source.fingerprint(source.closure(module, without=source.DRAWING))
+def _text(module: str) -> str:
+    """The text of a module, which need not be one of the program's."""
     file = inspect.getsourcefile(sys.modules[module])
     return fingerprint_of(Path(file).read_text(encoding="utf-8") if file else module)

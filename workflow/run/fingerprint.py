@@ -2,15 +2,18 @@
 
 import hashlib
 import json
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from workflow.run import source
 from workflow.run.stage import Job, Stage
 from workflow.settings import Input
 
 PROGRAM = "the program"
 TITLE = {"name", "title"}  # of a section: what pictures and the report say, and nothing is computed from
+PACKAGES = ("meshes", "fem", "dem", "workflow")
+SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by; sections are the user's
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
@@ -19,7 +22,7 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     ``ignored`` are settings that change nothing in the results of the stage that needs it.
     """
     ignored = ignored.union(stage.ignores(job.given))
-    prints = {"section": fingerprint_of(section_data(job.given)), PROGRAM: program(stage)}
+    prints = {"section": fingerprint_of(section_data(job.given)), PROGRAM: program()}
     for name in stage.reads:
         if name not in ignored:
             prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.given, ignored))
@@ -34,20 +37,23 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     return prints
 
 
-def program(stage: Stage) -> str:
-    """Of the code that makes a stage's results: without what only draws, if that can be done again by itself."""
-    apart = source.DRAWING if stage.draw is not None and not stage.of_all else ""
-    return source.fingerprint(source.closure(stage.module, without=apart))
-
-
-def drawing(stage: Stage, given: Input) -> str:
-    """A fingerprint of all that a stage's pictures are drawn with beside its results: its code, and the title."""
-    return fingerprint_of([source.fingerprint(source.closure(stage.module)), title(given)])
-
-
 def title(given: Input) -> str:
     """A fingerprint of what the section is called."""
     return fingerprint_of(given.model_dump(mode="json", include=TITLE))
+
+
+@cache
+def program() -> str:
+    """Of the installed program: of all its sources, so that any change of it makes every result stale."""
+    total = hashlib.sha256()
+    for package in PACKAGES:
+        spec = find_spec(package)
+        assert spec is not None
+        assert spec.origin is not None
+        folder = Path(spec.origin).parent
+        for path in sorted(path for path in folder.rglob("*") if path.suffix in SOURCES):
+            total.update(f"{package}/{path.relative_to(folder).as_posix()}\n".encode() + path.read_bytes())
+    return total.hexdigest()
 
 
 def section_data(given: Input) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from workflow.run import mesh_options
 from workflow.run.beside import Beside
 from workflow.run.draughtsman import Draughtsman
 from workflow.run.errors import NoAnswerError
-from workflow.run.fingerprint import drawing
+from workflow.run.fingerprint import title
 from workflow.run.interrupts import remembered
 from workflow.run.lock import locked
 from workflow.run.log import Log
@@ -195,11 +195,11 @@ class Run:
         return self._keep_pictures(stage, begun.before)
 
     def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:
-        """Keep which pictures a stage has left, and by which code."""
+        """Keep which pictures a stage has left."""
         with self.one_at_a_time:
             entry = self.record.entries[stage.name]
             pictures = self._drawn(stage, before)
-            self.record.put(stage.name, replace(entry, pictures=pictures, drawing=drawing(stage, self.job.given)))
+            self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.given)))
 
     def work_beside(self, decision: Decision) -> None:
         """Let a stage work in another process; how it ended is kept as soon as it has."""
@@ -237,7 +237,7 @@ class Run:
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
             [] if to_draw else self._drawn(stage, begun.before),
-            "" if to_draw else drawing(stage, self.job.given),
+            "" if to_draw else title(self.job.given),
         )
         with self.one_at_a_time:
             if failure is None:

@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from meshes.errors import InputError
 from workflow.run.errors import OtherVersionError
-from workflow.run.fingerprint import PROGRAM, drawing, fingerprint_of, inputs
+from workflow.run.fingerprint import PROGRAM, fingerprint_of, inputs, title
 from workflow.run.record import Record
 from workflow.run.stage import Job, Stage
 
@@ -131,10 +131,10 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     if not record.pictures_left(stage.name):
         return Decision(stage, "redraw", "pictures are missing")
     left = record.entries[stage.name]
-    if stage.drawn_after and not left.drawing:
+    if stage.drawn_after and not left.title:
         return Decision(stage, "redraw", "it was stopped before its pictures were drawn")
-    if stage.draw is not None and left.pictures and left.drawing != drawing(stage, job.given):
-        return Decision(stage, "redraw", "the title, or the way pictures are drawn, has changed")
+    if stage.draw is not None and left.pictures and left.title != title(job.given):
+        return Decision(stage, "redraw", "the title has changed")
     return Decision(stage, "reuse", "")
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 from workflow.run.store import Store
 
 NAME = ".noshiro/stages.json"
-VERSION = 2
+VERSION = 3
 
 Outcome = Literal["begun", "done", "part", "no answer"]
 
@@ -27,7 +27,7 @@ class Entry:
     ended: when, as a date and a time.
     files: the sizes (bytes) of the files in which it left its results.
     pictures: the pictures that it left.
-    drawing: the fingerprint of the code that drew them, and of the title in them; empty until they are drawn.
+    title: the fingerprint of the title that they bear; empty until they are drawn.
     """
 
     inputs: dict[str, str]
@@ -38,7 +38,7 @@ class Entry:
     ended: str = ""
     files: dict[str, int] = field(default_factory=dict)
     pictures: list[str] = field(default_factory=list)
-    drawing: str = ""
+    title: str = ""
 
 
 class Record:

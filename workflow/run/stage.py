@@ -50,8 +50,6 @@ class Stage:
     ----------
     name: the word by which the command line knows it.
     what: what it finds or makes, in a few words.
-    module: the name of its module. With all that this imports it is the stage's code: where that changes, so does what
-        the stage is made from.
     work: computes, writes results and draws pictures, unless these are drawn after it. Raises NoAnswerError, after it
         wrote what it found, where there is no answer.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
@@ -70,7 +68,6 @@ class Stage:
     wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
         left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
-    seconds: how long it takes, roughly, on two cores of the machine that times were measured on.
     beside: the stages that must have ended before it may run beside others, in a process of the team; None where it
         runs in this process. Nobody but a stage ``of_all`` may need it.
     of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
@@ -79,7 +76,6 @@ class Stage:
 
     name: str
     what: str
-    module: str
     work: Callable[[Job], None]
     draw: Callable[[Job], None] | None = None
     drawn_after: bool = False
@@ -94,6 +90,5 @@ class Stage:
     leftovers: tuple[str, ...] = ()
     wanted: Callable[[Input], bool] = lambda given: True
     partial: Callable[[Job], bool] = lambda job: False
-    seconds: Callable[[Input], float] = lambda given: 1.0
     beside: tuple[str, ...] | None = None
     of_all: bool = False

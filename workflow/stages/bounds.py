@@ -197,14 +197,12 @@ def in_words(found: "SmallerKhBounds") -> str:
 STAGE = Stage(
     name="bounds",
     what="strict bounds of the critical Kh",
-    module=__name__,
     work=work,
     reads=(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",
     ),
     ignores=lambda given: () if given.bounds.safety_factor else ("fem.safety_factor_at",),
     beside=("fem",),
-    seconds=lambda given: 15.0,
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),

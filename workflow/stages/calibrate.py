@@ -30,11 +30,6 @@ def draw(job: Job) -> None:
     calibrate_pictures(job.given, job.store, job.team)
 
 
-def seconds(given: Input) -> float:
-    """A search of so many discs, and once more for those of the paper."""
-    return 27.0 * given.disc_work * (1.5 if given.dem.paper else 1.0)
-
-
 def ignored(given: Input) -> tuple[str, ...]:
     """The settings that change nothing in discs that are calibrated, whatever they do to other stages."""
     return (*WITHOUT_EFFECT, *given.dem.without_effect)
@@ -43,13 +38,11 @@ def ignored(given: Input) -> tuple[str, ...]:
 STAGE = Stage(
     name="calibrate",
     what="discs that fail at the same Kh",
-    module=__name__,
     work=work,
     draw=draw,
     needs=("fem",),
     reads=("dem",),
     ignores=ignored,
-    seconds=seconds,
     results=(DiscsAnswer.FILE, CalibrationAnswer.FILE, LikeDiscs.FILE, "dem/trials.jsonl", "dem/*.h5"),
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),

@@ -168,7 +168,6 @@ def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple
 STAGE = Stage(
     name="liquefied",
     what="whether it stands once layers have liquefied",
-    module=__name__,
     work=work,
     needs=("mesh",),
     reads=("fem",),
@@ -183,7 +182,6 @@ STAGE = Stage(
     ),  # it has its own
     takes=lambda given: {"what liquefies": cases_as_data(given, LOST)},
     beside=("mesh",),
-    seconds=lambda given: 20.0,
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
     wanted=lambda given: any(stratum.liquefies_in for stratum in given.strata),

@@ -48,12 +48,10 @@ def draw(job: Job) -> None:
 STAGE = Stage(
     name="mesh",
     what="mesh of quadrilaterals",
-    module=__name__,
     work=work,
     draw=draw,
     drawn_after=True,
     reads=("mesh",),
-    seconds=lambda given: 3.0,
     files=lambda job: {GIVEN: job.mesh_file} if job.mesh_file else {},
     results=("mesh/section.msh", "mesh/section.vtu"),
     pictures=("figures/section.png", "figures/weights.png", "figures/mesh.png"),

@@ -157,11 +157,6 @@ def _line(points: np.ndarray) -> tuple[tuple[float, float], ...]:
     return tuple((float(x), float(z)) for x, z in points)
 
 
-def seconds(given: Input) -> float:
-    """Two slides of every case, in proportion to points and steps."""
-    return 45.0 * len(given.cases) * (given.slide.mpm_cells / 3000.0) ** 1.5
-
-
 def taken(given: Input) -> dict[str, object]:
     """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
     decides = (given.slide.accelerogram or given.slide.kh_cycles) and given.slide.liquefies_at == "F_L"
@@ -171,7 +166,6 @@ def taken(given: Input) -> dict[str, object]:
 STAGE = Stage(
     name="mpm",
     what="slides of the continuum by material points",
-    module=__name__,
     work=work,
     draw=draw,
     needs=("mesh",),
@@ -181,7 +175,6 @@ STAGE = Stage(
     ),
     takes=taken,
     beside=("mesh",),
-    seconds=seconds,
     results=(PointSlidesAnswer.FILE,),
     read=PointSlidesAnswer.read,
     pictures=("figures/mpm.png",),

@@ -46,7 +46,6 @@ def named(job: Job) -> Mapping[str, Path]:
 STAGE = Stage(
     name="report",
     what="pictures of all, summary and report",
-    module=__name__,
     work=work,
     draw=draw,
     needs=("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "mpm", "calibrate", "slide"),
@@ -62,6 +61,5 @@ STAGE = Stage(
         "figures/sliding_block.png",
         "figures/displacements.png",
     ),
-    seconds=lambda given: 15.0,
     of_all=True,
 )

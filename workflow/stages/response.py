@@ -71,7 +71,6 @@ def files(job: Job) -> Mapping[str, Path]:
 STAGE = Stage(
     name="response",
     what="layers under a record of the rock",
-    module=__name__,
     work=work,
     draw=draw,
     drawn_after=True,

@@ -26,12 +26,6 @@ def draw(job: Job) -> None:
     slide_pictures(job.given, job.store, job.team)
 
 
-def seconds(given: Input) -> float:
-    """Every case, and Kh alone, on every packing, that of the paper among them; each packing is calibrated."""
-    packings = 1 + len(given.slide.packings(given.dem.model)) + (1 if given.dem.paper else 0)
-    return 3.8 * given.disc_work * packings * (1 + len(given.cases))
-
-
 def files(job: Job) -> Mapping[str, Path]:
     """The record that shakes the discs: that of the base, or that of the rock where its response does."""
     average = job.given.slide.accelerogram == AVERAGE
@@ -58,14 +52,12 @@ def taken(given: Input) -> dict[str, Any]:
 STAGE = Stage(
     name="slide",
     what="slides once layers have liquefied",
-    module=__name__,
     work=work,
     draw=draw,
     needs=("calibrate",),
     reads=("dem", "slide", "site_response"),
     ignores=ignored,
     takes=taken,
-    seconds=seconds,
     files=files,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,

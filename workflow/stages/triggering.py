@@ -22,7 +22,6 @@ def draw(job: Job) -> None:
 STAGE = Stage(
     name="triggering",
     what="which strata liquefy",
-    module=__name__,
     work=work,
     draw=draw,
     drawn_after=True,

@@ -167,13 +167,11 @@ def _found(change: Change, tell: Tell) -> "AtOnce | CriticalResult":
 STAGE = Stage(
     name="variants",
     what="on what the critical Kh hangs",
-    module=__name__,
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),
     ignores=lambda given: (*WITHOUT_EFFECT, "fem.rigid_box"),
     beside=("fem",),
-    seconds=lambda given: 3.0 * len(given.variants.which),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
     wanted=lambda given: bool(given.variants.which),

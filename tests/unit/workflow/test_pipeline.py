@@ -3,13 +3,12 @@
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from meshes.errors import InputError
 from tests.support.toy_stages import ALL_OF_THEM, Heard, Toys, leaves
-from workflow.run import pipeline, source
+from workflow.run import pipeline
 from workflow.run.errors import NoAnswerError
 from workflow.run.plan import Choice, plan
 from workflow.run.record import Record
@@ -44,7 +43,7 @@ def test_what_has_changed_runs_with_all_that_hangs_on_it(
 
 def test_another_version_of_the_code_runs_again(toys: Toys, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     toys.go(tmp_path)
-    monkeypatch.setattr("workflow.run.source.fingerprint", lambda modules: "another")
+    monkeypatch.setattr("workflow.run.fingerprint.program", lambda: "another")
     assert toys.go(tmp_path).ran == ALL_OF_THEM
 
 
@@ -97,31 +96,6 @@ def test_pictures_of_other_inputs_go(toys: Toys, tmp_path: Path) -> None:
     assert entry is not None
     assert entry.pictures == ["fem_kh_0.25.png"]
     assert [path.name for path in tmp_path.glob("*.png")] == ["fem_kh_0.25.png"]
-
-
-def test_pictures_that_are_drawn_in_another_way_are_drawn_again_without_computing(
-    toys: Toys, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def work(job: Job) -> None:
-        job.store.write_text("mesh.txt", "result")
-        job.store.write_text("mesh_old.png", "picture")
-
-    toys.change("mesh", work=work, draw=lambda job: job.store.write_text("mesh_new.png", "picture"))
-    toys.go(tmp_path)
-    plain = source.closure
-
-    def closure(module: str, without: str = "", **options: Any) -> frozenset[str]:
-        return plain(module, without, **options) | (set() if without else {"workflow.figures.canvas"})
-
-    monkeypatch.setattr("workflow.run.source.closure", closure)
-    (tmp_path / "mesh.txt").write_text("RESULT")  # as long as before: nobody computes it again
-    toys.change("fem", draw=lambda job: None)  # so that its code without what draws is as before
-    toys.change("slide", draw=lambda job: None)
-    again = toys.go(tmp_path)
-    assert (tmp_path / "mesh.txt").read_text() == "RESULT"
-    assert [path.name for path in tmp_path.glob("*.png")] == ["mesh_new.png"]
-    assert again.ran == ["mesh", "report"]
-    assert toys.go(tmp_path).ran == []
 
 
 def test_force_from_and_only(toys: Toys, tmp_path: Path) -> None:
@@ -249,7 +223,7 @@ def test_a_fault_of_the_program_keeps_what_is_done(toys: Toys, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", '{"version": 99, "stages": {}}', '{"version": 2, "stages": {"fem": {}}}', "[]"]
+    "text", ["", "{", '{"version": 99, "stages": {}}', '{"version": 3, "stages": {"fem": {}}}', "[]"]
 )
 def test_a_record_that_cannot_be_read_is_forgotten(text: str, toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
@@ -260,7 +234,7 @@ def test_a_record_that_cannot_be_read_is_forgotten(text: str, toys: Toys, tmp_pa
 def test_results_of_an_older_version_are_computed_anew_and_told_so(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     record = tmp_path / ".noshiro/stages.json"
-    record.write_text(record.read_text().replace('"version": 2', '"version": 1').replace('"drawing"', '"redraw"'))
+    record.write_text(record.read_text().replace('"version": 3', '"version": 2').replace('"title"', '"drawing"'))
     job = toys.job(tmp_path)
     whys = {decision.why for decision in plan(job, Record(job.store), toys.choose())}
     assert whys == {"another version of noshiro made it"}

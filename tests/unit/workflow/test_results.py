@@ -63,7 +63,7 @@ def test_answers_of_another_version_of_the_program_are_told_as_such(
 ) -> None:
     """They are of the same input; what is computed anew, or of another input, leaves what hangs on it untold."""
     toys.go(tmp_path)
-    monkeypatch.setattr("workflow.run.source.fingerprint", lambda modules: "another")
+    monkeypatch.setattr("workflow.run.fingerprint.program", lambda: "another")
     found = Results.of(toys.job(tmp_path))
     assert (sorted(found.ends), found.older) == (["fem", "mesh", "slide"], ("mesh", "fem", "slide"))
     other = Results.of(toys.job(tmp_path, fem={"sides": "fixed"}))

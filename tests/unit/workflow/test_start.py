@@ -22,7 +22,7 @@ print(json.dumps(sorted(sys.modules)))
 """
 # Each of these takes a tenth of a second or more to load.
 COMPUTE = {"numba", "gmsh", "dolfinx", "mpi4py", "scipy", "pyvista", "vtkmodules", "meshio", "clarabel", "h5py"}
-READ = {"pint", "jinja2", "grimp"}
+READ = {"pint", "jinja2"}
 ANY = {"numpy", "matplotlib", "PIL"}
 
 
