@@ -39,6 +39,8 @@ class State:
         calls it the local safety factor.
     past_equilibrium : bool
         Whether there is no equilibrium at ``kh`` and the last state of the path stands in its place.
+    repeats : bool
+        Whether the section is one period of an endless row, whose sides move alike.
     """
 
     label: str
@@ -49,6 +51,7 @@ class State:
     plastic_shear_strain: np.ndarray
     mobilised: np.ndarray
     past_equilibrium: bool = False
+    repeats: bool = False
 
     @property
     def failed(self) -> np.ndarray:
@@ -85,7 +88,7 @@ def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> S
     for cell, s, g, p, f, corners, moved in parts:
         stress[cell], shear[cell], plastic[cell], factor[cell] = s, g, p, f
         displacement[corners] = moved
-    return State(label, kh, displacement, stress, shear, plastic, factor)
+    return State(label, kh, displacement, stress, shear, plastic, factor, repeats=problem.repeats)
 
 
 def _shear(strain: np.ndarray) -> np.ndarray:
@@ -94,7 +97,10 @@ def _shear(strain: np.ndarray) -> np.ndarray:
 
 
 def touched_sides(mesh: QuadMesh, state: State) -> tuple[str, ...]:
-    """Which of the sides, "left" and "right", move by more than a tenth of the largest displacement."""
+    """Which of the sides, "left" and "right", move by more than a tenth of the largest displacement; none where the
+    section repeats: it ends at no side."""
+    if state.repeats:
+        return ()
     moved = np.hypot(*state.displacement.T)
     return tuple(
         side for side in ("left", "right") if moved[mesh.boundaries[side]].max() > TOUCHES * max(moved.max(), 1e-300)

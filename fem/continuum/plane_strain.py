@@ -83,6 +83,8 @@ class PlaneStrain:
         Accepted strain, engineering shear (-).
     region : ndarray (points,)
         Part of the yield surface that every point is on, see ``mohr_coulomb.REGIONS``.
+    repeats : bool
+        Whether two sides are tied.
     free : ndarray (dofs,)
         Which displacement components are not held.
     overstress : float
@@ -117,6 +119,7 @@ class PlaneStrain:
         self._strain = np.zeros((points, 4))
         self.overstress = 0.0
         self._passive = np.zeros(0, dtype=np.int64)
+        self.repeats = False
         self.hold({})
 
     def _take(self, grid: Discretisation) -> None:
@@ -179,6 +182,7 @@ class PlaneStrain:
             wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
             raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
         self.tie_nodes(masters, slaves)
+        self.repeats = True
         self.hold({"base": "xy"})
 
     def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:

@@ -140,7 +140,7 @@ class Discretised:
         velocity = np.zeros(len(self.free))
         velocity[self.free] = solution.rates
         fields = _Fields(velocity, rates, stress.reshape(*points, 4), np.minimum(mobilised, 1.0))
-        return _state(mesh, self.cells, kh, fields)
+        return replace(_state(mesh, self.cells, kh, fields), repeats=problem.repeats)
 
 
 def direct_limit(problem: "PlaneStrain", mesh: QuadMesh, dead: np.ndarray, live: np.ndarray) -> DirectLimit:

@@ -55,3 +55,26 @@ def test_the_report_tells_it(folder: Path) -> None:
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "After liquefaction, does it still stand?" in text
     assert "1, 4" in text
+
+
+def test_an_embankment_with_a_weak_face_uphill_fails_there_first(tmp_path: Path) -> None:
+    """A dam whose steep face looks to the right, away from its lower toe: pushed to the left, downhill by its ends, it
+    bears Kh = 0.250 on this mesh, and 0.210 to the right. Liquefied sand lies below all of it."""
+    data = {
+        "name": "dam",
+        "surface": [[0.0, 5.0], [30.0, 5.0], [60.0, 15.0], [70.0, 15.0], [82.0, 5.2], [110.0, 5.2]],
+        "base": {"elevation": 0.0},
+        "strata": [
+            layer("fill", bottom={"elevation": 1.0}, **{**SAND, "cohesion": "12 kPa", "friction_angle": "25 deg"}),
+            layer("sand", liquefies_in=[1], **SAND),
+        ],
+        "mesh": {"size": "2 m", "method": "free"},
+        "slide": {"cases": [{"residual": 0.5}]},
+    }
+    path = tmp_path / "dam.toml"
+    path.write_text(tomli_w.dumps(data))
+    assert command_line.run("liquefied", path, "--out", tmp_path / "run", "--quiet") == 0
+    (told,) = json.loads((tmp_path / "run/fem/liquefied.json").read_text())["cases"]
+    assert told["direction"] == "uphill"
+    assert told["kc"] == pytest.approx(0.21, abs=0.01)
+    assert 0.9 * told["kc_lower"] < told["kc"] < 1.1 * told["kc_upper"]

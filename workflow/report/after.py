@@ -25,7 +25,7 @@ def in_short(results: Results) -> Iterator[str]:
             yield from _by_weight(results, one)
         else:
             most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
-            bears = f", and bears Kh of about {coefficient(most)}" if most is not None else ""
+            bears = f", and bears Kh of about {coefficient(most)}{_acting(one)}" if most is not None else ""
             yield (
                 f"After liquefaction, in {_which(one)}, the continuum still stands without shaking{bears}: "
                 f"{one.reason}."
@@ -176,12 +176,17 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    Factor of safety at Kh = 0, between held sides: {factors(one)}."
         if one.kc is not None:
             proven = f" (strict bounds {bracket(one.kc_lower, one.kc_upper, 3)})" if one.kc_lower is not None else ""
-            yield f"    It still bears Kh = {one.kc:.3f}{proven}."
+            yield f"    It still bears Kh = {one.kc:.3f}{_acting(one)}{proven}."
         for note in one.notes:
             yield f"    Mind: {note}."
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."
+
+
+def _acting(case: LiquefiedCase) -> str:
+    """Where a force uphill brings it down first, that it does."""
+    return " acting uphill" if case.direction == "uphill" else ""
 
 
 def factors(case: LiquefiedCase) -> str:

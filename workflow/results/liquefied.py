@@ -4,6 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from fem.continuum.loads import Direction
 from fem.settings import Sides
 from workflow.results.answer import Answer, Part, SectionLabel
 
@@ -28,6 +29,7 @@ class LiquefiedCase(Part):
     stands: Stands = Field(description="without shaking: by strict bounds where they decide, else by the elements")
     reason: str
     kc: float | None = Field(description="Kh that it still bears, by finite elements; None: not even its weight")
+    direction: Direction | None = Field(default=None, description="of the seismic force that it bears least of")
     kc_lower: float | None = Field(description="strict bounds of that Kh, ψ = φ; None where they were not found")
     kc_upper: float | None
     factor: float | None = Field(description="factor of safety at Kh = 0 by finite elements, sides held horizontally")

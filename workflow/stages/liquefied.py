@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem.settings import WITHOUT_EFFECT
@@ -15,6 +16,8 @@ from workflow.settings import Input
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
+    from fem.limit_load.limit_load import AtOnce
+    from fem.search.critical import CriticalResult
     from fem.search.liquefied_ground import Remains
     from meshes.quad_mesh import QuadMesh
 
@@ -85,24 +88,29 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     from fem.continuum.strength import flow_of, is_associated
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
-    from fem.limit_load.limit_load import AtOnce, critical_at_once
-    from fem.search.critical import CriticalResult, critical_coefficient
+    from fem.search.adaptive import adapted_answer
+    from fem.search.critical import critical_coefficient
     from fem.search.liquefied_ground import weight_borne
     from fem.search.strength_reduction import safety_factor
 
-    direction = "uphill" if given.fem.direction == "uphill" else "downhill"
     flow = flow_of(given.strata, given.fem.flow)
-    fem = given.fem.model_copy(update={"direction": direction, "kh": (), "rigid_box": False, "flow": flow})
+    change = {"kh": (), "rigid_box": False, "flow": flow, "max_cells": 0}  # the mesh of the stage, and no other
+    fem = given.fem.model_copy(update=change)
     asked = given.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []
     critical: AtOnce | CriticalResult | None = None
+
+    def limit_load() -> "AtOnce":
+        return adapted_answer(section, given.mesh, mesh, fem, MPI.COMM_SELF, lambda _: None).result
+
     at_once = is_associated(section.strata, fem.flow)
     borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF)) if at_once else None
     if borne is not None and borne < 1.0:  # a path would look for an equilibrium for minutes
         notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
     else:
-        find = critical_at_once if at_once else critical_coefficient
-        critical = _tried("finite elements", notes, lambda: find(section, mesh, fem, MPI.COMM_SELF))
+        by_path = partial(critical_coefficient, section, mesh, fem, MPI.COMM_SELF)
+        find: Callable[[], AtOnce | CriticalResult] = limit_load if at_once else by_path
+        critical = _tried("finite elements", notes, find)
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
     safety = strict = bracket = None
     if nothing:
@@ -136,6 +144,7 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
         "stands": stands,
         "reason": reason,
         "kc": kc,
+        "direction": critical.direction if critical is not None and kc is not None else None,
         "kc_lower": bracket.lower if bracket is not None and bracket.stress else None,
         "kc_upper": bracket.upper if bracket is not None and bracket.mechanism else None,
         "factor": factor,

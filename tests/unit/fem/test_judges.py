@@ -132,3 +132,10 @@ def test_without_a_mechanism_there_is_no_slip_surface():
     assert is_mechanism(state)
     assert not is_mechanism(faint)
     assert len(slip_surface(MESH, faint)) == 0
+
+
+def test_a_repeated_slope_ends_at_no_side():
+    state = failing(displacement=np.full(MESH.points.shape, 1.0))
+    assert touched_sides(MESH, state) == ("left", "right")
+    assert touched_sides(MESH, replace(state, repeats=True)) == ()
+    assert doubts_of(result(state=replace(state, repeats=True)), MESH) == []

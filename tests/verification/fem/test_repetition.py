@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from fem.continuum.fields import touched_sides
 from fem.continuum.repetition import refuse_other_water
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.limit_load.limit_load import critical_at_once
+from fem.search.checks import doubts_of
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import safety_at_once, safety_factor
 from fem.settings import BoundsSettings, FemSettings
@@ -50,7 +52,10 @@ def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float,
     ground = endless(level, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg")
     mesh = generate(ground, MESH)
     kc, factor = closed_form(1e3 * cohesion, phi)
-    assert critical_at_once(ground, mesh, TIED, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.02)
+    found = critical_at_once(ground, mesh, TIED, MPI.COMM_SELF)
+    assert found.kc == pytest.approx(kc, rel=0.02)
+    assert found.mechanism is not None
+    assert touched_sides(mesh, found.mechanism) == ()  # it goes on past both sides
     assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.01)
 
 
@@ -58,7 +63,9 @@ def test_the_path_of_equilibria_comes_there_too() -> None:
     ground = endless(12.0, cohesion="5 kPa", friction_angle="20 deg", dilation_angle="20 deg")
     mesh, path = generate(ground, MESH), TIED.model_copy(update={"element": "quadratic", "flow": "section"})
     kc, factor = closed_form(5e3, 20.0)
-    assert critical_coefficient(ground, mesh, path, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.03)
+    found = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
+    assert found.kc == pytest.approx(kc, rel=0.03)
+    assert not any("side" in doubt.what for doubt in doubts_of(found, mesh))
     assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
 
 
