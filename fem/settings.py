@@ -12,6 +12,10 @@ Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["roller", "fixed", "tied"]
 DirectionSetting = Literal["both", "downhill", "uphill"]
 
+# Accuracies are shares of Kh, or of this Kh where Kh is smaller: nobody designs by the fourth decimal. In the factor of
+# safety they are half as large a share: where Kh changes by 0.002, that changes by some 0.5 %.
+LEAST_KH, FACTOR_SHARE = 0.2, 0.5
+
 YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh and the step
 
 # Settings of [fem] that change nothing in the critical Kh and the path to it: factors of safety are found beside that.
@@ -46,8 +50,9 @@ class FemSettings(Model):
         default=0.01,
         ge=0.0,
         le=0.5,
-        description="what may be left of the error, as a share of the critical Kh, before a finer mesh is made for the "
-        "mechanism, such as 0.01; 0 takes the mesh as it is, and so do columns and rows",
+        description="what may be left of the error before a finer mesh is made for the mechanism, such as 0.01: as a "
+        "share of the critical Kh, or of 0.2 where it is smaller; half of it of a factor of safety; 0 takes the mesh "
+        "as it is, as do columns and rows",
     )
     max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest of these meshes")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
@@ -80,27 +85,27 @@ class FemSettings(Model):
     threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
 
 
-# How close bounds come in a run that nobody asked them for (relative gap), and how much work they may take (s of a
-# reference machine).
-AUTO_GAP, AUTO_SECONDS = 0.05, 20.0
-
-
 class BoundsSettings(Model):
     """Settings of limit analysis, a table [bounds]; sides, direction and vertical coefficient are those of [fem]."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
-        description='true or false: whether `noshiro run` finds them; "auto": to 5 %, as far as they get in 20 s',
+        description='true or false: whether `noshiro run`, and `noshiro fem` with factors of safety, find them; "auto" '
+        "is true",
     )
     gap: float = Field(
-        default=0.02, ge=1e-4, le=1.0, description="(upper - lower) over their mean at which to stop, such as 0.02"
+        default=0.01,
+        ge=1e-4,
+        le=1.0,
+        description="(upper - lower) at which to stop, such as 0.01: as a share of their mean, or of a Kh of 0.2 where "
+        "that is smaller; half of it of a factor of safety",
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
     seconds: float = Field(
-        default=300.0,
+        default=60.0,
         gt=0.0,
         le=86_400.0,
-        description="work after which to stop, such as 60: counted in seconds of a reference machine, not on the "
+        description="work after which to stop, such as 20: counted in seconds of a reference machine, not on the "
         "clock, so that a loaded machine finds the same bounds",
     )
     safety_factor: StrictBool = Field(
@@ -114,8 +119,6 @@ class BoundsSettings(Model):
     )
 
     @property
-    def in_a_run(self) -> "BoundsSettings":
-        """The settings as `noshiro run` takes them."""
-        if self.run != "auto":
-            return self
-        return self.model_copy(update={"gap": max(self.gap, AUTO_GAP), "seconds": min(self.seconds, AUTO_SECONDS)})
+    def of_factors(self) -> "BoundsSettings":
+        """The same settings for factors of safety."""
+        return self.model_copy(update={"gap": FACTOR_SHARE * self.gap})

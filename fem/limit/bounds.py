@@ -20,7 +20,7 @@ from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.limit_problem import Places, RigidPlasticBody, Side, Traction, limit_problem, units_of
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.settings import BoundsSettings, FemSettings
+from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
 from meshes.section.quantity import GRAVITY
@@ -94,7 +94,8 @@ def kh_bounds(
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
     with_davis = davis and not is_dilating_fully(strata)
-    limits = Limits(settings.gap, settings.max_cells, settings.seconds / (2.0 if with_davis else 1.0), enough=0.0)
+    seconds = settings.seconds / (2.0 if with_davis else 1.0)
+    limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     grounds = {direction: _ground_of(section, fem, settings.max_cells, direction) for direction in directions_of(fem)}
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     found = search_all(tuple(searches.values()), limits, observer)

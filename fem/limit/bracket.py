@@ -21,7 +21,7 @@ COST_EXPONENT = 1.15
 # The search has stalled if so many meshes in a row left this share of the gap.
 STALLED_MESHES, STALLED_SHARE = 2, 0.9
 # So many meshes in a row on which the solver failed at the same bound end the search: finer ones are no easier for it.
-FAILED_MESHES = 3
+FAILED_MESHES = 2
 
 # Why there is no finer mesh: the gap is closed as far as was asked, the upper bound is small enough, no more triangles
 # or no more work are allowed, finer meshes no longer close the gap, or the solver fails on them.
@@ -161,7 +161,7 @@ class Limits:
     Attributes
     ----------
     gap : float
-        Relative gap between the bounds that is small enough.
+        Gap between the bounds that is small enough, as a share of their mean, or of ``least`` where that is smaller.
     max_cells : int
         Triangles of the last mesh, at most.
     seconds : float
@@ -169,18 +169,21 @@ class Limits:
         The clock is not asked: the same input takes the same meshes, however loaded the machine is.
     enough : float
         An upper bound below this one is as good as any.
+    least : float
+        The multiplier below which the gap is no share of a smaller one; for Kh ``LEAST_KH``.
     """
 
     gap: float
     max_cells: int
     seconds: float = np.inf
     enough: float = -np.inf
+    least: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
         """How many times as far as is small enough two bounds are apart; inf where one is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
-        return (upper - lower) / max(self.gap * 0.5 * (abs(upper) + abs(lower)), 1e-12)
+        return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
 
     def growth(self, found: Bracket, cells: int) -> float:
         """How many times as many cells the next mesh has: as many as should close the gap, if one step can do that.

@@ -16,7 +16,15 @@ from fem.limit.adaptive_bounds import (
     singular_points,
 )
 from fem.limit.bounds import body_of
-from fem.limit.bracket import AIM_BEYOND, COST_EXPONENT, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
+from fem.limit.bracket import (
+    AIM_BEYOND,
+    COST_EXPONENT,
+    FAILED_MESHES,
+    GROWTH,
+    LEAST_GROWTH,
+    MOST_GROWTH,
+    BoundSide,
+)
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.settings import BoundsSettings, FemSettings
 from meshes.bisection import fan_out
@@ -27,7 +35,7 @@ from meshes.triangles import TriMesh
 SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 # Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
 # side of it, so that it proves.
-TRIALS, MARGIN = 10, 0.002
+TRIALS, MARGIN = 10, 0.001
 # Trials, at most, that prove a bound on one mesh.
 PROOFS = 4
 # How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
@@ -115,13 +123,15 @@ class FactorSearch:
         self.slope: float | None = None
         self.gauge: Gauge = "kh"
         self.both_ways = False  # whether the lower bound is one for either direction of the push
+        self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
 
     def find(self) -> None:
         """Narrow the factor down on ever finer triangles."""
         while True:
             self.settle()
             beyond = self.lower >= LARGEST or self.upper <= SMALLEST
-            if self.good or self.mesh_is_full or self.lower >= self.enough or beyond or not self.has_work_for_finer:
+            enough = self.good or self.mesh_is_full or self.lower >= self.enough or beyond
+            if enough or self.solver_fails or not self.has_work_for_finer:
                 return
             self.refine()
 
@@ -136,7 +146,7 @@ class FactorSearch:
             self.measure(other.lower, upper=False)  # mostly that is all
         while self.lower < other.lower:
             self.measure(other.lower)
-            if self.upper <= other.lower or self.mesh_is_full or not self.has_work_for_finer:
+            if self.upper <= other.lower or self.mesh_is_full or self.solver_fails or not self.has_work_for_finer:
                 break
             self.refine()
         return 0.0 < other.lower <= self.lower
@@ -153,6 +163,11 @@ class FactorSearch:
     @property
     def mesh_is_full(self) -> bool:
         return self.settings.max_cells < 1.2 * len(self.mesh.cells)
+
+    @property
+    def solver_fails(self) -> bool:
+        """Whether the solver ended early at the same bound in trials one after the other: others go no better."""
+        return max(self.failures.values()) >= FAILED_MESHES
 
     @property
     def has_work_for_finer(self) -> bool:
@@ -183,9 +198,11 @@ class FactorSearch:
         if lower:
             low, _, stress = proven_lower_bound(problem, self.work.left)
             self.work.spent += low.solution.work
+            self.count("lower", stress is None and not low.solution.none)
         if upper:
             high, _, mechanism = proven_upper_bound(problem, self.work.left)
             self.work.spent += high.solution.work
+            self.count("upper", mechanism is None and not high.solution.none)
         unmoved = high is not None and high.solution.none == "no mechanism"
         trial = Trial(
             factor,
@@ -206,6 +223,10 @@ class FactorSearch:
         self.trials.append(trial)
         return trial
 
+    def count(self, side: BoundSide, failed: bool) -> None:
+        """Keep how many trials in a row the solver left without a bound, without a proof that there is none."""
+        self.failures[side] = self.failures[side] + 1 if failed else 0
+
     def settle(self) -> None:
         """Trials on this mesh until the factor is close, then one that proves each bound."""
         last = self.regauged(self.measure(self.factor))
@@ -213,7 +234,7 @@ class FactorSearch:
         for _ in range(TRIALS):
             middle = self.middle(last)
             step = 1.0 / STEP if middle < -FAR else self.step(middle)
-            if self.lower >= self.enough or not self.work.allows(0.0):
+            if self.lower >= self.enough or self.solver_fails or not self.work.allows(0.0):
                 return
             if self.slope is not None and abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last)):
                 break

@@ -23,8 +23,9 @@ from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
-# Why no finer triangles were made: the factor is close enough, or no more triangles or work are allowed.
-FactorEnd = Literal["gap", "triangles", "time"]
+# Why no finer triangles were made: the factor is close enough, no more triangles or work are allowed, or the solver
+# fails.
+FactorEnd = Literal["gap", "triangles", "time", "solver"]
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,7 @@ def _bounds_of(
         raise _nothing_found(settings, work)
     trials = [trial for search in searches for trial in search.trials]
     ended: FactorEnd = "time" if work.ran_out else "triangles"
+    ended = "solver" if any(search.solver_fails for search in searches) else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
     direction = _direction(fem, turned=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)

@@ -26,7 +26,7 @@ from fem.search.mesh_sequence import (
     solve_adaptively,
 )
 from fem.search.strength_reduction import SafetyFactor, safety_at_once
-from fem.settings import FemSettings
+from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
 from fem.solvers.meanwhile import IN_TURN, Meanwhile
 from meshes.adaptation import adapted
 from meshes.errors import InputError, NoAnswerError
@@ -112,7 +112,7 @@ def adapted_answer(
             return next_mesh(section, meshing, mesh, strain, cells, strong_below(section, faces or (), wish))
 
         most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-        return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most, other))
+        return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most, other, LEAST_KH))
 
     if settings.direction != "both":
         return towards(settings.direction, nothing)
@@ -296,7 +296,7 @@ def adapted_safety(
         return next_mesh(section, meshing, mesh, strain, cells, strong)
 
     most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-    return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most))
+    return solve_adaptively(first, remade, solve, Wish(FACTOR_SHARE * settings.accuracy, most))
 
 
 def _rough_faces(section: Section, first: QuadMesh, settings: FemSettings, comm: Any) -> list[Skin] | None:

@@ -131,16 +131,24 @@ class Wish:
     Attributes
     ----------
     accuracy : float
-        What may be left of the error, as a share of the critical Kh (-).
+        What may be left of the error, as a share of the answer (-).
     max_cells : int
         Cells of the finest mesh.
     other : callable
         Tells the Kh (-) of the other direction: it does not matter by how much this one is larger.
+    least : float
+        The answer below which the accuracy is no share of a smaller one (-).
     """
 
     accuracy: float
     max_cells: int
     other: Callable[[], float] = nothing
+    least: float = 0.0
+
+    def is_met(self, last: MeshRound) -> bool:
+        """Whether what is left of the error of a mesh is within the accuracy."""
+        size = max(abs(last.value), SMALLEST_KH)
+        return last.rest * size <= self.accuracy * max(size, self.least)
 
 
 def solve_adaptively(
@@ -173,7 +181,7 @@ def solve_adaptively(
             except NoAnswerError as error:
                 reason = f"there is no answer on the next mesh: {error}"
         if reason:
-            return AdaptiveResult(result, mesh, rounds, rounds[-1].rest <= wish.accuracy, reason)
+            return AdaptiveResult(result, mesh, rounds, wish.is_met(rounds[-1]), reason)
         mesh, result, size = finer, answer, max(abs(answer.value), SMALLEST_KH)
         left = left_of_error(rounds[-1], len(mesh.cells), result.value)
         rest = (left if left >= 0.0 else -RISEN * left) / size
@@ -183,7 +191,7 @@ def solve_adaptively(
 def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: Wish) -> str:
     """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
     last = rounds[-1]
-    if last.rest <= wish.accuracy:
+    if wish.is_met(last):
         return f"the last mesh changed it by {100 * last.change:.1f} % and about {100 * last.rest:.1f} % are left"
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, assert_never
 
 from fem.errors import UnstableError
-from fem.settings import BoundsSettings
+from fem.settings import LEAST_KH, BoundsSettings
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
@@ -41,7 +41,7 @@ def work(job: Job) -> None:
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
 
-    given, asked = job.given, job.given.bounds.in_a_run
+    given, asked = job.given, job.given.bounds
     started = time.perf_counter()
     job.progress("first mesh", None)
     factors = tuple(_factors(job, given, asked)) if asked.safety_factor else ()
@@ -66,7 +66,7 @@ def _factors(job: Job, given: Input, asked: BoundsSettings) -> Iterator[SafetyPa
     from fem.limit.safety_bounds import safety_bounds
 
     count = len(given.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
-    share = asked.model_copy(update={"seconds": asked.seconds / count})
+    share = asked.of_factors.model_copy(update={"seconds": asked.seconds / count})
     for kh in given.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
         found = safety_bounds(given, given.fem, share, kh, held=kh == 0.0)
@@ -91,9 +91,12 @@ def _reason(found: "SafetyBounds", asked: BoundsSettings) -> str:
             why = f"{found.cells} triangles, {asked.max_cells} allowed"
         case "time":
             why = f"its share of the work allowed ({asked.seconds:g} s) is used up"
+        case "solver":
+            why = f"the solver of cone programs fails, up to {found.cells} triangles"
         case _:
             assert_never(found.ended)
-    return f"The factor of safety is bracketed less closely than to the {100 * asked.gap:g} % asked for: {why}."
+    wanted = f"{100 * asked.of_factors.gap:g} %"
+    return f"The factor of safety is bracketed less closely than to the {wanted} asked for: {why}."
 
 
 def answer_of(given: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
@@ -148,7 +151,7 @@ def _direction_part(found: "DirectionBounds") -> DirectionPart:
 def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
     gap = f"The gap of {_gap(found)}"
     if found.ended == "gap":
-        return "bracketed", f"{gap} is below the {100 * asked.gap:g} % asked for."
+        return "bracketed", f"{gap} is within the {_wanted(found, asked)} asked for."
     if found.ended == "enough":
         return "unstable", f"It fails under its own weight: its Kh is at most {found.upper:.4f}."
     last = found.meshes[-1]
@@ -156,14 +159,24 @@ def _verdict(found: "Bracket", asked: BoundsSettings) -> tuple[Verdict, str]:
     why = f"{_why(found.ended, last.cells, asked)}; it is widest near x = {x:.1f} m, z = {z:.1f} m."
     why += "".join(f" {note}." for note in last.notes)
     if math.isfinite(found.gap):
-        return "wide", f"{gap} is above the {100 * asked.gap:g} % asked for: {why}"
+        return "wide", f"{gap} is above the {_wanted(found, asked)} asked for: {why}"
     bounds = (("lower", found.stress), ("upper", found.mechanism))
     return "no bracket", f"There is no {' and no '.join(name for name, bound in bounds if bound is None)} bound: {why}"
 
 
 def _gap(found: "Bracket") -> str:
-    """How far the bounds are apart, as a share of their mean; in Kh where zero is between them, and there is none."""
-    return f"{100 * found.gap:.2f} %" if found.lower * found.upper > 0.0 else f"{found.upper - found.lower:.4f} in Kh"
+    """How far the bounds are apart, as a share of their mean; in Kh where that is small or zero is between them."""
+    difference = f"{found.upper - found.lower:.4f} in Kh"
+    if found.lower * found.upper <= 0.0:
+        return difference
+    small = 0.5 * (found.upper + found.lower) < LEAST_KH
+    return f"{difference} ({100 * found.gap:.1f} %)" if small else f"{100 * found.gap:.2f} %"
+
+
+def _wanted(found: "Bracket", asked: BoundsSettings) -> str:
+    """How far apart the bounds may be: a share of Kh, or where Kh is small a difference in Kh."""
+    small = 0.5 * (abs(found.upper) + abs(found.lower)) < LEAST_KH
+    return f"{asked.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * asked.gap:g} %"
 
 
 def _why(ended: "OpenEnd | None", cells: int, asked: BoundsSettings) -> str:

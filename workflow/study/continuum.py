@@ -56,7 +56,7 @@ def bounds(given: Sample) -> Numbers:
     from fem.limit.bounds import kh_bounds
 
     read = Input.parse(given.data)
-    asked = read.bounds.in_a_run.model_copy(update={"davis": False})
+    asked = read.bounds.model_copy(update={"davis": False})
     try:
         found = kh_bounds(read, read.fem, asked)
     except UnstableError:

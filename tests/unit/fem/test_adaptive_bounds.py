@@ -8,7 +8,7 @@ import pytest
 
 from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Bracket, Limits, MeshBounds
-from fem.settings import BoundsSettings, FemSettings
+from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
 
@@ -68,11 +68,14 @@ def test_the_last_mesh_is_as_large_as_it_needs_to_be():
     assert limits.growth(CLOSING, 1500) == pytest.approx(2000 / 1500)
 
 
-def test_in_a_run_bounds_are_rough_and_quick_unless_they_are_asked_for():
-    assert BoundsSettings().in_a_run.gap == 0.05
-    assert BoundsSettings().in_a_run.seconds == 20.0
-    assert BoundsSettings(gap=0.1, seconds=5.0).in_a_run == BoundsSettings(gap=0.1, seconds=5.0)
-    assert BoundsSettings(run=True).in_a_run == BoundsSettings(run=True)
+def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
+    """1 %, or 0.002 in Kh where Kh is below 0.2; a factor of safety to half of that share."""
+    limits = Limits(0.01, 10_000, least=LEAST_KH)
+    assert limits.reached(Found((0.015, 0.0169)), 100) == "gap"
+    assert limits.reached(Found((0.015, 0.0171)), 100) is None
+    assert limits.reached(Found((0.398, 0.4019)), 100) == "gap"
+    assert limits.reached(Found((0.398, 0.4021)), 100) is None
+    assert BoundsSettings().of_factors.gap == 0.5 * BoundsSettings().gap == 0.005
 
 
 def test_a_slow_clock_changes_nothing(monkeypatch):
