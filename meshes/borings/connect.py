@@ -122,7 +122,8 @@ def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
-    """The strata between borings: straight from one to the next, or ending half-way where the next one has none.
+    """The strata between borings: straight from one to the next, or ending half-way where the next one has none; an
+    embankment's fill ends at the ground of the next boring.
 
     A layer that lies above and below others is several strata, with numbers. What lies below a boring's end is taken
     level from the nearest boring that reached it. Raises InputError.
@@ -148,8 +149,19 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
             values = (here[left], here[left + 1]) if odd else (here[left],)
             there = [value for value in values if value is not None]
             level = float(np.mean(there)) if len(there) == len(values) else float(above[place])
+            if len(there) < len(values) == 2 and there and above[place] == ground[place]:
+                level = _end_at_the_ground(there[0], levels[left if values[0] is None else left + 1], level)
             bottoms[k, place] = min(level, float(above[place]))
     return Connected(borings, names, x, ground, bottoms, soundings, tuple(notices))
+
+
+def _end_at_the_ground(bottom: float, ground: float, half_way: float) -> float:
+    """The bottom, half-way to a boring that lacks it, of a layer at the ground: at the surface, as a rule.
+
+    Where that is a hump, higher than both the ``bottom`` in the one boring and the ``ground`` at the other, as under an
+    embankment whose fill the next boring lacks, the bottom goes straight to the ground at the other.
+    """
+    return 0.5 * (bottom + ground) if half_way > max(bottom, ground) + 1e-9 else half_way
 
 
 UNKNOWN = math.nan  # below the end of a boring

@@ -91,8 +91,8 @@ def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axe
     for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
         if min(bottom, deepest) - top > NAMED * deepest:
             axes.annotate(
-                stratum.name, (0.04, top), (0, -2), xycoords=("axes fraction", "data"), textcoords="offset points",
-                fontsize=6, va="top", color=INK, parse_math=False, annotation_clip=False,
+                stratum.name, (0.92, top), (0, -2), xycoords=("axes fraction", "data"), textcoords="offset points",
+                fontsize=6, va="top", ha="right", color=INK, parse_math=False, annotation_clip=False,
             )  # fmt: skip
 
 

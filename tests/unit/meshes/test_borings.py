@@ -93,6 +93,16 @@ def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> N
     assert [sample.N for sample in given.triggering.borings[1].spt] == [3.0, 2.0, 9.0, 45.0]
 
 
+def test_what_lies_below_an_embankment_does_not_rise_into_it(tmp_path: Path) -> None:
+    """Fill of 5 m at the crest, clay at the ground of the borings beside it: the clay's top goes straight across."""
+    lines = ["boring,x,ground_level,top,bottom,layer", "A,0,10,0,6,clay", "B,20,15,0,5,fill", "B,20,15,5,11,clay"]
+    logs = read_csv(written(tmp_path, "\n".join([*lines, "C,50,11,0,7,clay"]))).logs
+    found = connected(logs)
+    assert found.names == ("fill", "clay")
+    np.testing.assert_allclose(found.x, [0.0, 10.0, 20.0, 35.0, 50.0])
+    np.testing.assert_allclose(found.bottoms[0], [10.0, 10.0, 10.0, 10.5, 11.0])
+
+
 def test_values_have_units_too(tmp_path: Path) -> None:
     text = "boring,x,ground_level,top,bottom,layer,unit_weight\nA,0 m,10 ft,0,150 cm,sand,1.8 t/m^3\n"
     (log,) = read_csv(written(tmp_path, text)).logs
