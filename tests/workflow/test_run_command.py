@@ -54,7 +54,17 @@ def test_all_that_the_contract_names(whole: Path) -> None:
     }  # fmt: skip
     assert {number: case["slide_max_m"] for number, case in summary["cases"].items()} == {"1": 0.6, "2": 3.0, "3": 4.8}
     assert summary["no_answer"] == {}
-    assert set(summary["seconds"]) == {"mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report"}
+    assert set(summary["seconds"]) == {
+        "mesh",
+        "fem",
+        "variants",
+        "bounds",
+        "slices",
+        "liquefied",
+        "calibrate",
+        "slide",
+        "report",
+    }
     assert summary["fem_variants"]["step"]["kc"] == pytest.approx(fem["kc"], rel=0.02)
     assert "paper" not in summary  # it is not the paper's section
 

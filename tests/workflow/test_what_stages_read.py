@@ -95,7 +95,7 @@ def unheard(given: Input, reads: Reads) -> set[tuple[str, str]]:
 
 def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Input, Reads]) -> None:
     given, reads = of_the_papers
-    assert set(reads) == {"mesh", "fem", "variants", "bounds", "liquefied", "calibrate", "slide", "report"}
+    assert set(reads) == {"mesh", "fem", "variants", "bounds", "slices", "liquefied", "calibrate", "slide", "report"}
     assert all(reads.values())
     assert unheard(given, reads) == set()
 
@@ -132,7 +132,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Re
         ("dem.workers", set()),
         ("dem.resolution", set()),  # of the paper's discs, which are not asked for
         ("fem.threads", set()),
-        ("fem.safety_factor_at", {"fem"}),
+        ("fem.safety_factor_at", {"fem", "slices"}),
         ("fem.rigid_box", {"fem", "calibrate", "slide"}),
         ("bounds.gap", {"bounds"}),
         ("earthquake.magnitude", {"triggering"}),

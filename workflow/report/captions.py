@@ -65,6 +65,7 @@ CAPTIONS = (
     Caption(r"fem_safety", "fem", "Continuum: where it slips with its strength over the factor of safety.", True),
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
+    Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
     Caption(r"mpm", "slide", "The surface before and after by the material point method.", True),
     Caption(r"history", "slide", "Settlement and slide in time.", True),

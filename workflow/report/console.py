@@ -1,6 +1,6 @@
 """What the stages found, in sentences: told after each command."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from meshes.section.cutting import spoken
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
@@ -10,6 +10,7 @@ from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
+from workflow.report.slices import slices_sentences
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -18,6 +19,7 @@ from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
+from workflow.results.slices import SlicesAnswer
 from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
@@ -248,27 +250,25 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
 
 def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
-    if name == "triggering":
-        yield from triggering_sentences(TriggeringAnswer.read(store))
-    elif name == "response":
-        yield from response_sentences(SiteResponseAnswer.read(store))
-    elif name == "liquefied":
-        yield from after.sentences(LiquefiedAnswer.read(store))
-    elif name == "mesh":
-        yield from mesh_sentences(given, store)
-    elif name == "fem":
-        yield from fem_sentences(FemAnswer.read(store))
-    elif name == "bounds":
-        yield from bounds_sentences(BoundsAnswer.read(store))
-    elif name == "calibrate":
-        yield from calibrate_sentences(CalibrationAnswer.read(store))
-    elif name == "mpm":
-        yield from mpm_sentences(given, PointSlidesAnswer.read(store))
-    elif name == "slide":
-        yield from slide_sentences(given, CasesAnswer.read(store))
-    elif name == "report":
-        found = Summary.read(store)
-        yield from found.in_short
-        if found.doubtful:
-            yield "What is doubtful, the most important first:"
-            yield from (f"- {doubt}" for doubt in found.doubtful)
+    of_stage: dict[str, Callable[[], Iterator[str]]] = {
+        "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
+        "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
+        "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
+        "mesh": lambda: mesh_sentences(given, store),
+        "fem": lambda: fem_sentences(FemAnswer.read(store)),
+        "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
+        "slices": lambda: slices_sentences(SlicesAnswer.read(store)),
+        "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
+        "mpm": lambda: mpm_sentences(given, PointSlidesAnswer.read(store)),
+        "slide": lambda: slide_sentences(given, CasesAnswer.read(store)),
+        "report": lambda: report_sentences(Summary.read(store)),
+    }
+    return of_stage[name]() if name in of_stage else iter(())
+
+
+def report_sentences(answer: Summary) -> Iterator[str]:
+    """The conclusions of the report, and what is doubtful."""
+    yield from answer.in_short
+    if answer.doubtful:
+        yield "What is doubtful, the most important first:"
+        yield from (f"- {doubt}" for doubt in answer.doubtful)

@@ -24,6 +24,7 @@ from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
 from workflow.report.player import films
+from workflow.report.slices import on_surface_found, slices_sentences
 from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -82,6 +83,8 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "assumptions": list(assumptions(given)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "fail_alike": fail_alike(results),
+        "slices_sentences": slices_sentences,
+        "on_surface_found": list(on_surface_found(given, results.fem)),
         "estimates": estimates(given, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),

@@ -11,6 +11,7 @@ from workflow.results.results import Results
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import (
     BoundsSummary,
+    CircleSummary,
     DemSummary,
     EstimateSummary,
     Factor,
@@ -42,6 +43,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         bounds=None
         if results.bounds is None
         else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
+        slices=None if results.slices is None else CircleSummary.of(results.slices) or None,
         dem=_dem(results),
         cases=_summaries(results, cases) or None,
         cases_springs=springs if cases else None,

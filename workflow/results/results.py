@@ -16,6 +16,7 @@ from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
+from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import TriggeringAnswer
 from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, is_of_this_input, made_from
@@ -49,6 +50,7 @@ class Results:
     like_discs: LikeDiscs | None = None
     cases: CasesAnswer | None = None
     triggering: TriggeringAnswer | None = None
+    slices: SlicesAnswer | None = None
     liquefied: LiquefiedAnswer | None = None
     response: SiteResponseAnswer | None = None
     mpm: PointSlidesAnswer | None = None
@@ -90,6 +92,7 @@ class Results:
             like_discs=left("calibrate", LikeDiscs),
             cases=left("slide", CasesAnswer),
             triggering=left("triggering", TriggeringAnswer),
+            slices=left("slices", SlicesAnswer),
             liquefied=left("liquefied", LiquefiedAnswer),
             response=left("response", SiteResponseAnswer),
             mpm=left("mpm", PointSlidesAnswer),

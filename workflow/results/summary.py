@@ -1,6 +1,6 @@
 """summary.json: the numbers of a run, units in their names."""
 
-from typing import ClassVar, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field
 
@@ -12,6 +12,7 @@ from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import FactorOfSafety, MeshCount, Verdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
+from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import StratumPart
 
 
@@ -63,6 +64,25 @@ class BoundsSummary(Part):
 
     lower: float | None
     upper: float | None
+
+
+class CircleSummary(Part):
+    """Limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a critical Kh."""
+
+    kh: float | None = Field(description="of a factor of safety; null where both numbers are critical Kh")
+    towards: Literal["left", "right"]
+    bishop: float
+    spencer: float | None
+
+    @classmethod
+    def of(cls, answer: SlicesAnswer) -> tuple[Self, ...]:
+        """What is kept of all circles."""
+        groups = [(one.kh, one.circles) for one in answer.factors] + [(None, answer.critical)]
+        return tuple(
+            cls(kh=kh, towards=circle.towards, bishop=circle.bishop, spencer=circle.spencer)
+            for kh, circles in groups
+            for circle in circles
+        )
 
 
 class Factor(Part):
@@ -150,6 +170,7 @@ class Summary(Answer):
     fem: FemSummary | None
     fem_variants: dict[str, VariantSummary] | None = None
     bounds: BoundsSummary | None = None
+    slices: tuple[CircleSummary, ...] | None = None
     dem: DemSummary | None = None
     cases: dict[int, CaseSummary] | None = Field(default=None, description="the cases on the springs that count")
     cases_springs: str | None = Field(default=None, description="which springs those are")

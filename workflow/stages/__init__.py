@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 # In the order in which they run: each is the name of a stage and of its module here.
 NAMES = (
-    "triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "mpm", "calibrate", "slide", "report",
+    "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate", "slide",
+    "report",
 )  # fmt: skip
 
 

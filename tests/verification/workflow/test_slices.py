@@ -1,0 +1,146 @@
+"""Limit equilibrium of slices beside published factors of safety, closed forms and identities."""
+
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
+from workflow.estimates.slices import LEFT, RIGHT, divide
+from workflow.estimates.slip_circles import SlipCircle, critical_circles, surface_balance
+
+PUBLISHED = Path(__file__).parents[1] / "published"
+
+
+def _published(name: str) -> Section:
+    data = tomllib.loads((PUBLISHED / f"{name}.toml").read_text())
+    return Section.parse({key: value for key, value in data.items() if key != "published"}, name)
+
+
+def _slope(
+    cohesion: str = "10 kPa", friction: str = "25 deg", weight: str = "19 kN/m^3/g_0", **more: object
+) -> Section:
+    soil = {
+        "name": "Soil", "youngs_modulus": "10 MPa", "poissons_ratio": 0.3, "cohesion": cohesion,
+        "friction_angle": friction, "density": weight,
+    }  # fmt: skip
+    surface = [[0.0, 10.0], [20.0, 10.0], [40.0, 20.0], [60.0, 20.0]]
+    return Section.parse({"name": "slope", "surface": surface, "base": {"elevation": 0.0}, "strata": [soil], **more})
+
+
+def _arc(centre: tuple[float, float], radius: float, ends: tuple[float, float], n: int = 200) -> np.ndarray:
+    x = np.linspace(*ends, n + 1)
+    return np.column_stack([x, centre[1] - np.sqrt(radius**2 - (x - centre[0]) ** 2)])
+
+
+@pytest.mark.parametrize(
+    ("name", "kh", "bishop", "spencer"),
+    [
+        ("acads_1a", 0.0, 0.987, 0.986),  # Slide2 manual, verification problem 1
+        ("acads_1c", 0.0, 1.405, 1.375),  # Slide2 manual, 3
+        ("acads_1d", 0.15, None, 0.991),  # Slide2 manual, 4
+        ("arai_tagyo_1", 0.0, 1.409, 1.406),  # Slide2 manual, Arai & Tagyo 1985, example 1
+        ("arai_tagyo_3", 0.0, 1.118, 1.118),  # the same, example 3, with water
+        ("duncan_wright_627", 0.0, None, 1.599),  # Slide2 manual, Duncan & Wright 2005
+        ("pruska_14_c", 0.0, None, 0.53),  # Pruška 2009
+    ],
+)
+def test_published_factors_by_slices(name: str, kh: float, bishop: float | None, spencer: float) -> None:
+    circle = critical_circles(_published(name), kh)[0]
+    assert circle.spencer == pytest.approx(spencer, rel=0.012)
+    if bishop is not None:
+        assert circle.bishop == pytest.approx(bishop, rel=0.012)
+
+
+def test_a_weak_seam_needs_the_slip_surface_that_follows_it() -> None:
+    """ACADS 3(a): Spencer 1.258 and Morgenstern-Price 1.261 along the seam (manuals of Slide2 and SLOPE/W)."""
+    section = _published("acads_3a")
+    along = np.array([[40.4, 27.3], [43.5, 26.6], [63.0, 26.6], [67.7, 31.6], [73.4, 39.2]])
+    assert surface_balance(section, along, LEFT) == pytest.approx(1.26, rel=0.02)
+    assert critical_circles(section)[0].bishop > 1.4
+
+
+def test_clay_has_the_factor_of_its_moments() -> None:
+    """φ = 0: F = c L R / Σ W d about the centre, and Kh = (c L R - Σ W d) / Σ W h where F = 1, whatever the method."""
+    section, (x0, z0), radius, cohesion = _slope("30 kPa", "0 deg"), (28.0, 28.0), 22.0, 30e3
+    line = _arc((x0, z0), radius, (15.351, 48.494))
+    slices = divide(section, line[None, :, 0], line[None, :, 1])
+    circle = np.array([x0]), np.array([z0]), np.array([radius])
+    edges = np.linspace(line[0, 0], line[-1, 0], 200_001)
+    x = 0.5 * (edges[1:] + edges[:-1])
+    ground, base = np.interp(x, [0, 20, 40, 60], [10, 10, 20, 20]), z0 - np.sqrt(radius**2 - (x - x0) ** 2)
+    weight = 19e3 * np.maximum(ground - base, 0.0) * np.diff(edges)
+    driving, shaking = weight @ (x - x0), weight @ (z0 - 0.5 * (ground + base))
+    length = radius * (math.asin((line[-1, 0] - x0) / radius) - math.asin((line[0, 0] - x0) / radius))
+    resisting = cohesion * length * radius
+    assert bishop_factor(slices, *circle)[0] == pytest.approx(resisting / driving, rel=2e-3)
+    assert bishop_critical_kh(slices, *circle)[0] == pytest.approx((resisting - driving) / shaking, rel=5e-3)
+
+
+def test_a_plane_through_dry_sand_slides_by_its_angle() -> None:
+    """A wedge without cohesion on a plane of angle β: F = tan φ / tan β."""
+    section, beta = _slope("0.001 Pa", "35 deg", unusual=True), math.radians(20.0)
+    x = np.linspace(22.0, 22.0 + 9.0 / math.tan(beta), 101)
+    line = np.column_stack([x, 11.0 + (x - 22.0) * math.tan(beta)])
+    balance = spencer_factor(divide(section, line[None, :, 0], line[None, :, 1]))
+    assert balance is not None
+    assert balance.factor == pytest.approx(math.tan(math.radians(35.0)) / math.tan(beta), rel=1e-4)
+
+
+@settings(max_examples=25)
+@given(cohesion=st.floats(1.0, 60.0), friction=st.floats(0.0, 40.0), x=st.floats(22.0, 34.0), rise=st.floats(1.0, 14.0))
+def test_the_factor_is_one_at_the_critical_kh(cohesion: float, friction: float, x: float, rise: float) -> None:
+    section = _slope(f"{cohesion} kPa", f"{friction} deg")
+    centre, radius = (x, 21.0 + rise), 21.0 + rise - 6.0
+    ends = x - math.sqrt(radius**2 - (11.0 + rise) ** 2), x + math.sqrt(radius**2 - (1.0 + rise) ** 2)
+    ends = max(ends[0], 0.5), min(ends[1], 59.5)
+    line = _arc(centre, radius, ends, 60)
+    line[:, 1] = np.minimum(line[:, 1], np.interp(line[:, 0], [0, 20, 40, 60], [10, 10, 20, 20]))
+    slices = divide(section, line[None, :, 0], line[None, :, 1])
+    of_circle = np.array([centre[0]]), np.array([centre[1]]), np.array([radius])
+    kh = bishop_critical_kh(slices, *of_circle)[0]
+    if np.isfinite(kh):
+        assert bishop_factor(slices, *of_circle, kh)[0] == pytest.approx(1.0, abs=1e-5)
+    critical = spencer_critical_kh(slices)
+    if critical is not None and (balance := spencer_factor(slices, critical.kh)) is not None:
+        assert balance.factor == pytest.approx(1.0, abs=1e-4)
+
+
+def test_still_water_over_the_slope_takes_its_buoyancy_off() -> None:
+    """Under still water that covers it a slope has the factor of a dry one with the buoyant unit weight."""
+    under = _slope("5 kPa", "25 deg", "20 kN/m^3/g_0", water={"table": {"elevation": 25.0}})
+    dry = _slope("5 kPa", "25 deg", f"{20e3 / GRAVITY - 1000.0} kg/m^3", unusual=True)
+    wet, buoyant = critical_circles(under)[0], critical_circles(dry)[0]
+    assert wet.bishop == pytest.approx(buoyant.bishop, rel=1e-3)
+    assert wet.spencer == pytest.approx(buoyant.spencer, rel=2e-3)
+
+
+def test_the_mirrored_slope_fails_alike() -> None:
+    data = _slope().model_dump(mode="python", exclude_none=True, by_alias=True)
+    mirrored = Section.parse({**data, "surface": [[0, 20], [20, 20], [40, 10], [60, 10]]})
+    one, other = critical_circles(_slope(), 0.1)[0], critical_circles(mirrored, 0.1)[0]
+    assert (one.towards, other.towards) == ("left", "right")
+    assert one.bishop == pytest.approx(other.bishop, rel=2e-3)
+    assert surface_balance(_slope(), one.surface, LEFT, 0.1) == pytest.approx(one.spencer, rel=1e-3)
+    assert surface_balance(_slope(), one.surface, RIGHT, 0.1) is None
+
+
+def test_circles_of_one_crest_only_are_sought_where_it_is_named() -> None:
+    surface = [[0, 10], [10, 10], [22, 18], [32, 18], [44, 10], [50, 10], [54, 14], [60, 14]]
+    section = Section.parse(
+        {**_slope().model_dump(mode="python", exclude_none=True, by_alias=True), "surface": surface}
+    )
+    circles = critical_circles(section, 0.0, crest=(22.0, 32.0))
+    assert {circle.towards for circle in circles} == {"left", "right"}
+    assert all(22.0 <= _crest(circle) <= 32.0 for circle in circles)
+
+
+def _crest(circle: SlipCircle) -> float:
+    first, last = circle.surface[0], circle.surface[-1]
+    return float(first[0] if first[1] > last[1] else last[0])

@@ -1,0 +1,200 @@
+"""Equilibrium of slices: Bishop's simplified method for circles, Spencer's method for any slip surface.
+
+Sources: Bishop 1955, Géotechnique 5(1), 7-17; Spencer 1967, Géotechnique 17(1), 11-26; both in the form of Duncan,
+Wright & Brandon 2014, Soil Strength and Slope Stability, chapter 6. Signs and units are those of
+`workflow.estimates.slices`; arrays of a surface are (surfaces,).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from workflow.estimates.slices import Slices
+
+# cos α + sin α tan φ / F below this makes the normal force of a slice meaningless (Whitman & Bailey 1967).
+LEAST_M_ALPHA = 0.2
+STEPS, TOLERANCE = 100, 1e-7
+FACTORS = np.geomspace(100.0, 0.02, 60)
+LARGEST_KH = 5.0
+STEEPEST_SIDE = np.radians(60.0)  # of the forces between slices, by Spencer's method
+
+
+def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray, kh: float = 0.0) -> np.ndarray:
+    """Factor of safety of circular slip surfaces by Bishop's simplified method, NaN where there is none.
+
+    Parameters
+    ----------
+    slices : Slices
+    x, z, radius : (surfaces,) ndarray
+        Centre (mirrored x as in ``slices``) and radius of each circle (m).
+    kh : float
+        Horizontal seismic coefficient, towards the slide.
+
+    Returns
+    -------
+    (surfaces,) ndarray
+    """
+    driving = -(_moments(slices, x, z) @ np.array([1.0, kh]))
+    slides = driving > 0.0
+    scale = np.where(slides, radius / np.where(slides, driving, 1.0), np.nan)
+    vertical = slices.vertical + kh * slices.inertia_vertical
+    factor = np.full(len(x), 1.0)
+    for _ in range(STEPS):
+        before, factor = factor, scale * _shear(slices, vertical, factor)[0].sum(axis=1)
+        if not np.any(np.abs(factor - before) > TOLERANCE * np.abs(factor)):
+            break
+    _, m_alpha = _shear(slices, vertical, np.where(np.isfinite(factor), factor, 1.0))
+    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (factor > 0.0) & (factor < FACTORS[0])
+    return np.where(sound & (np.abs(factor - before) <= 10.0 * TOLERANCE * factor), factor, np.nan)
+
+
+def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Seismic coefficient at which circular slip surfaces have a factor of safety of 1, in closed form.
+
+    With F = 1 the forces of Bishop's simplified method are linear in Kh. NaN where the surface cannot slide.
+
+    Parameters
+    ----------
+    slices, x, z, radius
+        As for `bishop_factor`; pore pressures as of shaken ground.
+
+    Returns
+    -------
+    (surfaces,) ndarray
+    """
+    one = np.ones(len(x))
+    still, m_alpha = _shear(slices, slices.vertical, one)
+    more = _shear(slices, slices.inertia_vertical, one)[0] - _shear(slices, 0.0 * slices.vertical, one)[0]
+    moments = _moments(slices, x, z)
+    resisting, added = radius * still.sum(axis=1) + moments[:, 0], radius * more.sum(axis=1) + moments[:, 1]
+    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (added < 0.0)
+    return np.where(sound, -resisting / np.where(sound, added, 1.0), np.nan)
+
+
+def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of what Kh = 1 adds."""
+    right, up = slices.x - x[:, None], slices.z - z[:, None]
+    still = slices.moment + right * slices.vertical - up * slices.horizontal
+    added = slices.inertia_moment + right * slices.inertia_vertical - up * slices.inertia
+    return np.stack([still.sum(axis=1), added.sum(axis=1)], axis=1)
+
+
+def _shear(slices: Slices, vertical: np.ndarray, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and m_α."""
+    tan = slices.friction / factor[:, None]
+    sin, cos = np.sin(slices.angle), np.cos(slices.angle)
+    bond = (slices.cohesion - slices.pressure * slices.friction) * slices.length
+    m_alpha = cos + sin * tan
+    normal = (-vertical - bond * sin / factor[:, None]) / np.where(np.abs(m_alpha) > 1e-3, m_alpha, 1e-3)
+    return bond + normal * slices.friction, m_alpha
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The equilibrium of one slip surface by Spencer's method.
+
+    Attributes
+    ----------
+    factor : factor of safety
+    kh : seismic coefficient at which it holds
+    inclination : θ of the forces between slices (rad), positive where they rise to the right
+    """
+
+    factor: float
+    kh: float
+    inclination: float
+
+
+def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
+    """Factor of safety of one slip surface by Spencer's method.
+
+    Parameters
+    ----------
+    slices : Slices
+        Of one surface.
+    kh : float
+        Horizontal seismic coefficient, towards the slide.
+
+    Returns
+    -------
+    Balance or None
+        None where no factor between 0.02 and 100 balances forces and moments.
+    """
+
+    def force_balance(theta: float) -> float:
+        residual = _residuals(slices, FACTORS, kh, theta)[0]
+        changes = np.flatnonzero(residual[1:] * residual[:-1] <= 0.0)
+        if not len(changes):
+            return np.nan
+        first = changes[0]
+        return float(
+            brentq(lambda f: _residuals(slices, np.array([f]), kh, theta)[0][0], FACTORS[first + 1], FACTORS[first])
+        )
+
+    found = _moment_balance(force_balance, lambda f, theta: float(_residuals(slices, np.array([f]), kh, theta)[1][0]))
+    return None if found is None else Balance(found[0], kh, found[1])
+
+
+def spencer_critical_kh(slices: Slices) -> Balance | None:
+    """Seismic coefficient at which Spencer's factor of safety of one slip surface is 1.
+
+    Parameters
+    ----------
+    slices : Slices
+        Of one surface, with pore pressures as of shaken ground.
+
+    Returns
+    -------
+    Balance or None
+        None where no coefficient between -5 and 5 balances forces and moments.
+    """
+    one = np.ones(1)
+
+    def force_balance(theta: float) -> float:
+        still, shaken = (_residuals(slices, one, kh, theta)[0][0] for kh in (0.0, 1.0))
+        kh = still / (still - shaken)  # linear in Kh
+        return float(kh) if abs(kh) <= LARGEST_KH else np.nan
+
+    found = _moment_balance(force_balance, lambda kh, theta: float(_residuals(slices, one, kh, theta)[1][0]))
+    return None if found is None else Balance(1.0, *found)
+
+
+def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> tuple[np.ndarray, np.ndarray]:
+    """Sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN where the normal
+    force of a slice has no meaning.
+
+    Q is the resultant of both side forces of a slice, at the angle θ; its line passes the middle of the base at the
+    distance at which it balances the moments of the known forces.
+    """
+    up = (slices.vertical + kh * slices.inertia_vertical)[0]
+    right = (slices.horizontal + kh * slices.inertia)[0]
+    moment = (slices.moment + kh * slices.inertia_moment)[0].sum()
+    angle, x, z = slices.angle[0], slices.x[0], slices.z[0]
+    tan = slices.friction[0] / factor[:, None]
+    along = right * np.cos(angle) + up * np.sin(angle)
+    across = -right * np.sin(angle) + up * np.cos(angle)
+    bond = (
+        slices.cohesion[0] / factor[:, None] * slices.length[0] - (across + slices.pressure[0] * slices.length[0]) * tan
+    )
+    m_alpha = np.cos(angle - theta) + np.sin(angle - theta) * tan
+    sound = m_alpha.min(axis=1) >= LEAST_M_ALPHA
+    side = -(along + bond) / np.where(sound[:, None], m_alpha, np.nan)
+    turning = (side * (x * np.sin(theta) - z * np.cos(theta))).sum(axis=1) - moment
+    return side.sum(axis=1), turning
+
+
+def _moment_balance(
+    force_balance: Callable[[float], float], moment: Callable[[float, float], float]
+) -> tuple[float, float] | None:
+    """What balances the forces at the inclination θ at which the moments balance, too, and that θ."""
+    angles = np.linspace(-STEEPEST_SIDE, STEEPEST_SIDE, 25)
+    values = np.array([force_balance(theta) for theta in angles])
+    turning = np.array([moment(value, theta) for value, theta in zip(values, angles, strict=True)])
+    changes = np.flatnonzero(turning[1:] * turning[:-1] <= 0.0)
+    if not len(changes):
+        return None
+    k = changes[np.argmin(np.abs(angles[changes]))]  # the flattest side forces
+    theta = brentq(lambda angle: moment(force_balance(angle), angle), angles[k], angles[k + 1], xtol=1e-8)
+    return force_balance(theta), float(theta)

@@ -1,0 +1,144 @@
+"""The mass above trial slip surfaces, divided into vertical slices: weights, loads, strength and water at their bases.
+
+Limit equilibrium of slices is what reviewers know beside finite elements and strict bounds. Here many trial surfaces
+are divided at once: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width, stresses in Pa; x to
+the right, elevation upwards. A mass that would slide to the right is mirrored first, so that every mass here slides to
+the left and the base of a driving slice rises to the right (angle α > 0).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+
+LEFT, RIGHT = -1, 1  # where the mass slides to
+
+
+@dataclass(frozen=True, eq=False)
+class Slices:
+    """The slices of trial slip surfaces that slide to the left; all arrays are (surfaces, slices).
+
+    Attributes
+    ----------
+    x, z : middle of the base (m), x mirrored for a mass that slides to the right
+    angle : slope α of the base (rad)
+    length : length of the base (m)
+    vertical, horizontal : known forces (N/m), upwards and to the right, at Kh = 0
+    moment : of the known forces about the middle of the base at Kh = 0, counter-clockwise (N)
+    inertia, inertia_moment : what Kh = 1 adds to ``horizontal`` and to ``moment``
+    inertia_vertical : what Kh = 1 adds to ``vertical``
+    cohesion, friction : c (Pa) and tan φ at the base
+    pressure : pore pressure (Pa) at the base
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    angle: np.ndarray
+    length: np.ndarray
+    vertical: np.ndarray
+    horizontal: np.ndarray
+    moment: np.ndarray
+    inertia: np.ndarray
+    inertia_vertical: np.ndarray
+    inertia_moment: np.ndarray
+    cohesion: np.ndarray
+    friction: np.ndarray
+    pressure: np.ndarray
+
+    def of(self, surfaces: np.ndarray) -> "Slices":
+        """The slices of some of the surfaces, by index or by a mask."""
+        return Slices(**{name: value[surfaces] for name, value in vars(self).items()})
+
+
+def divide(
+    section: Section, x: np.ndarray, z: np.ndarray, towards: int = LEFT, shaken: bool = False, vertical: float = 0.0
+) -> Slices:
+    """Divide the ground above trial slip surfaces into slices.
+
+    Parameters
+    ----------
+    section : Section
+        Strata cut at the water, as `Section.parse` returns them.
+    x, z : (surfaces, slices + 1) ndarray
+        Corners of the bases from left to right (m), inside the section and not above the ground.
+    towards : int
+        LEFT or RIGHT, where the mass slides to; the seismic force acts that way.
+    shaken : bool
+        Whether the excess pore pressures of shaking act.
+    vertical : float
+        Vertical seismic coefficient, positive upwards: it takes this share of the mass off the weight.
+
+    Returns
+    -------
+    Slices
+    """
+    shape = (len(x), x.shape[1] - 1)
+    middle, base = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (z[:, 1:] + z[:, :-1])
+    width, rise = np.diff(x, axis=1), np.diff(z, axis=1)
+    points = np.column_stack([middle.ravel(), base.ravel()])
+    levels = section.layering.interfaces(points[:, 0])
+    upper, lower = np.maximum(levels[:, :-1], points[:, 1:]), np.maximum(levels[:, 1:], points[:, 1:])
+    thickness, height = upper - lower, 0.5 * (upper + lower) - points[:, 1:]
+    shakes = GRAVITY * np.array([stratum.density_seismic for stratum in section.strata])
+    weighs = GRAVITY * np.array([stratum.density_ordinary for stratum in section.strata]) - vertical * shakes
+    mass = thickness * shakes
+    push, inertia, ground = _ground_forces(section, x, towards)
+    arm = ground - base
+    along = -towards  # x to the left where the mass slides to the right
+    stratum = _stratum(levels, points[:, 1])
+    cohesion, friction = _strength(section, stratum, points[:, 1])
+    water = section.water_pressure.inside(points, points, stratum, shaken)
+    forward = -width * mass.sum(axis=1).reshape(shape)  # the inertia of the soil, to the left
+
+    return Slices(
+        x=along * middle,
+        z=base,
+        angle=np.arctan2(along * rise, width),
+        length=np.hypot(width, rise),
+        vertical=width * (push[..., 1] - (thickness @ weighs).reshape(shape)),
+        horizontal=width * along * push[..., 0],
+        moment=-arm * width * along * push[..., 0],
+        inertia=forward + width * along * inertia[..., 0],
+        inertia_vertical=width * inertia[..., 1],
+        inertia_moment=width * (mass * height).sum(axis=1).reshape(shape) - arm * width * along * inertia[..., 0],
+        cohesion=cohesion.reshape(shape),
+        friction=friction.reshape(shape),
+        pressure=water.reshape(shape),
+    )
+
+
+def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What presses on the ground above slices with corners at ``x``, by horizontal area, and at which elevation (m).
+
+    That is still water with surcharges, and what Kh = 1 adds to them, both (surfaces, slices, 2) in Pa.
+
+    A slice takes the rise of the ground from corner to corner, so that the thrust of still water adds up over kinks and
+    steps of the ground, too.
+    """
+    ground = section.layering.interfaces(x.ravel())[:, 0].reshape(x.shape)
+    middle, height = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (ground[:, 1:] + ground[:, :-1])
+    slope = (np.diff(ground, axis=1) / np.diff(x, axis=1)).ravel()
+    points = np.column_stack([middle.ravel(), height.ravel()])
+    stretch = np.hypot(1.0, slope)[:, None]
+    normal = np.column_stack([-slope, np.ones_like(slope)]) / stretch
+    loads = section.surface_loads
+    still = -section.water_pressure.on_ground(points, points)[:, None] * normal
+    force = (still + loads.dead(points, points, normal)) * stretch
+    added = loads.shaken(towards, points, points, normal) * stretch
+    return force.reshape(*height.shape, 2), added.reshape(*height.shape, 2), height
+
+
+def _stratum(levels: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The stratum at each base: the deepest one that has a thickness and whose top is not below it."""
+    below_top = (z[:, None] <= levels[:, :-1]) & (levels[:, :-1] > levels[:, 1:])
+    return below_top.shape[1] - 1 - np.argmax(below_top[:, ::-1], axis=1)
+
+
+def _strength(section: Section, stratum: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    cohesion = np.empty(len(z))
+    for k, soil in enumerate(section.strata):
+        here = stratum == k
+        cohesion[here] = soil.cohesion_at(z[here])
+    return cohesion, np.tan([soil.friction_angle for soil in section.strata])[stratum]

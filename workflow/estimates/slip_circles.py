@@ -1,0 +1,238 @@
+"""The critical slip circle of a section, by Bishop's simplified method, and Spencer's number on the same circle.
+
+All circles through two points of the ground are tried on a grid, then on ever finer ones about the best; the search is
+for the least factor of safety, or for the least Kh at which the factor is 1, in both directions.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from meshes.section.section import Section
+from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
+from workflow.estimates.slices import LEFT, RIGHT, Slices, divide
+
+ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
+SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
+BEST, COARSE_ROUNDS, FINE_ROUNDS, SHRINK = (
+    6,
+    3,
+    4,
+    0.45,
+)  # circles that are refined, and what is left of a step each time
+CHUNK = 4000  # circles at a time, on the first grid
+STEEPEST = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
+OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
+LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
+
+Sought = Literal["factor", "kh"]
+
+
+@dataclass(frozen=True, eq=False)
+class SlipCircle:
+    """A slip circle and what slices say of it.
+
+    Attributes
+    ----------
+    towards : the side of the section to which it slides, "left" or "right"
+    centre : (x, z) of its centre (m)
+    radius : m
+    surface : (n, 2) points of the slip surface from left to right (m)
+    kh : seismic coefficient of ``bishop`` and ``spencer`` where these are factors of safety; None where they are Kh
+    bishop : factor of safety, or critical Kh, by Bishop's simplified method
+    spencer : the same by Spencer's method on the same circle; None where forces and moments do not balance
+    """
+
+    towards: Literal["left", "right"]
+    centre: tuple[float, float]
+    radius: float
+    surface: np.ndarray
+    kh: float | None
+    bishop: float
+    spencer: float | None
+
+
+def critical_circles(
+    section: Section,
+    kh: float | None = 0.0,
+    least_depth: float = 0.0,
+    vertical: float = 0.0,
+    crest: tuple[float, float] | None = None,
+) -> tuple[SlipCircle, ...]:
+    """Find, towards either side, the slip circle with the least factor of safety or with the least critical Kh.
+
+    Parameters
+    ----------
+    section : Section
+        Strata cut at the water, as `Section.parse` returns them.
+    kh : float or None
+        Horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
+        factor is 1, with the excess pore pressures of shaking.
+    least_depth : float
+        Shallower circles are left out (m); at least 2 % of the height of the section.
+    vertical : float
+        Vertical seismic coefficient, positive upwards.
+    crest : (left, right) or None
+        x (m) between which the upper end of a circle lies; anywhere where this is None.
+
+    Returns
+    -------
+    tuple of SlipCircle
+        At most one towards each side, the least value first; empty where no circle slides.
+    """
+    depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
+    found = [_Search(section, towards, kh, depth, vertical, crest).run() for towards in (LEFT, RIGHT)]
+    return tuple(sorted((circle for circle in found if circle is not None), key=lambda circle: circle.bishop))
+
+
+def surface_balance(
+    section: Section, line: np.ndarray, towards: int, kh: float | None = 0.0, vertical: float = 0.0
+) -> float | None:
+    """Spencer's factor of safety, or critical Kh, of any slip surface.
+
+    Parameters
+    ----------
+    section : Section
+        Strata cut at the water.
+    line : (n, 2) ndarray
+        Points of the slip surface (m), x ascending; its ends are taken to the ground.
+    towards : int
+        LEFT or RIGHT, where the mass slides to.
+    kh, vertical
+        As for `critical_circles`.
+
+    Returns
+    -------
+    float or None
+        None where forces and moments do not balance.
+    """
+    line = _to_the_ground(section, line, towards)
+    x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
+    z = np.minimum(np.interp(x, *line.T), section.layering.interfaces(x)[:, 0])
+    slices = divide(section, x[None], z[None], towards, shaken=kh != 0.0, vertical=vertical)
+    if kh is None:
+        return None if (balance := spencer_critical_kh(slices)) is None else balance.kh
+    return None if (balance := spencer_factor(slices, kh)) is None else balance.factor
+
+
+def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarray:
+    """A slip surface with its ends taken to the ground: out of it at the toe, into it at the crest."""
+    angles = (OUT, INTO) if towards == LEFT else (INTO, OUT)
+    left, right = section.extent
+    ground = section.layering.interfaces(line[[0, -1], 0])[:, 0]
+    reach = np.maximum(ground - line[[0, -1], 1], 0.0) / np.tan(angles)
+    ends = np.clip(line[[0, -1], 0] + reach * [-1.0, 1.0], left, right)
+    heights = section.layering.interfaces(ends)[:, 0]
+    inside = (line[:, 0] > ends[0]) & (line[:, 0] < ends[1])
+    return np.vstack([[ends[0], heights[0]], line[inside], [ends[1], heights[1]]])
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    section: Section
+    towards: int
+    kh: float | None
+    depth: float
+    vertical: float
+    crest: tuple[float, float] | None
+
+    def run(self) -> SlipCircle | None:
+        """The circle with the least value; None where none slides."""
+        best = self._best(self._grid(), SLICES)
+        left, right = self.section.extent
+        step = np.array([(right - left) / (ENDS - 1), (right - left) / (ENDS - 1), 1.0 / DEPTHS])
+        offsets = np.stack(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+        for number in [SLICES] * COARSE_ROUNDS + [FINE_SLICES] * FINE_ROUNDS:
+            if not len(best):
+                return None
+            around = (best[:, None, :] + offsets * step).reshape(-1, 3)
+            best = self._best(np.concatenate([best, around]), number)
+            step *= SHRINK
+        return next((circle for k in range(len(best)) if (circle := self._told(best[k : k + 1])) is not None), None)
+
+    def _grid(self) -> np.ndarray:
+        ends = np.linspace(*self.section.extent, ENDS)
+        ground = self.section.ground[:, 0]
+        ends = np.unique(np.concatenate([ends, ground]))
+        bulges = (np.arange(DEPTHS) + 0.5) / DEPTHS
+        first, last, bulge = np.meshgrid(ends, ends, bulges, indexing="ij")
+        ordered = first < last
+        return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
+
+    def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
+        """The best circles, from the least value on, by far enough apart to lead to different minima."""
+        some = CHUNK * SLICES // number
+        value = np.concatenate([self._values(circles[k : k + some], number) for k in range(0, len(circles), some)])
+        order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
+        return circles[order[: min(BEST, int(np.isfinite(value).sum()))]]
+
+    def _values(self, circles: np.ndarray, number: int) -> np.ndarray:
+        value = np.full(len(circles), np.nan)
+        x, z, centre, radius, sound = self._surfaces(circles, number)
+        if sound.any():
+            slices = self._divided(x[sound], z[sound])
+            value[sound] = self._bishop(slices, centre[sound], radius[sound])
+        return value
+
+    def _bishop(self, slices: Slices, centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
+        mirrored = -self.towards * centre[:, 0]
+        if self.kh is None:
+            return bishop_critical_kh(slices, mirrored, centre[:, 1], radius)
+        return bishop_factor(slices, mirrored, centre[:, 1], radius, self.kh)
+
+    def _divided(self, x: np.ndarray, z: np.ndarray) -> Slices:
+        return divide(self.section, x, z, self.towards, shaken=self.kh != 0.0, vertical=self.vertical)
+
+    def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
+        """Corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are sound.
+
+        A sound circle is below the ground all along, above the base of the section, deep enough and nowhere upright.
+        """
+        section = self.section
+        left, right = section.extent
+        first, last, bulge = circles.T
+        ends = section.layering.interfaces(np.stack([first, last], axis=1).ravel(), None)[:, 0].reshape(-1, 2)
+        half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
+        sound = (
+            (first >= left) & (last <= right) & (last - first > 1e-6 * (right - left)) & (bulge > 0.0) & (bulge <= 1.0)
+        )
+        if self.crest is not None:
+            head = np.where(ends[:, 0] > ends[:, 1], first, last)
+            sound &= (head >= self.crest[0]) & (head <= self.crest[1])
+        half, sagitta = np.where(sound, half, 1.0), np.where(sound, bulge * half, 0.5)
+        radius = (half**2 + sagitta**2) / (2.0 * sagitta)
+        to_centre = (radius - sagitta) / half  # times half the chord, turned by a right angle
+        middle = np.stack([0.5 * (first + last), ends.mean(axis=1)], axis=1)
+        chord = 0.5 * np.stack([last - first, ends[:, 1] - ends[:, 0]], axis=1)
+        centre = middle + to_centre[:, None] * np.stack([-chord[:, 1], chord[:, 0]], axis=1)
+        sound &= centre[:, 1] - ends.max(axis=1) >= np.cos(STEEPEST) * radius
+        share = np.linspace(0.0, 1.0, number + 1)
+        x = first[:, None] + share * (last - first)[:, None]
+        z = centre[:, 1:] - np.sqrt(np.maximum(radius[:, None] ** 2 - (x - centre[:, :1]) ** 2, 0.0))
+        levels = section.layering.interfaces(x.ravel())
+        ground, base = levels[:, 0].reshape(x.shape), levels[:, -1].reshape(x.shape)
+        cover, room = ground - z, z - base
+        near = 1e-6 * half[:, None]
+        sound &= np.all(cover >= -near, axis=1) & np.all(room >= -near, axis=1) & (cover.max(axis=1) >= self.depth)
+        return x, np.minimum(z, ground), centre, radius, sound
+
+    def _told(self, best: np.ndarray) -> SlipCircle | None:
+        x, z, centre, radius, sound = self._surfaces(best, FINE_SLICES)
+        if not sound[0]:
+            return None
+        slices = self._divided(x, z)
+        bishop = float(self._bishop(slices, centre, radius)[0])
+        if not np.isfinite(bishop):
+            return None
+        balance = spencer_critical_kh(slices) if self.kh is None else spencer_factor(slices, self.kh)
+        spencer = None if balance is None else balance.kh if self.kh is None else balance.factor
+        return SlipCircle(
+            towards="left" if self.towards == LEFT else "right",
+            centre=(float(centre[0, 0]), float(centre[0, 1])),
+            radius=float(radius[0]),
+            surface=np.column_stack([x[0], z[0]]),
+            kh=self.kh,
+            bishop=bishop,
+            spencer=spencer,
+        )

@@ -1,0 +1,32 @@
+"""Picture of the critical slip circles over the layers."""
+
+from pathlib import Path
+
+import numpy as np
+
+from meshes.section.section import Section
+from workflow.figures.canvas import CONTINUUM, CRITICAL
+from workflow.figures.ground import Overlay, draw_section
+from workflow.results.slices import CirclePart, SlicesAnswer
+
+WHOLE, DASHED = (0, ()), (0, (5, 2))
+
+
+def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
+    """The circle with the least factor of safety at each Kh, and that with the least critical Kh, towards each side."""
+    lines = [
+        _line(circle, CONTINUUM, f"F_s = {_value(circle)} at k_h = {factors.kh:g}")
+        for factors in answer.factors[:1]
+        for circle in factors.circles
+    ]
+    lines += [_line(circle, CRITICAL, f"critical k_h = {_value(circle)}") for circle in answer.critical]
+    draw_section(section, path, "slip circles by Bishop's method (Spencer's in brackets)", lines)
+
+
+def _line(circle: CirclePart, colour: str, words: str) -> Overlay:
+    dashes = WHOLE if circle.towards == "left" else DASHED
+    return Overlay(np.array(circle.surface_m), colour, dashes, f"{words}, to the {circle.towards}")
+
+
+def _value(circle: CirclePart) -> str:
+    return f"{circle.bishop:.2f}" + ("" if circle.spencer is None else f" ({circle.spencer:.2f})")

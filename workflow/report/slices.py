@@ -1,0 +1,62 @@
+"""Limit equilibrium of slices in sentences: circles by Bishop and Spencer, and Spencer on the slip surface found."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from workflow.estimates.slices import LEFT, RIGHT
+from workflow.estimates.slip_circles import surface_balance
+from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.slices import CirclePart, SlicesAnswer
+from workflow.settings import Input
+
+FEWEST_POINTS = 3  # of a slip surface
+
+
+def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
+    """The critical circles, one sentence for each question."""
+    if answer.reason:
+        yield f"No slip circle: {answer.reason}."
+    for factors in answer.factors:
+        if factors.circles:
+            yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_listed(factors.circles, 2)}."
+    if answer.critical:
+        yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}."
+
+
+def _listed(circles: Sequence[CirclePart], digits: int) -> str:
+    return "; ".join(
+        f"to the {one.towards} {one.bishop:.{digits}f} by Bishop's method"
+        + ("" if one.spencer is None else f", {one.spencer:.{digits}f} by Spencer's")
+        for one in circles
+    )
+
+
+def on_surface_found(given: Input, fem: FemAnswer | None) -> Iterator[str]:
+    """Spencer's numbers on the slip surfaces of the finite elements, which need not be circles."""
+    if fem is None:
+        return
+    end = fem.last_in_equilibrium()
+    if end is not None and fem.has_kc:
+        kh = _by_spencer(given, end.slip_surface, fem.towards, None)
+        if kh is not None:
+            yield f"On the slip surface of the finite elements Spencer's method has a critical Kh of {kh:.3f}."
+    for factor in fem.safety_factors:
+        if (found := factor_on_surface(given, factor)) is not None:
+            yield (
+                f"On the slip surface that the finite elements found at Kh = {factor.kh:g} Spencer's factor of safety "
+                f"is {found:.2f}."
+            )
+
+
+def factor_on_surface(given: Input, factor: FactorOfSafety) -> float | None:
+    """Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
+    found = [_by_spencer(given, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
+    return min((value for value in found if value is not None), default=None)
+
+
+def _by_spencer(given: Input, line: Sequence[tuple[float, float]], towards: str, kh: float | None) -> float | None:
+    if len(line) < FEWEST_POINTS:
+        return None
+    side = LEFT if towards == "left" else RIGHT
+    return surface_balance(given, np.array(line), side, kh, given.fem.vertical)

@@ -1,0 +1,38 @@
+"""fem/slices.json: slip circles of limit equilibrium, the numbers that reviewers know beside elements and bounds."""
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from workflow.results.answer import Answer, Line, Part, Point, SectionLabel
+
+
+class CirclePart(Part):
+    """A critical slip circle."""
+
+    towards: Literal["left", "right"] = Field(description="the side of the section to which it slides")
+    centre_m: Point
+    radius_m: float
+    surface_m: Line = Field(description="points of the slip surface, from left to right")
+    bishop: float = Field(description="by Bishop's simplified method")
+    spencer: float | None = Field(description="by Spencer's method on the same circle; null without a balance")
+
+
+class FactorCircles(Part):
+    """The circles with the least factors of safety at one Kh, towards either side, the least first."""
+
+    kh: float
+    circles: tuple[CirclePart, ...]
+
+
+class SlicesAnswer(Answer):
+    """Limit equilibrium of slices on slip circles."""
+
+    FILE: ClassVar[str] = "fem/slices.json"
+
+    section: SectionLabel
+    factors: tuple[FactorCircles, ...] = Field(description="factors of safety, one entry for each Kh")
+    critical: tuple[CirclePart, ...] = Field(description="circles with the least critical Kh, the least first")
+    least_depth: float = Field(description="shallower circles are left out (m)")
+    reason: str = Field(description="why there is no circle; empty where there are some")
+    source: str
