@@ -21,6 +21,7 @@ METHODS: Mapping[Method, str] = {
     "latin": "a Latin hypercube",
     "saltelli": "Saltelli's design for Sobol' indices",
 }
+FEWEST = 20  # samples from which on one of them is expected beyond 5 %
 RANDOM_FIELDS = (
     "A stratum has one strength in every sample: fields of strength that vary at random within a stratum are not part "
     "of this program."
@@ -60,18 +61,19 @@ def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
         if spread.median is None or result.is_detail:
             continue
         title = result.title[:1].upper() + result.title[1:]
-        yield f"{title}: {_where(spread)}{_strongest(result)}."
+        yield f"{title}: {_where(spread, result.samples)}{_strongest(result)}."
         for group in result.groups:
             if group.samples:
-                yield f"{title} where {group.path} is {group.value} ({group.samples}): {_where(group.spread)}."
+                told = _where(group.spread, group.samples)
+                yield f"{title} where {group.path} is {group.value} ({group.samples}): {told}."
     yield from (f"{line}." for one in given.reach.values() for line in one.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 
 
-def _where(spread: Spread) -> str:
+def _where(spread: Spread, samples: int) -> str:
     told = f"half of the samples are below {number(spread.median)}"
-    if spread.low is not None:
+    if spread.low is not None and samples >= FEWEST:
         told += f", nine of ten between {number(spread.low)} and {number(spread.high)}"
     return told
 
@@ -81,10 +83,10 @@ def _strongest(result: Result) -> str:
     if first is None or first.correlation is None:
         return ""
     if first.total is not None:
-        return f"; most of it hangs on {first.path} (total Sobol' index {first.total:.2f})"
-    if abs(first.correlation) < result.by_chance:
-        return "; what that hangs on so few samples do not tell"
-    return f"; most of it hangs on {first.path} (correlation {first.correlation:+.2f})"
+        return f"; it depends most on {first.path} (total Sobol' index {first.total:.2f})"
+    if abs(first.correlation) <= result.by_chance:
+        return "; on what it depends so few samples do not tell"
+    return f"; it depends most on {first.path} (correlation {first.correlation:+.2f})"
 
 
 def in_words(one: Distribution) -> str:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from statistics import NormalDist
 from typing import ClassVar
 
 from pydantic import Field
@@ -79,8 +80,13 @@ class Result(Part):
 
     @property
     def by_chance(self) -> float:
-        """What 95 % of the rank correlations of so many samples stay below if nothing hangs on anything."""
-        return min(1.0, Z95 / math.sqrt(self.samples - 1)) if self.samples > 1 else 1.0
+        """What the largest of its rank correlations stays below in 95 of 100 studies of so many samples if nothing
+        depends on anything; each alone by the normal distribution with the variance 1 / (n - 1), together by
+        Bonferroni's inequality."""
+        if self.samples < 2:
+            return 1.0
+        quantile = NormalDist().inv_cdf(1.0 - 0.025 / max(1, len(self.effects)))
+        return min(1.0, quantile / math.sqrt(self.samples - 1))
 
 
 class Failure(Part):

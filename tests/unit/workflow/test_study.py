@@ -17,6 +17,10 @@ from tests.support.sections import slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
 from workflow.ensemble.ensemble import Ensemble
 from workflow.ensemble.task import Task
+from workflow.report.study import _strongest as strongest
+from workflow.report.study import _where as where
+from workflow.results.cases import Spread
+from workflow.results.study import Effect, Result
 from workflow.study import continuum, sample
 from workflow.study.lognormal_fragility import curve, fit
 from workflow.study.statistics import effects, probability
@@ -141,3 +145,29 @@ def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
     else:
         with pytest.raises(NoEquilibriumError):
             continuum.continuum(given)
+
+
+@pytest.mark.parametrize("samples", [8, 30])
+def test_what_a_result_depends_on_is_rarely_named_by_chance(samples: int) -> None:
+    """Results that depend on none of three numbers: in at most one study of twenty any of them is named (0.05 and two
+    standard errors of 400 studies)."""
+    rng = np.random.default_rng(3)
+    named = 0
+    for _ in range(400):
+        drawn, values = rng.normal(size=(3, samples)), rng.normal(size=samples)
+        found = [Effect(path=str(k), correlation=float(stats.spearmanr(one, values).statistic))
+                 for k, one in enumerate(drawn)]  # fmt: skip
+        found.sort(key=lambda one: -abs(one.correlation or 0.0))
+        spread = Spread.of(values.tolist())
+        result = Result(name="kc", samples=samples, spread=spread, effects=tuple(found), groups=())
+        named += "depends most on" in strongest(result)
+    assert named <= 400 * 0.072
+
+
+def test_four_samples_tell_no_more_than_their_median() -> None:
+    perfect = Effect(path="strata.Fill.cohesion", correlation=-1.0)
+    values = [0.096, 0.119, 0.098, 0.113]
+    result = Result(name="kc", samples=4, spread=Spread.of(values), effects=(perfect,), groups=())
+    assert strongest(result) == "; on what it depends so few samples do not tell"
+    assert where(result.spread, 4) == "half of the samples are below 0.106"
+    assert "nine of ten" in where(Spread.of(values * 5), 20)
