@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.acceleration import Acceleration, tilted_gravity
+from dem.acceleration import tilted_gravity
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.laboratory.patch import POROSITY, VOID_RATIO
@@ -21,6 +21,7 @@ from dem.slides.liquefaction import Slider
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import LayerSprings
 from dem.tied_packing import TiedPacking, tied_packing
+from meshes.section.quantity import GRAVITY
 
 G = 9.81  # m/s2
 SETTLES, TILTS, RESTS = 6.0, 5, 3.0  # s on the level, steps of a second in which it is tilted, s after that
@@ -152,12 +153,29 @@ class UniformSlope:
         Push
             How far the block slid, and the strength that held it.
         """
-        model, block = self.model, self.above(layer)
-        on, begin, start = Acceleration.seismic(kh, tilt=self.angle), model.time, model.x.copy()
-        times = begin + np.array([0.0, 1e-3, seconds, seconds + 1e-3])
-        model.acceleration = Acceleration(
-            times, on.x[0] * np.array([0.0, 1.0, 1.0, 0.0]), on.z[0] * np.array([0.0, 1.0, 1.0, 0.0])
-        )
+        times = np.array([0.0, 1e-3, seconds, seconds + 1e-3])
+        return self.shake(times, kh * GRAVITY * np.array([0.0, 1.0, 1.0, 0.0]), layer=layer, later=later)
+
+    def shake(self, time: np.ndarray, push: np.ndarray, *, layer: int = 0, later: float = LATER) -> "Push":
+        """Shakes the base, and follows the slope until it rests.
+
+        Parameters
+        ----------
+        time, push
+            (n,) Times from 0 (s), rising, and what the ground feels along the horizontal (m/s2), downhill positive.
+        layer
+            The layer above which the ground is the block that slides.
+        later
+            Time after it until which the slope is followed (s).
+
+        Returns
+        -------
+        Push
+            How far the block slid.
+        """
+        model, block, seconds = self.model, self.above(layer), float(time[-1])
+        begin, start = model.time, model.x.copy()
+        model.acceleration = self.ground.shaken(begin + time, push)
         rows: list[tuple[float, float, float]] = []
 
         def look(m: DiscModel) -> None:
@@ -166,7 +184,7 @@ class UniformSlope:
         rest = run_until_rest(
             model, still=STILL, longest=seconds + later, every=LOOK, at_least=seconds + 1.0, on_look=look
         )
-        return Push(self.angle, kh, seconds, np.array(rows), rest)
+        return Push(self.angle, float(push.max()) / GRAVITY, seconds, np.array(rows), rest)
 
 
 def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequence[float] = ()) -> DiscModel:
@@ -179,7 +197,7 @@ def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequ
 
 
 class Push:
-    """How a block slid under Kh.
+    """How a block slid under Kh, or under a base that shook.
 
     Attributes
     ----------
@@ -194,7 +212,7 @@ class Push:
         self.time, self.slide, self.speed = rows.T
 
     def strength(self) -> tuple[float, float]:
-        """Shear strength over normal stress that its accelerations show, while it is pushed and while it is braked.
+        """Shear strength over normal stress that its accelerations show under a constant Kh, and while it is braked.
 
         Of a block on a plane: (sin b + k cos b - a/g) / (cos b - k sin b); NaN where it did not move long enough.
         """
@@ -236,3 +254,37 @@ def newmark_slide(angle: float, strength_ratio: float, kh: float, seconds: float
     if off >= 0.0:
         return float("inf")
     return 0.5 * on * seconds**2 + (on * seconds) ** 2 / (-2.0 * off)
+
+
+def newmark_shaken(angle: float, strength_ratio: float, time: np.ndarray, push: np.ndarray) -> float:
+    """Slide (m) of a rigid block on a plane that shakes; it slides uphill, too, where it is driven so (Newmark 1965).
+
+    The plane resists either way with a constant strength, that of ground which does not drain: c = ratio times the
+    normal stress at rest. The drive along the plane is g sin b + push cos b, the resistance g ratio cos b.
+
+    Parameters
+    ----------
+    angle
+        Of the plane (rad).
+    strength_ratio
+        Its shear strength over the normal stress at rest (-).
+    time, push
+        (n,) Times (s), rising, and what the block feels along the horizontal (m/s2), downhill positive.
+
+    Returns
+    -------
+    float
+        Downhill positive, after it has come to rest; infinite where it does not.
+    """
+    drive, holds = G * float(np.sin(angle)), G * strength_ratio * float(np.cos(angle))
+    if drive >= holds:
+        return float("inf")
+    step = 1e-4 * max(1.0, float(time[-1] - time[0]) / 10.0)
+    at = np.arange(time[0], time[-1] + step, step)
+    speed, way = 0.0, 0.0
+    for felt in drive + np.interp(at, time, push, right=0.0) * float(np.cos(angle)):
+        free = speed + step * float(felt)
+        after = float(np.copysign(max(0.0, abs(free) - step * holds), free))
+        way += 0.5 * step * (speed + after)
+        speed = after
+    return way + 0.5 * speed * abs(speed) / (holds - np.copysign(drive, speed))

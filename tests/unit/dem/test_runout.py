@@ -5,6 +5,7 @@ import pytest
 
 import dem
 from dem.model import DiscModel
+from dem.problems.uniform_slope import newmark_shaken
 
 RADIUS = 0.5
 SAND = dem.soil_discs("sand", 1e7, dem.Strength(0.3), 2000.0, 2000.0, RADIUS, 0.25)
@@ -77,3 +78,20 @@ def test_newmark_by_hand() -> None:
     assert dem.newmark_slide(0.0, 0.1, 0.3, 2.0) == pytest.approx(9.81 * 0.2 * 4.0 * 0.3 / 0.2)
     assert dem.newmark_slide(0.0, 0.3, 0.2, 2.0) == 0.0
     assert dem.newmark_slide(0.2, 0.1, 0.3, 2.0) == np.inf
+
+
+def test_a_block_that_slides_both_ways_drifts_downhill() -> None:
+    """Driven far above its yield it drifts at V sin(π ε / 2), V the largest velocity of the base, ε = tan b / ratio.
+
+    Friction balances the weight in the mean of a cycle: sgn(v0 + V sin ωt) has the mean (2/π) asin(v0 / V) = ε.
+    """
+    angle, ratio, period = np.arctan(0.01), 0.02, 0.5
+    time = np.linspace(0.0, 200.0 * period, 20_001)
+    push = 5.0 * np.cos(2.0 * np.pi * time / period)
+    largest = 5.0 * period / (2.0 * np.pi)
+    drift = largest * np.sin(0.5 * np.pi * 0.5)
+    assert newmark_shaken(angle, ratio, time, push) == pytest.approx(drift * time[-1], rel=0.05)
+    assert newmark_shaken(angle, 0.009, time, push) == np.inf
+    held = np.array([0.0, 1e-6, 2.0, 2.0 + 1e-6])
+    one_way = newmark_shaken(0.0, 0.1, held, 9.81 * np.array([0.0, 0.3, 0.3, 0.0]))
+    assert one_way == pytest.approx(dem.newmark_slide(0.0, 0.1, 0.3, 2.0), rel=2e-3)

@@ -48,7 +48,10 @@ class Column(Model):
 
 
 class UniformSlope(Model):
-    """A layer that liquefies under a crust on an endless slope: how far the crust slides under a constant Kh."""
+    """A layer that liquefies under a crust on an endless slope: how far the crust slides under Kh, or on a shaken base.
+
+    Kh is held for ``seconds``, or reverses in ``cycles`` of a ``period``, or is the peak of a ``record``.
+    """
 
     kind: Literal["uniform slope"]
     angle: Angle
@@ -58,7 +61,10 @@ class UniformSlope(Model):
     friction_angle: Angle
     length: Length
     kh: float = Field(ge=0.0)
-    seconds: float = Field(gt=0.0)
+    seconds: float | None = Field(default=None, gt=0.0)
+    cycles: float | None = Field(default=None, gt=0.0)
+    period: float = Field(default=1.0, gt=0.0, description="of these cycles (s)")
+    record: str = Field(default="", description="a file beside the case")
     left: Case = Field(description="what the layer keeps")
 
 
@@ -99,6 +105,7 @@ class SlideCase:
     title: str
     known: Known
     given: Input | None = None
+    folder: Path = FOLDER
 
     @property
     def measured(self) -> tuple[float, float]:
@@ -121,7 +128,7 @@ def read_case(path: Path) -> SlideCase:
     if not isinstance(known.problem, Ground):
         if unknown := sorted(set(data) - {"name", "title"}):
             raise InputError(str(path), [f"{', '.join(unknown)}: not used by a problem of this kind"])
-        return SlideCase(name, title, known)
+        return SlideCase(name, title, known, None, path.parent)
     if known.problem.section:
         return SlideCase(name, title, known, Input.load(path.parent / known.problem.section))
     return SlideCase(name, title, known, Input.parse(data, str(path)))

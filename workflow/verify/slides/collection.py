@@ -61,8 +61,8 @@ def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> st
             continue
         problem = case.known.problem
         kind: str = problem.kind
-        if isinstance(problem, Ground):
-            kind = "flow" if problem.flow else "spread"
+        if case.known.group == "field":
+            kind = "flow" if isinstance(problem, Ground) and problem.flow else "spread"
         table.writerow([case.name, case.known.group, kind, f"{verdict.ratio:.3g}"])
     return text.getvalue()
 

@@ -24,9 +24,14 @@ measured or derived; else the word says whether the ratio is within a factor of 
 Where nothing moved in nature, **stands** is right and **moved** is wrong.
 
 Slides of the field are run as a user without a record of the site runs them: flows and dams by their weight alone,
-spreads under the Kh that the program takes from the earthquake, held one way for its significant duration. By weight
-alone such banks stand (Imperial Valley: 0 m where 0.3 to 4 m were measured); a Kh that is held drives ground whose
-strength it exceeds without end, so that neither says how far it spread: that wants a record."""
+spreads under the cycles of Kh, both ways, that the program takes from the earthquake. Gently sloping ground is an
+endless slope: of each earthquake in the data base of Youd et al. the row in the middle of what was measured, and of the
+two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a caisson
+and the sea. What others make of the same ground stands beside what was measured, for comparison.
+
+Where ground is level, these discs move only what the pressure behind the face can push over the residual strength, some
+heights of the face; in nature ground moved by decimetres to metres further back. So spreads behind faces are predicted
+too short far from the face, and too long where the face itself flows with the strength that the relations leave it."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,14 @@ from dem.problems import uniform_slope
 from dem.problems.column import G, SoilColumn
 from dem.search.deposit import deposit
 from dem.settings import Case
+from dem.slides.cycles import cyclic_acceleration
 from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
 from meshes.errors import InputError, NoAnswerError
+from meshes.section.quantity import GRAVITY
+from workflow.earthquake import accelerogram
 from workflow.settings import Input
 from workflow.stages.shaking import shaking_of
 from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
@@ -115,9 +119,20 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> Found:
     )
     before = deposit_profile(slope.model)
     slope.liquefy([0], wanted.left)
-    push = slope.push(wanted.kh, wanted.seconds)
+    if wanted.seconds is not None:
+        push = slope.push(wanted.kh, wanted.seconds)
+    else:
+        push = slope.shake(*shaking_of_slope(wanted, case.folder))
     after = deposit_profile(slope.model)
     return float(push.slide[-1]), loose_share(slope.model), push.rest.rested, _thinned(before), _thinned(after)
+
+
+def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s) and what the ground feels (m/s2) on a base that shakes: cycles of Kh, or a record with its peak."""
+    if not wanted.record:
+        return cyclic_acceleration(wanted.kh, wanted.cycles or 1.0, wanted.period)
+    record = accelerogram.read(folder / wanted.record)
+    return record.time - record.time[0], record.acceleration * (wanted.kh * GRAVITY / record.peak)
 
 
 def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
