@@ -13,7 +13,7 @@ from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds,
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
-from fem.solvers.cone_program import NoSolution
+from fem.solvers.cone_program import NoSolution, Solution
 from fem.solvers.meanwhile import Meanwhile
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
@@ -67,6 +67,7 @@ class BoundSearch:
             ("lower", stress is None and not low.solution.none),
             ("upper", mechanism is None and not high.solution.none),
         )
+        solutions: tuple[tuple[BoundSide, Solution], ...] = (("lower", low.solution), ("upper", high.solution))
         this = MeshBounds(
             len(problem.mesh.cells),
             stress.multiplier if stress else None,
@@ -74,6 +75,7 @@ class BoundSearch:
             (*low_notes, *high_notes),
             low.solution.work + high.solution.work,
             tuple(side for side, failed in missing if failed),
+            tuple(side for side, solution in solutions if solution.fallback),
         )
         best = Bracket(
             stress if stress and stress.multiplier > best.lower else best.stress,

@@ -95,6 +95,8 @@ class MeshBounds:
         Work of both programs in seconds of the reference machine, counted and not measured (``cone_program.py``).
     failed : tuple of BoundSide
         The bounds that are missing because the solver ended early, or its answer did not pass the check.
+    fallback : tuple of BoundSide
+        The bounds that Clarabel found after the interior-point method of our own had broken down.
     """
 
     cells: int
@@ -103,6 +105,7 @@ class MeshBounds:
     notes: tuple[str, ...]
     work: float
     failed: tuple[BoundSide, ...] = ()
+    fallback: tuple[BoundSide, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

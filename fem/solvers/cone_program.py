@@ -16,17 +16,21 @@ solves the second one, which is the smaller, and gives the stress as its multipl
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property, partial
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import clarabel
 import numpy as np
 from scipy import sparse
 
+from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
-from fem.solvers.meanwhile import interruptible
+from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
+from fem.solvers.corner_matrix import CornerMatrix
+from fem.solvers.meanwhile import interruptible, stop_if_left
 
 use_one_thread()
 
@@ -58,58 +62,11 @@ MOST_ITERATIONS = 120
 # need 16 to 35.
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
 LEAST_ITERATIONS = 40
-
-
-@dataclass(frozen=True, eq=False)
-class ConeProgram:
-    """The data of both problems, for k corners and n velocities, dimensionless.
-
-    Attributes
-    ----------
-    strain : sparse matrix (3 k, n)
-        G, from velocities to strain rates [xx, yy, engineering xy], corner by corner.
-    cohesion, friction : ndarray (k,)
-        c over the unit of stress and φ in rad.
-    weight : ndarray (k,)
-        w, the share of the area that a corner stands for.
-    dead, live : ndarray (n,)
-        b0 and b1, work of the loads on a unit velocity.
-    stress_margin : ndarray (k,) or float
-        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it; not from the
-        cut-off, below which there may be no room.
-    strain_margin : ndarray (k,) or float
-        Where φ > 0, volumetric strain rate that is kept beyond that of the flow rule, for the same reason.
-    strain_share : float
-        The same as a share of the shear rate.
-    tension : ndarray (k,) or float
-        Tension cut-off over the unit of stress, inf for none.
-    bare : ndarray (k,) of bool
-        Corners on a bare surface, where one principal stress is zero by balance: there the cut-off is one of the other,
-        which is all of the trace.
-    softening : ndarray (k,) or None
-        s > 0 where λ is asked of the strength and of no load: the right-hand side of the yield condition less λ s. Then
-        b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
-    """
-
-    strain: sparse.csr_matrix
-    cohesion: np.ndarray
-    friction: np.ndarray
-    weight: np.ndarray
-    dead: np.ndarray
-    live: np.ndarray
-    stress_margin: np.ndarray | float = 0.0
-    strain_margin: np.ndarray | float = 0.0
-    strain_share: float = 0.0
-    tension: np.ndarray | float = np.inf
-    bare: np.ndarray | bool = False
-    softening: np.ndarray | None = None
-
-    @cached_property
-    def torn(self) -> np.ndarray:
-        """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
-        tension = np.broadcast_to(self.tension, self.cohesion.shape)
-        given = np.where(np.isfinite(tension), tension, 0.0)
-        return np.flatnonzero(np.isfinite(tension) & (given * np.tan(self.friction) < self.cohesion))
+# Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
+# breaks down, and the velocities below which Clarabel is as quick.
+INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 2e-4, 2.5, 2000
+# Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
+INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.25, 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +98,9 @@ class Solution:
     work : float
         Their work in seconds of the reference machine, counted and not measured.
     seconds : float
-        Time it took.
+        Processor time it took.
+    fallback : bool
+        Whether Clarabel found it, since the interior-point method of our own broke down or there is no solution.
     """
 
     multiplier: float
@@ -155,6 +114,7 @@ class Solution:
     iterations: int
     work: float
     seconds: float
+    fallback: bool
 
 
 def solve(
@@ -165,30 +125,91 @@ def solve(
 ) -> Solution:
     """Stress, velocities and multiplier of a program of bounds.
 
-    A solver that ends without an answer, or meets its tolerances only almost and its equations badly, is asked again
-    with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals count
-    as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has.
+    Clarabel, where it ends without an answer, or meets its tolerances only almost and its equations badly, is asked
+    again with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals
+    count as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
-    return _solve(program, regularisations, feasibility, magnified, most_work)
+    return _solve(program, INTERIOR_GAP, partial(_by_clarabel, regularisations, feasibility, most_work), magnified)
 
 
 def solve_for_elements(program: ConeProgram) -> Solution:
-    """The same of a program of elements, less exactly; asked again as well."""
-    return _solve(program, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
+    """The same of a program of elements, less exactly; the multiplier is the middle of the solver's own bracket."""
+    ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, math.inf)
+    return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True)
 
 
 def _solve(
     program: ConeProgram,
-    regularisations: Sequence[float],
-    feasibility: float,
+    gap: float,
+    ask_clarabel: "Callable[[Assembled, float], _End]",
     magnified: float = 1.0,
-    most_work: float = math.inf,
+    in_the_middle: bool = False,
 ) -> Solution:
-    """The solution by the first of some regularisations that leads to one, or by the best of them."""
+    """The solution by the interior-point method of our own, or where that has none by Clarabel."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
-    data = _assembled(program, clay)
+    data = assembled(program, clay)
+    started, own = time.thread_time(), None
+    if n >= LEAST_VELOCITIES and cholmod.available():
+        own = _by_interior_point(program, data, magnified, gap)
+    end = own if own is not None and own.status in MET else ask_clarabel(data, magnified)
+    if own is not None and end is not own:
+        end = replace(end, work=end.work + own.work, iterations=end.iterations + own.iterations, fallback=True)
+    x, z = end.x, end.z
+    first = 1 + len(clay)
+    stress = stress_of(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
+    return Solution(
+        multiplier=end.middle if in_the_middle and end.middle is not None else -float(z[0]),
+        rates=x[:n],
+        stress=stress,
+        shear=data.shear @ x,
+        torn=float(data.torn @ x),
+        ended="" if end.status in MET else end.status,
+        none=INFEASIBLE.get(end.status.removeprefix("Almost")) or "",
+        sure=end.sure,
+        iterations=end.iterations,
+        work=end.work,
+        seconds=time.thread_time() - started,
+        fallback=end.fallback,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """How a solver ended: its status, unknowns and multipliers, whether they are sure, and what it took; ``middle``
+    is that of its bracket of the multiplier, if it has one, and ``fallback`` says that another solver had failed."""
+
+    status: str
+    x: np.ndarray
+    z: np.ndarray
+    sure: bool
+    iterations: int
+    work: float
+    middle: float | None = None
+    fallback: bool = False
+
+
+def _by_interior_point(program: ConeProgram, data: Assembled, magnified: float, gap: float) -> _End:
+    """The end of the interior-point method of our own."""
+    form, order = standard(program, data, magnified)
+    try:
+        matrix = CornerMatrix(form.rates)
+        found = interior_point.interior_solution(form, magnified, gap, matrix, stop_if_left)
+    except MemoryError:
+        return _End("MemoryError", np.empty(0), np.empty(0), False, 0, 0.0)
+    z = np.empty(len(found.z))
+    z[order] = found.z / magnified
+    work = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT * found.iterations
+    met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
+    middle = 0.5 * (found.primal + found.dual) / magnified
+    return _End("Solved" if met else "NumericalError", found.y, z, met, found.iterations, work, middle)
+
+
+def _by_clarabel(
+    regularisations: Sequence[float], feasibility: float, most_work: float, data: Assembled, magnified: float
+) -> _End:
+    """The end of Clarabel with the first of some regularisations that leads to one, or with the best of them."""
     ends: list[clarabel.DefaultSolution] = []
     work = 0.0
     for regularisation in regularisations:
@@ -199,28 +220,13 @@ def _solve(
         if _poorness(end) == 0 or work >= most_work:
             break
     found = min(ends, key=_poorness)
-    status = str(found.status)
     x, z = np.asarray(found.x), np.asarray(found.z) / magnified
-    first = 1 + len(clay)
-    stress = _stress(program, -z[0], z[1:first], z[first : first + 3 * corners].reshape(corners, 3), clay)
-    none = INFEASIBLE.get(status.removeprefix("Almost")) or ""
-    return Solution(
-        multiplier=-float(z[0]),
-        rates=x[:n],
-        stress=stress,
-        shear=data.shear @ x,
-        torn=float(data.torn @ x),
-        ended="" if status in MET else status,
-        none=none,
-        sure=_poorness(found) <= 1,
-        iterations=sum(end.iterations for end in ends),
-        work=work,
-        seconds=found.solve_time,
-    )
+    iterations = sum(end.iterations for end in ends)
+    return _End(str(found.status), x, z, _poorness(found) <= 1, iterations, work)
 
 
 def _solved(
-    data: "_Assembled", magnified: float, settings: clarabel.DefaultSettings, most_work: float
+    data: Assembled, magnified: float, settings: clarabel.DefaultSettings, most_work: float
 ) -> tuple[clarabel.DefaultSolution, float]:
     """What the solver finds in so much work, and the work of an iteration; with a callback it would keep Python's
     lock."""
@@ -243,126 +249,6 @@ def _poorness(found: clarabel.DefaultSolution) -> int:
     if status.endswith("Infeasible"):
         return 2 if status.startswith("Almost") else 0
     return 0 if status == "Solved" else 3
-
-
-@dataclass(frozen=True, eq=False)
-class _Assembled:
-    """min cost·y with matrix y + s = offset and s in the ``cones``: y are the rates, for each corner of φ = 0 its
-    dissipation over c, and how torn corners open. ``shear`` and ``torn`` make those of the ``Solution`` from y."""
-
-    cost: np.ndarray
-    matrix: sparse.csr_matrix
-    offset: np.ndarray
-    cones: list
-    shear: sparse.csr_matrix
-    torn: np.ndarray
-
-
-def _assembled(program: ConeProgram, clay: np.ndarray) -> _Assembled:
-    """The second problem as the solver wants it; ``clay`` are the numbers of the corners of φ = 0."""
-    corners = len(program.cohesion)
-    sin, cos = np.sin(program.friction), np.cos(program.friction)
-    steeper = sin * (1.0 + program.strain_share)
-    opening, tears, no_tears, torn_cones = _opening(program)
-    volume = _volumetric(corners)
-    across = sparse.hstack(
-        [volume @ program.strain, sparse.csr_matrix((corners, len(clay))), -volume @ opening]
-    ).tocsr()
-    shear = _shear_of(program, across, clay)
-    torn = np.pad(opening.T @ (volume.T @ _tension_of(program)), (len(program.live) + len(clay), 0))
-    cost = shear.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin) + torn
-    cost[: len(program.live)] -= program.dead
-    extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
-    turned = _cone_map(steeper)
-    cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
-    load = np.pad(program.live, (0, cone.shape[1] - len(program.live)))
-    if program.softening is not None:
-        load = shear.T @ program.softening
-    before = sparse.csr_matrix((tears.shape[0], cone.shape[1] - tears.shape[1]))
-    margin = np.zeros((corners, 3))
-    margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
-    offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel(), no_tears])
-    cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners, *torn_cones]
-    rows = [sparse.csr_matrix(load), across[clay], -cone, sparse.hstack([before, -tears])]
-    return _Assembled(cost, sparse.vstack(rows).tocsr(), offset, cones, shear, torn)
-
-
-def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
-    """From the unknowns to the weighted shear rates (k,): volume over sin φ, or the unknown of a corner of φ = 0."""
-    corners, sin = len(program.cohesion), np.sin(program.friction)
-    of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
-    own = (clay, len(program.live) + np.arange(len(clay)))
-    return (of_volume + sparse.csr_matrix((program.weight[clay], own), shape=across.shape)).tocsr()
-
-
-def _tension_of(program: ConeProgram) -> np.ndarray:
-    """What a corner (k,) dissipates per volume that it opens by: weight times T; 0 for no cut-off.
-
-    On a bare surface, half of it: the stress that T ends is the whole trace there, twice the mean.
-    """
-    torn = program.torn
-    tension = np.zeros(len(program.cohesion))
-    bare, given = (np.broadcast_to(value, tension.shape)[torn] for value in (program.bare, program.tension))
-    tension[torn] = program.weight[torn] * np.where(bare, 0.5 * given, given)
-    return tension
-
-
-def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
-    """How torn corners open: strain rates (3 k, p) of p unknowns, and a matrix, offset and cones that these lie in.
-
-    Three unknowns a corner, a strain rate whose volume is at least its shear; on a bare surface one, half the volume.
-    """
-    torn, corners = program.torn, len(program.cohesion)
-    bare = np.broadcast_to(program.bare, corners)[torn]
-    one, three = torn[bare], torn[~bare]
-    single = np.arange(len(one))
-    rows = np.concatenate([3 * one, 3 * one + 1, (3 * three[:, None] + [0, 1, 2]).ravel()])
-    columns = np.concatenate([single, single, len(one) + np.arange(3 * len(three))])
-    opening = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(3 * corners, len(one) + 3 * len(three)))
-    margins = np.where(program.friction > 0.0, 0.0, program.strain_margin)
-    least = np.zeros((len(three), 3))
-    least[:, 0] = margins[three]
-    tears = sparse.block_diag(
-        [sparse.identity(len(one)), _cone_map(np.full(len(three), 1.0 + program.strain_share))], format="csr"
-    )
-    offset = np.concatenate([-0.5 * margins[one], -least.ravel()])
-    cones = [clarabel.NonnegativeConeT(len(one))] if len(one) else []
-    return opening, tears, offset, [*cones, *[clarabel.SecondOrderConeT(3)] * len(three)]
-
-
-def _volumetric(corners: int) -> sparse.csr_matrix:
-    """From strain rates (3 k,) to their volumetric part (k,)."""
-    rows = np.repeat(np.arange(corners), 2)
-    columns = (3 * np.arange(corners)[:, None] + [0, 1]).ravel()
-    return sparse.csr_matrix((np.ones(2 * corners), (rows, columns)), shape=(corners, 3 * corners))
-
-
-def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
-    """From strain rates (3 k,) to what lies in a cone: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy, xy]."""
-    corners = len(sin)
-    first = 3 * np.arange(corners)
-    much = np.where(sin > 0.0, sin, 1.0)
-    dilates = np.where(sin > 0.0, 1.0, 0.0)
-    rows = np.concatenate([first, first, first + 1, first + 1, first + 2])
-    columns = np.concatenate([first, first + 1, first, first + 1, first + 2])
-    values = np.concatenate([dilates, dilates, much, -much, much])
-    return sparse.csr_matrix((values, (rows, columns)), shape=(3 * corners, 3 * corners))
-
-
-def _stress(
-    program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
-) -> np.ndarray:
-    """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
-    sin, cos = np.sin(program.friction), np.cos(program.friction)
-    radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
-    if program.softening is not None:
-        radius = radius - multiplier * program.softening
-    z = z / program.weight[:, None]
-    mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
-    mean[clay] = pressure / program.weight[clay]
-    much = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
-    half, shear = -much * z[:, 1], -much * z[:, 2]
-    return np.stack([mean + half, mean - half, shear], axis=1)
 
 
 def _settings(regularisation: float, feasibility: float) -> clarabel.DefaultSettings:

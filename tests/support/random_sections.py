@@ -22,11 +22,18 @@ NUMBERS = (
 
 def random_section(number: int) -> Section:
     """The section of a number, in round figures as a person would write them."""
+    return Section.parse(random_data(number))
+
+
+def random_data(number: int) -> dict[str, Any]:
+    """The same as it stands in a file."""
     for attempt in itertools.count():
+        data = _drawn(np.random.default_rng([number, attempt]), f"random_{number}")
         try:
-            return Section.parse(_drawn(np.random.default_rng([number, attempt]), f"random_{number}"))
+            Section.parse(data)
         except InputError:  # a layer that is nowhere
             continue
+        return data
     raise AssertionError
 
 

@@ -44,6 +44,9 @@ class MeshRound(Part):
     upper: float | None
     notes: tuple[str, ...]
     work: float = Field(description="counted, in seconds of a reference machine")
+    fallback: tuple[Literal["lower", "upper"], ...] = Field(
+        default=(), description="bounds found by Clarabel, since the program's own solver broke down"
+    )
 
 
 class DirectionPart(Part):

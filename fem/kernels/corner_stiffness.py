@@ -1,0 +1,225 @@
+"""Kernels: elimination of all that an interior-point method has at one corner of a cell.
+
+At a corner the strain rate, q = [volume, difference, shear], and the multiplier m that stands against it, minus the
+stress, are bound by q + C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ,
+sin φ), W² that of ``corner_cones.py``; where φ = 0 the volume stays, but for a small compliance δ that refinement takes
+out of the answer, and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in series.
+
+Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, single
+openings] and [velocities, t of clay, single openings, openings]. ``clay``, ``single`` and ``triple`` (k,) number the
+corners of φ = 0 and those that open in one way or in three, -1 elsewhere; ``sine`` (k,) is sin φ, or 1 where φ = 0.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+# Smallest pivot of a compliance, as a share of its diagonal.
+LEAST_PIVOT = 1e-15
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def stiffnesses(
+    axis: np.ndarray, size: np.ndarray, lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray,
+    triple: np.ndarray, torn_sine: float, soft: float, found: np.ndarray,
+) -> None:  # fmt: skip
+    """C⁻¹ (k, 3, 3) of all corners; ``axis`` and ``size`` are w (cones, 3) and η (cones,), ``lone`` the w² (singles,)
+    of single openings, and δ is ``soft`` times η² of a corner."""
+    corners = len(sine)
+    c, low = np.empty((3, 3)), np.zeros((3, 3))
+    for k in range(corners):
+        if single[k] < 0 and triple[k] < 0:
+            _stiffness(axis[k], size[k] * size[k], sine[k], clay[k] >= 0, soft, found[k])
+            continue
+        c[:] = 0.0
+        _add_compliance(axis[k], size[k] * size[k], sine[k], clay[k] >= 0, soft, c)
+        if single[k] >= 0:
+            c[0, 0] += 4.0 * lone[single[k]]
+        else:
+            other = corners + triple[k]
+            _add_compliance(axis[other], size[other] * size[other], torn_sine, False, soft, c)
+        _invert(c, low, found[k])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, found: np.ndarray) -> None:
+    """C⁻¹ (3, 3) in closed form, free of differences."""
+    if is_clay:
+        scale = sine * sine / (much * (1.0 + 2.0 * (w[1] * w[1] + w[2] * w[2])))
+        found[0, 0] = sine * sine / (soft * much)
+        found[0, 1] = found[0, 2] = 0.0
+        found[1, 1], found[2, 2] = scale * (1.0 + 2.0 * w[2] * w[2]), scale * (1.0 + 2.0 * w[1] * w[1])
+        found[1, 2] = -2.0 * scale * w[1] * w[2]
+    else:
+        found[0, 0] = (2.0 * w[0] * w[0] - 1.0) / much
+        found[0, 1], found[0, 2] = -2.0 * w[0] * w[1] * sine / much, -2.0 * w[0] * w[2] * sine / much
+        found[1, 1] = (2.0 * w[1] * w[1] + 1.0) * sine * sine / much
+        found[2, 2] = (2.0 * w[2] * w[2] + 1.0) * sine * sine / much
+        found[1, 2] = 2.0 * w[1] * w[2] * sine * sine / much
+    found[1, 0], found[2, 0], found[2, 1] = found[0, 1], found[0, 2], found[1, 2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _add_compliance(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, c: np.ndarray) -> None:
+    """Add C (3, 3) of one cone."""
+    scale = much / (sine * sine)
+    c[1, 1] += scale * (2.0 * w[1] * w[1] + 1.0)
+    c[2, 2] += scale * (2.0 * w[2] * w[2] + 1.0)
+    c[1, 2] += scale * 2.0 * w[1] * w[2]
+    if is_clay:
+        c[0, 0] += soft * scale
+    else:
+        c[0, 0] += much * (2.0 * w[0] * w[0] - 1.0)
+        c[0, 1] += much * 2.0 * w[0] * w[1] / sine
+        c[0, 2] += much * 2.0 * w[0] * w[2] / sine
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _invert(c: np.ndarray, low: np.ndarray, found: np.ndarray) -> None:
+    """The inverse of a compliance, of which the upper triangle is given, by its Cholesky factor."""
+    for j in range(3):
+        for i in range(j, 3):
+            value = c[j, i]
+            for p in range(j):
+                value -= low[i, p] * low[j, p]
+            if i == j:
+                low[j, j] = math.sqrt(max(value, LEAST_PIVOT * c[j, j]))
+            else:
+                low[i, j] = value / low[j, j]
+    a, b, d = 1.0 / low[0, 0], 1.0 / low[1, 1], 1.0 / low[2, 2]
+    e, f = -low[1, 0] * a * b, -low[2, 1] * b * d
+    g = -(low[2, 0] * a + low[2, 1] * e) * d
+    found[0, 0], found[1, 1], found[2, 2] = a * a + e * e + g * g, b * b + f * f, d * d
+    found[0, 1] = found[1, 0] = e * b + g * f
+    found[0, 2] = found[2, 0] = g * d
+    found[1, 2] = found[2, 1] = f * d
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def condense(
+    ry: np.ndarray, rz: np.ndarray, stiffness: np.ndarray, square: np.ndarray, lone: np.ndarray, sine: np.ndarray,
+    clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float, velocities: int, clays: int,
+    openings: int, g: np.ndarray, force: np.ndarray,
+) -> None:  # fmt: skip
+    """g (k, 3) of the right-hand sides ``ry`` and ``rz``, and C⁻¹ g (k, 3), with which it acts on the velocities.
+
+    ``openings`` is the first column of openings in three ways.
+    """
+    corners, first = len(sine), 1 + clays
+    tears, lones = first + 3 * corners, first + 3 * len(square)
+    for k in range(corners):
+        at = first + 3 * k
+        much = -1.0 / sine[k]
+        if clay[k] >= 0:
+            z0 = -ry[velocities + clay[k]]
+            g[k, 0] = rz[1 + clay[k]]
+            g[k, 1], g[k, 2] = much * (rz[at + 1] + square[k, 1, 0] * z0), much * (rz[at + 2] + square[k, 2, 0] * z0)
+        else:
+            g[k, 0], g[k, 1], g[k, 2] = -rz[at], much * rz[at + 1], much * rz[at + 2]
+        if single[k] >= 0:
+            p = single[k]
+            g[k, 0] += 2.0 * (lone[p] * ry[velocities + clays + p] - rz[lones + p])
+        elif triple[k] >= 0:
+            p, at = corners + triple[k], tears + 3 * triple[k]
+            y = openings + 3 * triple[k]
+            a0, a1 = 0.5 * (ry[y] + ry[y + 1]), 0.5 * (ry[y] - ry[y + 1]) / torn_sine
+            a2 = ry[y + 2] / torn_sine
+            for i in range(3):
+                value = square[p, i, 0] * a0 + square[p, i, 1] * a1 + square[p, i, 2] * a2 - rz[at + i]
+                g[k, i] += value if i == 0 else value / torn_sine
+        for i in range(3):
+            force[k, i] = stiffness[k, i, 0] * g[k, 0] + stiffness[k, i, 1] * g[k, 1] + stiffness[k, i, 2] * g[k, 2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def expand(
+    rates: np.ndarray, g: np.ndarray, ry: np.ndarray, rz: np.ndarray, stiffness: np.ndarray, square: np.ndarray,
+    lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float,
+    velocities: int, clays: int, openings: int, dy: np.ndarray, dz: np.ndarray,
+) -> None:  # fmt: skip
+    """All of ``dy`` beyond the velocities, and of ``dz`` but the load's, where the velocities have strain ``rates``
+    (k, [volume, difference, shear])."""
+    corners, first = len(sine), 1 + clays
+    tears, lones = first + 3 * corners, first + 3 * len(square)
+    m = np.empty(3)
+    for k in range(corners):
+        a, b, c = g[k, 0] - rates[k, 0], g[k, 1] - rates[k, 1], g[k, 2] - rates[k, 2]
+        for i in range(3):
+            m[i] = stiffness[k, i, 0] * a + stiffness[k, i, 1] * b + stiffness[k, i, 2] * c
+        at = first + 3 * k
+        dz[at + 1], dz[at + 2] = m[1] / sine[k], m[2] / sine[k]
+        if clay[k] >= 0:
+            dz[1 + clay[k]] = -m[0]
+            dz[at] = -ry[velocities + clay[k]]
+            dy[velocities + clay[k]] = -rz[at] - (
+                square[k, 0, 0] * dz[at] + square[k, 0, 1] * dz[at + 1] + square[k, 0, 2] * dz[at + 2]
+            )
+        else:
+            dz[at] = m[0]
+        if single[k] >= 0:
+            p = single[k]
+            y = velocities + clays + p
+            dz[lones + p] = 2.0 * m[0] - ry[y]
+            dy[y] = -rz[lones + p] - lone[p] * dz[lones + p]
+        elif triple[k] >= 0:
+            p, at = corners + triple[k], tears + 3 * triple[k]
+            y = openings + 3 * triple[k]
+            dz[at] = m[0] - 0.5 * (ry[y] + ry[y + 1])
+            dz[at + 1] = (m[1] - 0.5 * (ry[y] - ry[y + 1])) / torn_sine
+            dz[at + 2] = (m[2] - ry[y + 2]) / torn_sine
+            for i in range(3):
+                m[i] = -rz[at + i] - (
+                    square[p, i, 0] * dz[at] + square[p, i, 1] * dz[at + 1] + square[p, i, 2] * dz[at + 2]
+                )
+            m[1], m[2] = m[1] / torn_sine, m[2] / torn_sine
+            dy[y], dy[y + 1], dy[y + 2] = 0.5 * (m[0] + m[1]), 0.5 * (m[0] - m[1]), m[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_stiffnesses(
+    stiffness: np.ndarray, starts: np.ndarray, rows: np.ndarray, places: np.ndarray, first: np.ndarray,
+    values: np.ndarray,
+) -> None:  # fmt: skip
+    """Add Σ Bᵀ C⁻¹ B of all corners to the ``values`` of the lower triangle.
+
+    The columns of B of corner k are ``rows`` (entries, 3) from ``starts[k]`` on, in the order of their velocities;
+    their products, row by row of a lower triangle, belong to ``places`` from ``first[k]`` on.
+    """
+    most = 0
+    for k in range(len(starts) - 1):
+        most = max(most, starts[k + 1] - starts[k])
+    work = np.empty((most, 3))
+    for k in range(len(starts) - 1):
+        begin, count, place = starts[k], starts[k + 1] - starts[k], first[k]
+        d = stiffness[k]
+        for j in range(count):
+            b0, b1, b2 = rows[begin + j, 0], rows[begin + j, 1], rows[begin + j, 2]
+            for i in range(3):
+                work[j, i] = d[i, 0] * b0 + d[i, 1] * b1 + d[i, 2] * b2
+        for i in range(count):
+            b0, b1, b2 = rows[begin + i, 0], rows[begin + i, 1], rows[begin + i, 2]
+            for j in range(i + 1):
+                values[places[place]] += b0 * work[j, 0] + b1 * work[j, 1] + b2 * work[j, 2]
+                place += 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def find_places(
+    starts: np.ndarray, columns: np.ndarray, pointers: np.ndarray, indices: np.ndarray, first: np.ndarray,
+    places: np.ndarray,
+) -> None:  # fmt: skip
+    """Where the products of ``add_stiffnesses`` lie among the entries of the lower triangle, a sorted csc matrix."""
+    for k in range(len(starts) - 1):
+        place = first[k]
+        for i in range(starts[k], starts[k + 1]):
+            for j in range(starts[k], i + 1):
+                low, high, row = pointers[columns[j]], pointers[columns[j] + 1], columns[i]
+                while low < high:
+                    middle = (low + high) // 2
+                    if indices[middle] < row:
+                        low = middle + 1
+                    else:
+                        high = middle
+                places[place] = low
+                place += 1

@@ -1,0 +1,187 @@
+"""Supernodal Cholesky factors by CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), which comes with PETSc on Debian.
+
+The library is called through ctypes, so that neither MPI nor a compiler is needed, and Python's lock is free while it
+factorises. Its table of settings has another layout in every version: the entries that are changed are found by the
+defaults around them. Where the library is missing, is of an unknown version or fails its first equations,
+``available`` says so, and who would use it has to do without.
+"""
+
+import ctypes
+import sys
+from ctypes import POINTER, byref, c_double, c_int, c_size_t, c_void_p
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from scipy import sparse
+
+from fem.solvers.blas_threads import use_one_thread
+
+# Names under which systems have it, and versions whose matrices look as they are declared here.
+NAMES, VERSIONS = ("libcholmod.so.5", "libcholmod.so.4", "libcholmod.so.3", "libcholmod.so"), (3, 4, 5)
+# Bytes of the table of settings, several times what any version has.
+SETTINGS_SIZE = 1 << 16
+# Its defaults: how large supernodes are merged, then seven numbers: prefer_zomplex, prefer_upper,
+# quick_return_if_not_posdef, prefer_binary, print, precise, try_catch.
+MERGED, BEHIND = np.array([4, 16, 48], dtype=np.uint64), np.array([0, 1, 0, 0, 3, 0, 0], dtype=np.int32)
+QUICK_RETURN, PRINT, TRY_CATCH = 2, 4, 6
+
+
+class _Sparse(ctypes.Structure):
+    _fields_ = (
+        *((name, c_size_t) for name in ("nrow", "ncol", "nzmax")),
+        *((name, c_void_p) for name in ("p", "i", "nz", "x", "z")),
+        *((name, c_int) for name in ("stype", "itype", "xtype", "dtype", "sorted", "packed")),
+    )
+
+
+class _Dense(ctypes.Structure):
+    _fields_ = (
+        *((name, c_size_t) for name in ("nrow", "ncol", "nzmax", "d")),
+        *((name, c_void_p) for name in ("x", "z")),
+        *((name, c_int) for name in ("xtype", "dtype")),
+    )
+
+
+class _Factor(ctypes.Structure):  # its beginning
+    _fields_ = (("n", c_size_t), ("minor", c_size_t))
+
+
+REAL, LOWER, SOLVE_ALL = 1, -1, 0
+
+
+class NotPositiveDefiniteError(ArithmeticError):
+    """A matrix that has no Cholesky factors."""
+
+
+class Cholesky:
+    """Factors of symmetric positive definite matrices of one pattern, one after the other.
+
+    Parameters
+    ----------
+    pattern : csc matrix (n, n)
+        The lower triangle, rows of each column sorted; values are those of the calls.
+    """
+
+    def __init__(self, pattern: sparse.csc_matrix) -> None:
+        self._library, self._size = _library(), pattern.shape[0]
+        self._settings = _new_settings(self._library)
+        self._pointers = np.ascontiguousarray(pattern.indptr, dtype=np.int32)
+        self._rows = np.ascontiguousarray(pattern.indices, dtype=np.int32)
+        self._work = tuple(c_void_p() for _ in range(3))  # solution and work space, kept for the next call
+        matrix, order = self._matrix(np.zeros(len(self._rows))), np.zeros(self._size, dtype=np.int32)
+        nested = self._library.cholmod_metis
+        given = nested(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
+        chosen = order.ctypes.data_as(c_void_p) if given else None
+        self._factor = c_void_p(self._library.cholmod_analyze_p(byref(matrix), chosen, None, 0, self._settings))
+        if not self._factor:
+            raise MemoryError("CHOLMOD could not analyse a matrix")
+
+    def factorise(self, values: np.ndarray, shift: float = 0.0) -> None:
+        """Factors of the matrix of these ``values`` (entries of the pattern,), with a ``shift`` of its diagonal.
+
+        Raises NotPositiveDefiniteError.
+        """
+        _forbid_threads(self._library)
+        matrix, beta = self._matrix(values), (c_double * 2)(shift, 0.0)
+        done = self._library.cholmod_factorize_p(byref(matrix), beta, None, 0, self._factor, self._settings)
+        if not done or ctypes.cast(self._factor, POINTER(_Factor)).contents.minor < self._size:
+            raise NotPositiveDefiniteError
+
+    def solve(self, sides: np.ndarray) -> np.ndarray:
+        """Solutions (n, k) for the right-hand sides (n, k)."""
+        sides = np.asfortranarray(sides, dtype=float)
+        count = sides.shape[1]
+        right = _Dense(self._size, count, sides.size, self._size, sides.ctypes.data, None, REAL, 0)
+        solution, *work = self._work
+        done = self._library.cholmod_solve2(
+            SOLVE_ALL, self._factor, byref(right), None, byref(solution), None, *map(byref, work), self._settings
+        )
+        if not done:
+            raise MemoryError("CHOLMOD could not solve equations")
+        found = ctypes.cast(solution, POINTER(_Dense)).contents
+        values = ctypes.cast(found.x, POINTER(c_double))
+        return np.ctypeslib.as_array(values, shape=(count, self._size)).T.copy(order="F")
+
+    def _matrix(self, values: np.ndarray) -> _Sparse:
+        self._values = np.ascontiguousarray(values, dtype=float)  # CHOLMOD holds on to it during the call
+        pointers = (part.ctypes.data for part in (self._pointers, self._rows))
+        size, count = self._size, len(self._rows)
+        return _Sparse(size, size, count, *pointers, None, self._values.ctypes.data, None, LOWER, 0, REAL, 0, 1, 1)
+
+    def __del__(self) -> None:
+        if getattr(self, "_factor", None):
+            for part in self._work:
+                self._library.cholmod_free_dense(byref(part), self._settings)
+            self._library.cholmod_free_factor(byref(self._factor), self._settings)
+            self._library.cholmod_finish(self._settings)
+
+
+@cache
+def available() -> bool:
+    """Whether CHOLMOD is there, and solves equations whose solution is known."""
+    try:
+        size = 400
+        matrix = sparse.diags([-1.0, 4.0, -1.0], [-20, 0, 20], shape=(size, size))
+        matrix = (matrix + sparse.diags([-1.0, -1.0], [-1, 1], shape=(size, size))).tocsc()
+        wanted, lower = np.cos(np.arange(2.0 * size)).reshape(size, 2), sparse.tril(matrix, format="csc")
+        lower.sort_indices()
+        factors = Cholesky(lower)
+        factors.factorise(lower.data, 1.0)
+        found = factors.solve(matrix @ wanted + wanted)
+        return bool(np.abs(found - wanted).max() < 1e-12)
+    except (OSError, MemoryError, ArithmeticError):
+        return False
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """The library, with the types of its functions; raises OSError if there is none of a known version."""
+    for name in (*NAMES, *(str(Path(sys.prefix) / "lib" / name) for name in NAMES)):
+        try:
+            library = ctypes.CDLL(name)
+            break
+        except OSError:
+            continue
+    else:
+        raise OSError("there is no libcholmod")
+    version = (c_int * 3)()
+    if not hasattr(library, "cholmod_version") or (library.cholmod_version(version), version[0])[1] not in VERSIONS:
+        raise OSError("CHOLMOD has another version")
+    pointer, flag = c_void_p, c_int
+    types = {
+        "cholmod_start": (flag, pointer),
+        "cholmod_finish": (flag, pointer),
+        "cholmod_metis": (flag, pointer, pointer, c_size_t, flag, pointer, pointer),
+        "cholmod_analyze_p": (pointer, pointer, pointer, pointer, c_size_t, pointer),
+        "cholmod_factorize_p": (flag, pointer, pointer, pointer, c_size_t, pointer, pointer),
+        "cholmod_solve2": (flag, flag, *[pointer] * 8),
+        "cholmod_free_factor": (flag, pointer, pointer),
+        "cholmod_free_dense": (flag, pointer, pointer),
+    }
+    for name, (result, *arguments) in types.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    use_one_thread()  # its BLAS may have been loaded with it
+    return library
+
+
+def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
+    """Settings that print nothing and end at the first pivot that is not positive; raises OSError where their layout
+    is unknown."""
+    settings = (ctypes.c_byte * SETTINGS_SIZE)()
+    library.cholmod_start(settings)
+    content = bytes(settings)
+    at = content.find(MERGED.tobytes() + BEHIND.tobytes()) + MERGED.nbytes
+    if at < MERGED.nbytes:
+        library.cholmod_finish(settings)
+        raise OSError("CHOLMOD has another table of settings")
+    numbers = (c_int * len(BEHIND)).from_buffer(settings, at)
+    numbers[QUICK_RETURN], numbers[PRINT], numbers[TRY_CATCH] = 1, 0, 1
+    return settings
+
+
+def _forbid_threads(library: ctypes.CDLL) -> None:
+    """Let OpenMP start no threads from this one: CHOLMOD would start four for each of its small dense matrices."""
+    if hasattr(library, "omp_set_max_active_levels"):
+        library.omp_set_max_active_levels(0)

@@ -1,0 +1,217 @@
+"""The data of the second-order cone programs of ``cone_program.py``, and their matrices as solvers want them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import clarabel
+import numpy as np
+from scipy import sparse
+
+from fem.solvers.interior_point import Corners, Standard
+
+# Room below tension cut-offs, over the unit of stress; up to ten times as much counts as none (``bound_checks.py``).
+ROOM = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class ConeProgram:
+    """The data of both problems, for k corners and n velocities, dimensionless.
+
+    Attributes
+    ----------
+    strain : sparse matrix (3 k, n)
+        G, from velocities to strain rates [xx, yy, engineering xy], corner by corner.
+    cohesion, friction : ndarray (k,)
+        c over the unit of stress and φ in rad.
+    weight : ndarray (k,)
+        w, the share of the area that a corner stands for.
+    dead, live : ndarray (n,)
+        b0 and b1, work of the loads on a unit velocity.
+    stress_margin : ndarray (k,) or float
+        Distance that the stress keeps from the yield surface, so that rounding does not lead beyond it; not from the
+        cut-off, below which there may be no room.
+    strain_margin : ndarray (k,) or float
+        Where φ > 0, volumetric strain rate that is kept beyond that of the flow rule, for the same reason.
+    strain_share : float
+        The same as a share of the shear rate.
+    tension : ndarray (k,) or float
+        Tension cut-off over the unit of stress, inf for none.
+    bare : ndarray (k,) of bool
+        Corners on a bare surface, where one principal stress is zero by balance: there the cut-off is one of the other,
+        which is all of the trace.
+    softening : ndarray (k,) or None
+        s > 0 where λ is asked of the strength and of no load: the right-hand side of the yield condition less λ s. Then
+        b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
+    """
+
+    strain: sparse.csr_matrix
+    cohesion: np.ndarray
+    friction: np.ndarray
+    weight: np.ndarray
+    dead: np.ndarray
+    live: np.ndarray
+    stress_margin: np.ndarray | float = 0.0
+    strain_margin: np.ndarray | float = 0.0
+    strain_share: float = 0.0
+    tension: np.ndarray | float = np.inf
+    bare: np.ndarray | bool = False
+    softening: np.ndarray | None = None
+
+    @cached_property
+    def torn(self) -> np.ndarray:
+        """Numbers of the corners with a tension cut-off that lies before the apex of their cone."""
+        tension = np.broadcast_to(self.tension, self.cohesion.shape)
+        given = np.where(np.isfinite(tension), tension, 0.0)
+        return np.flatnonzero(np.isfinite(tension) & (given * np.tan(self.friction) < self.cohesion))
+
+
+@dataclass(frozen=True, eq=False)
+class Assembled:
+    """min cost·y with matrix y + s = offset and s in the ``cones``: y are the rates, for each corner of φ = 0 its
+    dissipation over c, and how torn corners open. ``shear`` and ``torn`` make those of the ``Solution`` from y."""
+
+    cost: np.ndarray
+    matrix: sparse.csr_matrix
+    offset: np.ndarray
+    cones: list
+    shear: sparse.csr_matrix
+    torn: np.ndarray
+
+
+def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
+    """The second problem as the solver wants it; ``clay`` are the numbers of the corners of φ = 0."""
+    corners = len(program.cohesion)
+    sin, cos = np.sin(program.friction), np.cos(program.friction)
+    steeper = sin * (1.0 + program.strain_share)
+    opening, tears, no_tears, torn_cones = _opening(program)
+    volume = _volumetric(corners)
+    across = sparse.hstack(
+        [volume @ program.strain, sparse.csr_matrix((corners, len(clay))), -volume @ opening]
+    ).tocsr()
+    shear = _shear_of(program, across, clay)
+    torn = np.pad(opening.T @ (volume.T @ _tension_of(program)), (len(program.live) + len(clay), 0))
+    cost = shear.T @ (np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin) + torn
+    cost[: len(program.live)] -= program.dead
+    extra = sparse.csr_matrix((np.ones(len(clay)), (3 * clay, np.arange(len(clay)))), shape=(3 * corners, len(clay)))
+    turned = _cone_map(steeper)
+    cone = sparse.hstack([turned @ program.strain, extra, -turned @ opening])
+    load = np.pad(program.live, (0, cone.shape[1] - len(program.live)))
+    if program.softening is not None:
+        load = shear.T @ program.softening
+    before = sparse.csr_matrix((tears.shape[0], cone.shape[1] - tears.shape[1]))
+    margin = np.zeros((corners, 3))
+    margin[:, 0] = np.where(sin > 0.0, program.strain_margin, 0.0)
+    offset = np.concatenate([[1.0], np.zeros(len(clay)), -margin.ravel(), no_tears])
+    cones = [clarabel.ZeroConeT(1 + len(clay)), *[clarabel.SecondOrderConeT(3)] * corners, *torn_cones]
+    rows = [sparse.csr_matrix(load), across[clay], -cone, sparse.hstack([before, -tears])]
+    return Assembled(cost, sparse.vstack(rows).tocsr(), offset, cones, shear, torn)
+
+
+def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
+    """From the unknowns to the weighted shear rates (k,): volume over sin φ, or the unknown of a corner of φ = 0."""
+    corners, sin = len(program.cohesion), np.sin(program.friction)
+    of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
+    own = (clay, len(program.live) + np.arange(len(clay)))
+    return (of_volume + sparse.csr_matrix((program.weight[clay], own), shape=across.shape)).tocsr()
+
+
+def _tension_of(program: ConeProgram) -> np.ndarray:
+    """What a corner (k,) dissipates per volume that it opens by: weight times T; 0 for no cut-off.
+
+    On a bare surface, half of it: the stress that T ends is the whole trace there, twice the mean.
+    """
+    torn = program.torn
+    tension = np.zeros(len(program.cohesion))
+    bare, given = (np.broadcast_to(value, tension.shape)[torn] for value in (program.bare, program.tension))
+    tension[torn] = program.weight[torn] * np.where(bare, 0.5 * given, given)
+    return tension
+
+
+def _opening(program: ConeProgram) -> tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, list]:
+    """How torn corners open: strain rates (3 k, p) of p unknowns, and a matrix, offset and cones that these lie in.
+
+    Three unknowns a corner, a strain rate whose volume is at least its shear; on a bare surface one, half the volume.
+    """
+    torn, corners = program.torn, len(program.cohesion)
+    bare = np.broadcast_to(program.bare, corners)[torn]
+    one, three = torn[bare], torn[~bare]
+    single = np.arange(len(one))
+    rows = np.concatenate([3 * one, 3 * one + 1, (3 * three[:, None] + [0, 1, 2]).ravel()])
+    columns = np.concatenate([single, single, len(one) + np.arange(3 * len(three))])
+    opening = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(3 * corners, len(one) + 3 * len(three)))
+    margins = np.where(program.friction > 0.0, 0.0, program.strain_margin)
+    least = np.zeros((len(three), 3))
+    least[:, 0] = margins[three]
+    tears = sparse.block_diag(
+        [sparse.identity(len(one)), _cone_map(np.full(len(three), 1.0 + program.strain_share))], format="csr"
+    )
+    offset = np.concatenate([-0.5 * margins[one], -least.ravel()])
+    cones = [clarabel.NonnegativeConeT(len(one))] if len(one) else []
+    return opening, tears, offset, [*cones, *[clarabel.SecondOrderConeT(3)] * len(three)]
+
+
+def _volumetric(corners: int) -> sparse.csr_matrix:
+    """From strain rates (3 k,) to their volumetric part (k,)."""
+    rows = np.repeat(np.arange(corners), 2)
+    columns = (3 * np.arange(corners)[:, None] + [0, 1]).ravel()
+    return sparse.csr_matrix((np.ones(2 * corners), (rows, columns)), shape=(corners, 3 * corners))
+
+
+def _cone_map(sin: np.ndarray) -> sparse.csr_matrix:
+    """From strain rates (3 k,) to what lies in a cone: [volume, sin φ (xx - yy), sin φ xy], or [0, xx - yy, xy]."""
+    corners = len(sin)
+    first = 3 * np.arange(corners)
+    much = np.where(sin > 0.0, sin, 1.0)
+    dilates = np.where(sin > 0.0, 1.0, 0.0)
+    rows = np.concatenate([first, first, first + 1, first + 1, first + 2])
+    columns = np.concatenate([first, first + 1, first, first + 1, first + 2])
+    values = np.concatenate([dilates, dilates, much, -much, much])
+    return sparse.csr_matrix((values, (rows, columns)), shape=(3 * corners, 3 * corners))
+
+
+def stress_of(
+    program: ConeProgram, multiplier: float, pressure: np.ndarray, z: np.ndarray, clay: np.ndarray
+) -> np.ndarray:
+    """The stress (k, 3) that the multipliers of the cones and of the volume of clay stand for."""
+    sin, cos = np.sin(program.friction), np.cos(program.friction)
+    radius = np.where(sin > 0.0, program.cohesion * cos, program.cohesion) - program.stress_margin
+    if program.softening is not None:
+        radius = radius - multiplier * program.softening
+    z = z / program.weight[:, None]
+    mean = np.divide(radius, sin, out=np.zeros(len(sin)), where=sin > 0.0) - z[:, 0]
+    mean[clay] = pressure / program.weight[clay]
+    much = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
+    half, shear = -much * z[:, 1], -much * z[:, 2]
+    return np.stack([mean + half, mean - half, shear], axis=1)
+
+
+def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[Standard, np.ndarray]:
+    """The program for the interior-point method, forces ``magnified``, and the places of its rows among the others'.
+
+    Cut-offs have a little room: where they meet bare edges they would force zero stress and leave no inside.
+    """
+    corners, sin = len(program.cohesion), np.sin(program.friction)
+    clay = np.flatnonzero(sin == 0.0)
+    bare = np.broadcast_to(program.bare, corners)[program.torn]
+    one, three = program.torn[bare], program.torn[~bare]
+    sine = np.where(sin > 0.0, sin * (1.0 + program.strain_share), 1.0)
+    first = 1 + len(clay) + 3 * corners
+    size = data.matrix.shape[0]
+    order = np.concatenate([np.arange(first), np.arange(first + len(one), size), first + np.arange(len(one))])
+    cost = data.cost.copy()
+    openings = len(program.live) + len(clay) + len(one)
+    cost[openings - len(one) : openings] += ROOM * program.weight[one]
+    for component in (0, 1):
+        cost[openings + component :: 3] += ROOM * program.weight[three]
+    turn = sparse.kron(sparse.identity(corners), [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
+    clays, singles, triples = (_numbers(corners, those) for those in (clay, one, three))
+    places = Corners(sine, clays, singles, triples, torn_sine=1.0 + program.strain_share)
+    rates = (turn @ program.strain).tocsr()
+    return Standard(magnified * cost, data.matrix[order], data.offset[order], places, rates), order
+
+
+def _numbers(corners: int, those: np.ndarray) -> np.ndarray:
+    """The place of every corner (k,) among ``those``, -1 for others."""
+    found = np.full(corners, -1)
+    found[those] = np.arange(len(those))
+    return found

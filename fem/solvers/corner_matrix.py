@@ -1,0 +1,57 @@
+"""The stiffness matrix of an interior-point method, Σ Bᵀ D B over the corners of a program, and its factors."""
+
+import numpy as np
+from scipy import sparse
+
+from fem.kernels.corner_stiffness import add_stiffnesses, find_places
+from fem.solvers.cholmod import Cholesky
+
+
+class CornerMatrix:
+    """Factors of Σ Bᵀ D B for strain rates B of one pattern, and D that change.
+
+    Parameters
+    ----------
+    rates : csr matrix (3 k, n)
+        B, three rows a corner.
+    """
+
+    def __init__(self, rates: sparse.csr_matrix) -> None:
+        corners = rates.shape[0] // 3
+        entries = rates.tocoo()
+        touched = sparse.csr_matrix(
+            (np.ones(entries.nnz), (entries.row // 3, entries.col)), shape=(corners, rates.shape[1])
+        )
+        touched.sum_duplicates()
+        touched.sort_indices()
+        self._starts, self._columns = touched.indptr.astype(np.int64), touched.indices
+        width = np.diff(self._starts)
+        keys = np.repeat(np.arange(corners), width) * rates.shape[1] + self._columns
+        self._values = np.zeros((touched.nnz, 3))
+        place = np.searchsorted(keys, (entries.row // 3).astype(np.int64) * rates.shape[1] + entries.col)
+        self._values[place, entries.row % 3] = entries.data
+        touched.data[:] = 1.0
+        identity = sparse.identity(rates.shape[1])  # a diagonal everywhere
+        pattern = sparse.tril(touched.T @ touched + identity, format="csc")
+        pattern.sort_indices()
+        pairs = width.astype(np.int64) * (width + 1) // 2
+        self._first = np.concatenate([[0], np.cumsum(pairs)])
+        self._places = np.empty(int(self._first[-1]), dtype=np.int32)
+        find_places(self._starts, self._columns, pattern.indptr, pattern.indices, self._first, self._places)
+        self._entries = np.empty(pattern.nnz)
+        self._factors = Cholesky(pattern)
+
+    @property
+    def entries(self) -> int:
+        """Entries of its lower triangle."""
+        return len(self._entries)
+
+    def factorise(self, stiffness: np.ndarray, shift: float) -> None:
+        """Factors for D (k, 3, 3), with a ``shift`` of the diagonal; raises NotPositiveDefiniteError."""
+        self._entries[:] = 0.0
+        add_stiffnesses(stiffness, self._starts, self._values, self._places, self._first, self._entries)
+        self._factors.factorise(self._entries, shift)
+
+    def solve(self, side: np.ndarray) -> np.ndarray:
+        """The solution (n,) for a right-hand side (n,)."""
+        return self._factors.solve(side[:, None])[:, 0]

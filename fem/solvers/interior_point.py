@@ -1,0 +1,354 @@
+"""An interior-point method for the programs of ``cone_program.py`` that eliminates every corner in closed form.
+
+Primal and dual equations are met in full from some iteration on, so that from then on the two objectives are a bracket
+of the multiplier: a bound needs no more than a gap of 3e-4. Newton's directions have the scaling of Nesterov & Todd
+(1997), the corrector of Mehrotra (1992) and up to two of Gondzio (1996). What is factorised is the stiffness matrix of
+a body whose corners have the compliances of ``corner_stiffness.py``, positive definite, by CHOLMOD; the load is one
+more right-hand side. It proves no infeasibility, and below gaps of 1e-4 it may break down.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from fem.kernels.corner_cones import add_products, centrality, corrections, longest_step, scalings
+from fem.kernels.corner_stiffness import condense, expand, stiffnesses
+from fem.solvers.corner_matrix import CornerMatrix
+
+# Relative residual of both equations at the end, and the least multiplier that the gap is a share of.
+FEASIBILITY, LEAST_MULTIPLIER = 1e-9, 0.05
+MOST_ITERATIONS = 60
+# After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
+HOPELESS, HOPELESS_RESIDUAL = 20, 1e-4
+# Iterations, at most, whose gap is small enough and whose residual is not.
+MOST_LATE = 4
+# What is added to the diagonal of the stiffness matrix.
+SHIFT = 1e-14
+# Refinements of a direction at most, the residual to which it is refined as a share of what is left of the gap, and
+# the smallest and largest residual; that of directions that are only looked at.
+REFINEMENTS, REFINED, MOST_REFINED, LEAST_REFINED, LOOSE = 10, 1e-5, 1e-10, 1e-5, 1e-3
+# A refinement that leaves a larger share of the residual is the last one.
+LEAST_GAIN = 0.8
+# δ of clay (``corner_stiffness.py``) to begin with, and its limits: where it is too small rounding spoils equilibrium,
+# where it is too large the volume of clay is refined slowly; it becomes so many times larger or smaller then.
+# A direction that misses its residual by more than a factor is looked for again, so many times in all.
+SOFT, SOFTEST, HARDEST, OTHER_SOFT, POOR, ATTEMPTS = 1e-4, 1.0, 1e-7, 10.0, 100.0, 3
+# Correctors, how much longer the step is that they aim at, and how far products may be off the mean.
+CORRECTORS, LONGER, OFF_LOW, OFF_HIGH = 2, 0.3, 0.1, 10.0
+# Shares of the longest step, and the least share of the mean product that a step aims at.
+STEP, LEAST_CENTRING = 0.99, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Corners:
+    """What stands at the corners of a program: numbers (k,) of those of φ = 0 (``clay``), of those that open in one way
+    (``single``) or three (``triple``), -1 elsewhere; ``sine`` (k,) is sin φ and 1 for clay, ``torn_sine`` that of an
+    opening."""
+
+    sine: np.ndarray
+    clay: np.ndarray
+    single: np.ndarray
+    triple: np.ndarray
+    torn_sine: float
+
+
+@dataclass(frozen=True, eq=False)
+class Standard:
+    """min cost·y with matrix y + s = offset, s zero in the first rows and in the cones in the others.
+
+    Rows are [load, volume of clay, cones of corners, cones of openings in three ways, openings in one], columns
+    [velocities, dissipation of clay, openings in one way, openings in three].
+    """
+
+    cost: np.ndarray
+    matrix: sparse.csr_matrix
+    offset: np.ndarray
+    corners: Corners
+    rates: sparse.csr_matrix  # [volume, difference, shear] (3 k, velocities)
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """Unknowns, multipliers and slacks, both objectives, and what is left: the gap as a share of the multiplier, and
+    the relative residual of the equations."""
+
+    y: np.ndarray
+    z: np.ndarray
+    s: np.ndarray
+    primal: float
+    dual: float
+    gap: float
+    residual: float
+    iterations: int
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """What is smaller for a better place: gaps count where the equations are met."""
+        met = self.residual <= FEASIBILITY
+        return (not met, self.gap if met else self.residual)
+
+
+def interior_solution(
+    given: Standard, unit: float, gap: float, matrix: CornerMatrix, heed: Callable[[], None]
+) -> Iterate:
+    """The solution to a relative ``gap``, of a program whose costs are ``unit`` times as large as the multiplier.
+
+    ``heed`` is called before each iteration. Where it breaks down it is the best place that meets the equations, if
+    there is one.
+    """
+    return _Method(given, unit, gap, matrix).run(heed)
+
+
+class _BreakdownError(ArithmeticError):
+    """An iteration that leads nowhere."""
+
+
+class _Method:
+    """One program, the place it is at, and the factors there."""
+
+    def __init__(self, given: Standard, unit: float, gap: float, matrix: CornerMatrix) -> None:
+        self.given, self.unit, self.gap, self.stiffness_matrix = given, unit, gap, matrix
+        corners = given.corners
+        self.a, self.a_t = given.matrix, given.matrix.T.tocsr()
+        self.b, self.c = given.offset, given.cost
+        self.q, self.q_t = given.rates, given.rates.T.tocsr()
+        self.load = np.asarray(given.matrix[0].todense()).ravel()
+        clays, singles, triples = (
+            int(part.max(initial=-1)) + 1 for part in (corners.clay, corners.single, corners.triple)
+        )
+        count = len(corners.sine)
+        self.first, self.cones = 1 + clays, count + triples
+        self.lones = self.first + 3 * self.cones  # first row of single openings
+        self.velocities = given.rates.shape[1]
+        at_corners = corners.sine, corners.clay, corners.single, corners.triple, corners.torn_sine
+        self.eliminated = *at_corners, self.velocities, clays, self.velocities + clays + singles
+        self.corners = at_corners
+        self.axis, self.size = np.zeros((self.cones, 3)), np.zeros(self.cones)
+        self.square, self.lone = np.zeros((self.cones, 3, 3)), np.zeros(singles)
+        self.c_inverse = np.zeros((count, 3, 3))
+        self.degree = self.cones + singles
+        self.soft = SOFT
+
+    def cone(self, v: np.ndarray) -> np.ndarray:
+        """The cones of a vector of rows, as a view (cones, 3)."""
+        return v[self.first : self.lones].reshape(-1, 3)
+
+    def run(self, heed: Callable[[], None]) -> Iterate:
+        """Iterations until the tolerances are met, or no more can be done."""
+        y, z, s = self.start()
+        best: Iterate | None = None
+        late = 0
+        for iteration in range(MOST_ITERATIONS + 1):
+            heed()
+            ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
+            primal, dual = float(self.c @ y), -float(self.b @ z)
+            product = float(s[self.first :] @ z[self.first :])
+            residual = max(
+                np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max()),
+                np.abs(ry).max() / max(1.0, np.abs(self.c).max() + np.abs(z).max()),
+            )
+            gap = max(abs(primal - dual), product) / max(abs(dual), LEAST_MULTIPLIER * self.unit)
+            now = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
+            if best is None or now.rank < best.rank:
+                best = now
+            if (best.residual <= FEASIBILITY and best.gap <= self.gap) or not np.isfinite(gap):
+                break
+            late += gap < self.gap and residual > FEASIBILITY
+            if late > MOST_LATE:
+                break
+            if iteration > HOPELESS and best.residual > HOPELESS_RESIDUAL:  # as without a solution
+                break
+            tolerance = REFINED * product / max(abs(dual), 1e-3)
+            try:
+                dy, dz, ds, steps = self.direction(ry, rz, s, z, product / self.degree, tolerance)
+            except ArithmeticError:
+                break
+            y, s, z = y + steps[0] * dy, s + steps[0] * ds, z + steps[1] * dz
+        assert best is not None
+        return replace(best, iterations=iteration)
+
+    def direction(
+        self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
+        """Changes of y, z and s, and the steps of (y, s) and z; raises ArithmeticError where there are none."""
+        if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
+            raise _BreakdownError
+        lone_s, lone_z = s[self.lones :], z[self.lones :]
+        self.lone[:] = lone_s / lone_z
+        self.factorise()
+
+        def solved(d: np.ndarray, start: tuple[np.ndarray, np.ndarray] | None, within: float, most: int) -> _Trial:
+            right = rz + d
+            dy, dz = self.refined(-ry, right, start or self.once(-ry, right), within, most)
+            ds = -d - self.squared(dz)
+            ds[: self.first] = 0.0
+            return _Trial(d, dy, dz, ds, min(1.0, self.longest(s, ds)), min(1.0, self.longest(z, dz)))
+
+        ahead = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, LOOSE, 1)
+        nearer = (s + ahead.primal * ahead.ds)[self.first :] @ (z + ahead.dual * ahead.dz)[self.first :]
+        aim = max(min(1.0, max(nearer / self.degree / mean, 0.0) ** 3), LEAST_CENTRING) * mean
+        d = np.zeros(len(s))
+        corrections(self.axis, self.size, self.cone(z), self.cone(ahead.ds), self.cone(ahead.dz), aim, self.cone(d))
+        d[self.lones :] = (lone_s * lone_z + ahead.ds[self.lones :] * ahead.dz[self.lones :] - aim) / lone_z
+        best = solved(d, None, LOOSE, 1)
+        for _ in range(CORRECTORS):
+            if min(best.primal, best.dual) > 0.95:
+                break
+            other = solved(best.d - self.centring(s, z, best, aim), None, LOOSE, 1)
+            if other.primal + other.dual < best.primal + best.dual + 0.1 * LONGER:
+                break
+            best = other
+        within = min(LEAST_REFINED, max(MOST_REFINED, tolerance))
+        start: tuple[np.ndarray, np.ndarray] | None = (best.dy, best.dz)
+        for _ in range(ATTEMPTS):
+            best = solved(best.d, start, within, REFINEMENTS)
+            if self.is_exact(-ry, rz + best.d, best, within):
+                break
+            self.factorise()
+            start = None
+        steps = tuple(min(1.0, STEP * self.longest(v, dv)) for v, dv in ((s, best.ds), (z, best.dz)))
+        if not np.isfinite(sum(steps)) or max(steps) < 1e-6:
+            raise _BreakdownError
+        return best.dy, best.dz, best.ds, (steps[0], steps[1])
+
+    def is_exact(self, ry: np.ndarray, rz: np.ndarray, found: "_Trial", within: float) -> bool:
+        """Whether a direction could be refined well enough; where it could not, δ changes."""
+        ey = np.abs(ry - self.a_t @ found.dz).max()
+        ez = np.abs(rz - self.a @ found.dy + self.squared(found.dz)).max()
+        beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
+        if beyond > 1.0:
+            much = OTHER_SOFT if ey > ez else 1.0 / OTHER_SOFT
+            self.soft = min(max(self.soft * much, HARDEST), SOFTEST)
+        return bool(beyond <= POOR)
+
+    def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
+        """What leads products back that a longer step would have far off the mean."""
+        s_next = s + min(1.0, trial.primal + LONGER) * trial.ds
+        z_next = z + min(1.0, trial.dual + LONGER) * trial.dz
+        found = np.zeros(len(s))
+        given = (self.cone(v) for v in (z, s_next, z_next))
+        centrality(self.axis, self.size, *given, aim, OFF_LOW, OFF_HIGH, self.cone(found))
+        product = s_next[self.lones :] * z_next[self.lones :]
+        back = np.clip(product, OFF_LOW * aim, OFF_HIGH * aim) - product
+        found[self.lones :] = np.maximum(back, -OFF_HIGH * aim) / z[self.lones :]
+        return found
+
+    def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
+        """The largest step that leaves all of v in its cones."""
+        lone, change = v[self.lones :], dv[self.lones :]
+        shrink = change < 0.0
+        alone = (-lone[shrink] / change[shrink]).min(initial=1e30)
+        return float(min(longest_step(self.cone(v), self.cone(dv)), alone))
+
+    def squared(self, v: np.ndarray) -> np.ndarray:
+        """W² v of a vector of rows; zero in the first ones."""
+        found = np.zeros(len(v))
+        add_products(self.square, self.cone(v), self.cone(found))
+        found[self.lones :] = self.lone * v[self.lones :]
+        return found
+
+    def factorise(self) -> None:
+        """Factors of the stiffness matrix at this place, and the answer to the load."""
+        stiffnesses(self.axis, self.size, self.lone, *self.corners, self.soft, self.c_inverse)
+        self.stiffness_matrix.factorise(self.c_inverse, SHIFT)
+        self.to_load = self.without_load(self.load, np.zeros(len(self.b)))
+        self.load_work = float(self.load @ self.to_load[0])
+        if not self.load_work > 0.0:
+            raise _BreakdownError
+
+    def without_load(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dy and dz of Aᵀ dz = ry and A dy - W² dz = rz without the row of the load."""
+        g, force = np.empty((2, len(self.corners[0]), 3))
+        dy, dz = np.zeros(len(ry)), np.zeros(len(rz))
+        at = self.c_inverse, self.square, self.lone, *self.eliminated
+        condense(ry, rz, *at, g, force)
+        n = self.velocities
+        dy[:n] = self.stiffness_matrix.solve(ry[:n] + self.q_t @ force.ravel())
+        expand((self.q @ dy[:n]).reshape(-1, 3), g, ry, rz, *at, dy, dz)
+        return dy, dz
+
+    def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same with that row."""
+        dy, dz = self.without_load(ry, rz)
+        multiplier = (float(self.load @ dy) - rz[0]) / self.load_work
+        dy -= multiplier * self.to_load[0]
+        dz -= multiplier * self.to_load[1]
+        dz[0] = multiplier
+        return dy, dz
+
+    def refined(
+        self, ry: np.ndarray, rz: np.ndarray, start: tuple[np.ndarray, np.ndarray], within: float, most: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """A solution refined until its residual is ``within`` a share of the right-hand side, or falls no more.
+
+        Each correction has the least residual together with those before (Eisenstat, Elman & Schultz 1983): what the
+        compliance δ of clay, or rounding, leaves would fall slowly otherwise.
+        """
+        (dy, dz), size = start, max(np.abs(ry).max(), np.abs(rz).max())
+        ey, ez = ry - self.a_t @ dz, rz - self.a @ dy + self.squared(dz)
+        before: list[tuple[np.ndarray, ...]] = []
+        for _ in range(most):
+            error = max(np.abs(ey).max(), np.abs(ez).max())
+            if error <= 1e-12 + within * size or not np.isfinite(error):
+                break
+            y, z = self.once(ey, ez)
+            image_y, image_z = self.a_t @ z, self.a @ y - self.squared(z)
+            for old_y, old_z, old_image_y, old_image_z in before:
+                share = image_y @ old_image_y + image_z @ old_image_z
+                y, z = y - share * old_y, z - share * old_z
+                image_y, image_z = image_y - share * old_image_y, image_z - share * old_image_z
+            length = np.sqrt(image_y @ image_y + image_z @ image_z)
+            if not length > 0.0:
+                break
+            y, z, image_y, image_z = y / length, z / length, image_y / length, image_z / length
+            before.append((y, z, image_y, image_z))
+            share = ey @ image_y + ez @ image_z
+            dy, dz = dy + share * y, dz + share * z
+            ey, ez = ey - share * image_y, ez - share * image_z
+            if not max(np.abs(ey).max(), np.abs(ez).max()) < LEAST_GAIN * error:
+                break
+        return dy, dz
+
+    def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """y, z and s of least size that meet the equations, led into the cones (Mehrotra 1992)."""
+        squares = self.a.multiply(self.a).sum(axis=1)
+        rows = np.sqrt(np.asarray(squares).ravel())
+        weight = np.maximum(self.cone(rows).max(axis=1), 1e-12)
+        lone = np.maximum(rows[self.lones :], 1e-12)
+        self.axis[:], self.size[:] = [1.0, 0.0, 0.0], weight
+        self.square[:] = np.eye(3) * (weight**2)[:, None, None]
+        self.lone[:] = lone**2
+        self.factorise()
+        nothing = np.zeros(len(self.c)), np.zeros(len(self.b))
+        y, z_of_y = self.refined(nothing[0], self.b, self.once(nothing[0], self.b), 1e-8, REFINEMENTS)
+        _, z = self.refined(-self.c, nothing[1], self.once(-self.c, nothing[1]), 1e-8, REFINEMENTS)
+        s = -self.squared(z_of_y)
+        return y, self.led_inside(z, weight, lone), self.led_inside(s, 1.0 / weight, 1.0 / lone)
+
+    def led_inside(self, v: np.ndarray, weight: np.ndarray, lone: np.ndarray) -> np.ndarray:
+        """A vector of rows with as much added to its cones as leads all of them inside, over their weights."""
+        v = v.copy()
+        cone, rest = self.cone(v), v[self.lones :]
+        cone *= weight[:, None]
+        rest *= lone
+        least = float(min((cone[:, 0] - np.hypot(cone[:, 1], cone[:, 2])).min(), rest.min(initial=np.inf)))
+        if least < 1e-3:
+            cone[:, 0] += 1.0 - least
+            rest += 1.0 - least
+        cone /= weight[:, None]
+        rest /= lone
+        return v
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A direction: what it corrects, its changes, and the longest steps at most 1."""
+
+    d: np.ndarray
+    dy: np.ndarray
+    dz: np.ndarray
+    ds: np.ndarray
+    primal: float
+    dual: float
