@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from meshes.mapped import name_groups
-from meshes.seams import Seam, seams_of
+from meshes.seams import Seam, seam_ends, seams_of
 from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
@@ -130,11 +130,19 @@ def _geometry(
     the vertical ones.
 
     Every polygon's edge is cut at every corner of another polygon that lies on it. Where ``sizes`` are given, layers
-    that are thin beside them get rows of cells. Breakpoints that are ``cuts`` are vertical lines through all strata.
+    that are thin beside them get rows of cells. Else breakpoints that are ``cuts`` are vertical lines through all
+    strata.
     """
-    polygons = [(k, polygon) for k in range(len(section.strata)) for polygon in layers.polygons(k, cuts)]
-    corners = _corners(section, layers, [polygon for _, polygon in polygons])
-    seams = seams_of(layers, corners, partial(_size_in, section, sizes)) if sizes is not None else {}
+    size = partial(_size_in, section, sizes) if sizes is not None else None
+    pieces = {
+        (k, piece): polygon
+        for k in range(len(section.strata))
+        for piece, polygon in enumerate(
+            layers.polygons(k, seam_ends(layers, k, partial(size, k)) if size is not None else cuts)
+        )
+    }
+    corners = _corners(section, layers, list(pieces.values()))
+    seams = seams_of(pieces, corners, size, layers.tolerance) if size is not None else {}
     corners, own = np.concatenate([corners, *(seam.points() for seam in seams.values())]), corners
     corners = np.unique(corners, axis=0)
     # Points of a seam lie on its lines to rounding; beside the tip of a wedge others are as near as a centimetre.
@@ -146,7 +154,7 @@ def _geometry(
     lines: dict[tuple[int, int], int] = {}
     owners: dict[tuple[int, int], list[int]] = {}
     surfaces: dict[int, list[int]] = {k: [] for k in range(len(section.strata))}
-    for k, polygon in polygons:
+    for (k, _), polygon in pieces.items():
         ring = _cut_ring(polygon, corners, number, layers.tolerance, reach)
         loop = []
         for start, end in pairwise([*ring, ring[0]]):

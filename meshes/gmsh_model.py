@@ -19,6 +19,7 @@ from meshes.free import ALGORITHMS, Sizes, build_free
 from meshes.gmsh_process import GmshEndedError, in_process_of_its_own
 from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
+from meshes.quality import corner_angles
 from meshes.section.layering import Layering
 from meshes.section.section import BOUNDARIES, Section
 from meshes.settings import MeshSettings
@@ -28,6 +29,9 @@ SAME = 1e-7  # share of the whole by which areas and lengths of a mesh may diffe
 
 # Where no algorithm makes a free mesh of the sizes that are wanted, one does of so much smaller ones.
 SCALES = (1.0, 0.8, 0.64)
+
+# A free mesh with a corner below this (deg) is made by the next algorithm, too, up to so many times; the best is taken.
+NARROW, TRIES = 15.0, 4
 
 # gmsh has one state for all of a process.
 _one_session = Lock()
@@ -79,14 +83,28 @@ def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path:
     """The same in this process."""
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
+    made: list[tuple[float, QuadMesh, Path | None]] = []
     for scale, algorithm in product(SCALES, ALGORITHMS):
         build = partial(build_free, section, layers, sizes.times(scale), algorithm)
+        file = None if path is None else Path(path).with_name(f"{len(made)}_{Path(path).name}")
         try:
-            return _built(section, "free", build, path, layers)
+            mesh = _built(section, "free", build, file, layers)
         except BadMeshError as error:
             failure = failure or error
-    assert failure is not None
-    raise failure
+            continue
+        made.append((float(corner_angles(mesh.points, mesh.cells).min()), mesh, file))
+        if made[-1][0] >= NARROW or len(made) == TRIES:
+            break
+    if not made:
+        assert failure is not None
+        raise failure
+    _, best, written = max(made, key=lambda each: each[0])
+    if path is not None and written is not None:
+        written.replace(path)
+        for _, _, file in made:
+            if file is not None:
+                file.unlink(missing_ok=True)
+    return best
 
 
 def _built(

@@ -6,7 +6,7 @@ between a point of its top and one of its bottom, and as many rows as its cells 
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -26,8 +26,13 @@ NEAR = 0.5
 BLEND = 3.0
 # A layer whose columns would have an angle (deg) below this is none either.
 NARROW = 20.0
+# A stratum is not divided where it is thinner than this share of the length of cells.
+LOWEST = 0.05
 # Places along a layer that differ by less than this share of its length are one.
 ROUNDING = 1e-9
+
+# A stratum and a piece of it, by number.
+Place = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,30 +72,65 @@ class Seam:
 
 
 def seams_of(
-    layers: Layering, corners: np.ndarray, size: Callable[[int, np.ndarray], np.ndarray]
-) -> dict[tuple[int, int], Seam]:
-    """The seams of all strata by the numbers of the stratum and of the piece of it.
+    pieces: Mapping[Place, np.ndarray],
+    corners: np.ndarray,
+    size: Callable[[int, np.ndarray], np.ndarray],
+    tolerance: float,
+) -> dict[Place, Seam]:
+    """The seams among ``pieces``, outlines (n, 2) of strata by the numbers of the stratum and of the piece of it.
 
     ``corners`` (n, 2) are the points (m) at which lines are cut; ``size`` gives for a stratum and points (k, 2) the
-    length (m) of cells there. Of two seams that lie on each other the thinner one is taken.
+    length (m) of cells there. The thinner one of two seams that lie on each other comes first, and the other one has
+    its points on the line between them. Points nearer than ``tolerance`` (m) to a line are on it.
     """
-    found = {
-        (k, piece): seam
-        for k in range(layers.strata)
-        for piece, polygon in enumerate(layers.polygons(k))
-        if (seam := _seam(polygon, corners, partial(size, k), layers.tolerance)) is not None
-    }
-    taken: dict[tuple[int, int], Seam] = {}
-    for place, seam in sorted(found.items(), key=lambda item: item[1].thickness):
-        if not any(_touch(other, seam, layers.tolerance) for other in taken.values()):
+
+    def seam_at(place: Place, points: np.ndarray) -> Seam | None:
+        return _seam(pieces[place], points, partial(size, place[0]), tolerance)
+
+    found = {place: single for place in pieces if (single := seam_at(place, corners)) is not None}
+    taken: dict[Place, Seam] = {}
+    for place, alone in sorted(found.items(), key=lambda item: item[1].thickness):
+        seam: Seam | None = alone
+        if any(_touch(other, alone, tolerance) for other in taken.values()):
+            others = [_common(other, alone, tolerance) for other in taken.values()]
+            seam = seam_at(place, np.unique(np.vstack([corners, *others]), axis=0))
+        if seam is not None and all(_fit(other, seam, tolerance) for other in taken.values()):
             taken[place] = seam
     return taken
 
 
+def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The x (n,) in m at which stratum k is to be divided: it is thinner than cells are long (``size``) on one side,
+    and on the other it steps or thickens beyond that. What is thin then has a plain end, as a seam needs.
+    """
+    at = np.column_stack([layers.x[:-1], layers.x[1:]])
+    top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))
+    thick, wanted = top - bottom, size(np.column_stack([at.ravel(), top.ravel()])).reshape(at.shape)
+    thin = (thick.max(axis=1) > 0.0) & (thick < wanted).all(axis=1)
+    there = np.minimum(thick[:-1, 1], thick[1:, 0])
+    moved = np.maximum(np.abs(top[1:, 0] - top[:-1, 1]), np.abs(bottom[1:, 0] - bottom[:-1, 1]))
+    divided = np.where(moved > layers.tolerance, thin[:-1] | thin[1:], thin[:-1] != thin[1:])
+    room = LOWEST * np.minimum(wanted[:-1, 1], wanted[1:, 0])
+    return layers.x[1:-1][divided & (there > np.maximum(room, layers.tolerance))]
+
+
 def _touch(one: Seam, other: Seam, tolerance: float) -> bool:
     """Whether two seams have points in common."""
+    return len(_common(one, other, tolerance)) + len(_common(other, one, tolerance)) > 0
+
+
+def _common(one: Seam, other: Seam, tolerance: float) -> np.ndarray:
+    """The points (n, 2) of one seam that lie on a line of the other."""
     edges = [edge for line in (other.top, other.bottom) for edge in pairwise(line)]
-    return any(len(_on(*edge, one.points(), tolerance)) > 0 for edge in edges)
+    return np.unique(np.vstack([_on(*edge, one.points(), tolerance) for edge in edges]), axis=0)
+
+
+def _fit(one: Seam, other: Seam, tolerance: float) -> bool:
+    """Whether seams have the same points where they touch, to the last bit, and as many rows at a common end."""
+    here, there = _common(one, other, tolerance), _common(other, one, tolerance)
+    same = np.array_equal(here, there)
+    ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (one, other) for end in (0, -1)]
+    return same and (one.rows == other.rows or not any(a == b for a in ends[:2] for b in ends[2:]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,17 @@ SHARP = 20.0
 # A tip that holds more than this share of its stratum is the stratum: the step then has a smaller one of these shares
 # of the thickness wished for, or the tip stays.
 MOST, SMALLER = 0.5, (1.0, 0.5, 0.25)
+# The step is at a breakpoint that is nearer than this share of the thickness wished for (by default, a quarter of a
+# cell).
+NEAR = 0.75
 # A stretch of a stratum thinner than this share of the thickness wished for is a neck, if it is not longer than so many
 # of these.
 NECK, LONGEST_NECK = 0.6, 20.0
+# A piece of a stratum that thins out is left out if it holds no more than the first share of its stratum, and is
+# nowhere thicker and not longer than so many of the thickness wished for.
+CRUMB, THICKEST_CRUMB, LONGEST_CRUMB = 0.1, 1.5, 12.0
+# Strata are looked at again until this many steps were made.
+MOST_STEPS = 50
 # A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
 # divided by this.
 BEND, OUTLINE = 1.0 / 20.0, 5.0
@@ -32,6 +40,17 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
 
     They are cut nearer to their ends where they would hold too much of their stratum, or it is nowhere as thick.
     """
+    found: list[str] = []
+    while len(found) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
+        layers, notices = _stepped_once(layers, least, names)
+        found += notices
+        if not notices:
+            break
+    return _without_empty_ends(layers), list(dict.fromkeys(found))
+
+
+def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
+    """The same of every stratum in turn, from the top down."""
     notices: list[str] = []
 
     def longest(k: int) -> float:
@@ -44,11 +63,20 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
             if cut is None:
                 continue
             x_tip, (thick, at, area) = tip[0], cut
+            if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
+                at, (thick, area) = near, _step_at(layers, k, *tip, near)
             layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
             what = "the section" if k is None else "stratum " + spoken(names[k])
             notices.append(
                 f"mesh: {what} thins out to nothing at x = {x_tip:g} m; in the mesh it ends in a step of "
                 f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
+            )
+        for start, end in [] if k is None else _crumbs(layers, k, least):
+            area = layers.areas()[k]
+            layers = _without(layers, k, start, end)
+            notices.append(
+                f"mesh: stratum {spoken(names[k])} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
+                f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
             )
         for start, end in [] if k is None else _necks(layers, k, least, longest(k)):
             area = layers.areas()[k]
@@ -57,7 +85,7 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
                 f"mesh: stratum {spoken(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m; "
                 f"in the mesh it ends there in steps, without {area - layers.areas()[k]:.2g} m²"
             )
-    return _without_empty_ends(layers), notices
+    return layers, notices
 
 
 def _thickness(layers: Layering, k: int | None) -> np.ndarray:
@@ -78,6 +106,27 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
         if right <= 0.0 < left and sharp:
             found.append((float(layers.x[i + 1]), -1))
     return found
+
+
+def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]:
+    """Pieces of a stratum (from and to, m) that end in a sharp tip, are short and a small part of it, and thin beside
+    ``least`` (m)."""
+    thick = _thickness(layers, k)
+    area = 0.5 * layers.width * thick.sum(axis=1)
+    runs: list[list[int]] = []
+    for i in np.flatnonzero(thick.max(axis=1) > 0.0):
+        if runs and runs[-1][1] == i and min(thick[i - 1, 1], thick[i, 0]) > 0.0:
+            runs[-1][1] = int(i) + 1
+        else:
+            runs.append([int(i), int(i) + 1])
+    ends = [(float(layers.x[first]), float(layers.x[last])) for first, last in runs]
+    tips = [x for x, _ in _tips(layers, k)]
+    return [
+        (start, end)
+        for (first, last), (start, end) in zip(runs, ends, strict=True)
+        if thick[first:last].max() < THICKEST_CRUMB * least and end - start <= LONGEST_CRUMB * least
+        and area[first:last].sum() <= CRUMB * area.sum() and (start in tips or end in tips)
+    ]  # fmt: skip
 
 
 def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
@@ -115,6 +164,22 @@ def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float
         if cut is not None and cut[1] <= MOST * whole:
             return thick, *cut
     return None
+
+
+def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: float, least: float) -> float | None:
+    """A breakpoint (m) near where a stratum is to end, ``least`` (m) thick, at which it can end in a step as well."""
+    inside = layers.x[way * (layers.x - tip) > layers.tolerance]
+    near = inside[np.abs(inside - at) <= NEAR * least]
+    near = near[[_step_at(layers, k, tip, way, float(x))[0] >= 0.5 * least for x in near]] if len(near) else near
+    return float(near[np.abs(near - at).argmin()]) if len(near) else None
+
+
+def _step_at(layers: Layering, k: int | None, tip: float, way: int, at: float) -> tuple[float, float]:
+    """The thickness (m) of a stratum at a breakpoint (m), as it comes from its tip, and its area (m²) to there."""
+    thick = _thickness(layers, k)
+    first, last = sorted((int(np.argmin(np.abs(layers.x - tip))), int(np.argmin(np.abs(layers.x - at)))))
+    area = 0.5 * float((layers.width[first:last, None] * thick[first:last]).sum())
+    return float(thick[last - 1, 1] if way > 0 else thick[first, 0]), area
 
 
 def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float] | None:
