@@ -19,11 +19,12 @@ verify: setup ## what others published on slopes, beside our answers; takes an h
 docs: setup ## the documentation site from the same files, without the network: docs/build/site/index.html
 	@$(BIN)/python docs/build.py
 
-lint: setup ## style, types, and who may import whom
+lint: setup ## style, types, who may import whom, and the words of the documentation
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python docs/prose.py
 
 test: lint browser ## what every change must pass
 	$(BIN)/python -m pytest -n auto --dist loadfile

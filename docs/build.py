@@ -1,72 +1,139 @@
-"""Gathers the pages of the documentation site from the files of the project, and builds it.
+"""Builds the documentation site, without the network: `python docs/build.py`.
 
-What stands in a README is not written twice: pages are those files, with their links turned to where they stand in the
-site; the reference of keys is generated from the models, the page of the notebook from its cells.
+Pages are the files of `docs`; the README is the first page. What follows from the program is generated here: keys of a
+section file, commands, the Python interface, validation. Links between files become links between pages.
 """
 
-import json
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from workflow.report.reference import markdown
-
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
 TOP = HERE.parent
-PAGES = HERE / "build" / "pages"
-PUBLISHED = TOP / "tests" / "verification" / "published"
-# Pages that are files of the project; a link to one of them becomes a link to the page.
-FILES = {
-    "README.md": "index.md",
-    "meshes/README.md": "meshes.md",
-    "fem/README.md": "fem.md",
-    "dem/README.md": "dem.md",
-    "workflow/README.md": "workflow.md",
-    "tests/README.md": "tests.md",
-    "docs/tutorials/river_bank.md": "tutorial.md",
-    "docs/changelog.md": "changelog.md",
+sys.path.insert(0, str(TOP))
+
+from docs.generated import closed_forms, commands, keys, python_interface, s13, speed  # noqa: E402
+
+PAGES, SITE = HERE / "build" / "pages", HERE / "build" / "site"
+COLLECTIONS = {"slopes": TOP / "tests/verification/published", "slides": TOP / "tests/verification/slides"}
+GENERATED = {
+    "reference/keys.md": keys,
+    "reference/commands.md": commands,
+    "reference/python.md": python_interface,
+    "validation/closed_forms.md": closed_forms,
+    "validation/s13.md": s13,
+    "validation/speed.md": speed,
 }
+# Pages that are made, not written, and the folders of collections whose README becomes a page.
+MADE = {*GENERATED, *(f"validation/{name}.md" for name in COLLECTIONS)}
+LINK = re.compile(r"\]\(([^)\s#]+)(#[^)\s]*)?\)")
+PACKAGES = ("meshes", "fem", "dem", "workflow")
+
+
+def sources() -> dict[Path, str]:
+    """The written pages: each file with its place in the site."""
+    files = sorted(path for path in HERE.rglob("*.md") if "build" not in path.relative_to(HERE).parts)
+    return {TOP / "README.md": "index.md"} | {path: str(path.relative_to(HERE)) for path in files}
+
+
+def links(path: Path) -> Iterator[tuple[str, Path, str]]:
+    """The links of a page to files: as written, where they lead, and the anchor."""
+    for target, anchor in LINK.findall(path.read_text(encoding="utf-8")):
+        if "://" not in target:
+            yield target, Path(os.path.normpath(path.parent / target)), anchor.removeprefix("#")
+
+
+def module_of(path: Path) -> str:
+    """The module that a source file is."""
+    return ".".join(path.relative_to(TOP).with_suffix("").parts)
 
 
 def gather() -> None:
     """Write all pages anew."""
-    shutil.rmtree(PAGES, ignore_errors=True)
+    shutil.rmtree(HERE / "build", ignore_errors=True)
     PAGES.mkdir(parents=True)
-    for file, page in FILES.items():
-        (PAGES / page).write_text(turned((TOP / file).read_text(encoding="utf-8")), encoding="utf-8")
-    (PAGES / "keys.md").write_text(markdown(), encoding="utf-8")
-    (PAGES / "s13.md").write_text(of_notebook(HERE / "s13.ipynb"), encoding="utf-8")
-    shutil.copytree(TOP / "docs/pictures", PAGES / "pictures")
-    shutil.copytree(PUBLISHED, PAGES / "published", ignore=lambda _, names: [n for n in names if n.endswith(".json")])
+    modules = set()
+    for path, page in sources().items():
+        text = with_code(path, path.read_text(encoding="utf-8"))
+        for target, leads_to, anchor in links(path):
+            place = moved(page, leads_to, anchor)
+            if place is None:
+                text = re.sub(rf"\[([^]]*)\]\({re.escape(target)}\)", r"\1", text)
+            else:
+                text = text.replace(f"]({target}{'#' + anchor if anchor else ''})", f"]({place})")
+            if leads_to.suffix == ".py" and leads_to.relative_to(TOP).parts[0] in PACKAGES:
+                modules.add(module_of(leads_to))
+        write(page, text)
+    for page, make in GENERATED.items():
+        write(page, make())
+    for module in sorted(modules):
+        write(f"reference/functions/{module}.md", f"# `{module}`\n\n::: {module}\n")
+    for name, folder in COLLECTIONS.items():
+        text = (folder / "README.md").read_text(encoding="utf-8")
+        text = re.sub(r"\[([^]]+)\]\(\1\.toml\)", r"\1", text)  # the files of the cases are no pages
+        write(f"validation/{name}.md", text.replace("](pictures/", f"]({name}/"))
+        shutil.copytree(folder / "pictures", PAGES / "validation" / name)
+    for path in HERE.rglob("*"):
+        if path.suffix in (".png", ".css") and "build" not in path.relative_to(HERE).parts:
+            place = PAGES / path.relative_to(HERE)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, place)
 
 
-def turned(text: str) -> str:
-    """A page with its pictures and links where the site has them."""
-    for file, page in FILES.items():
-        text = text.replace(f"]({file})", f"]({page})").replace(f"`{file}`", f"[`{file}`]({page})")
-    return text.replace("](docs/pictures/", "](pictures/")
+def with_code(path: Path, text: str) -> str:
+    """A page of the gallery with the code of its scripts in place of the links to them."""
+    return re.sub(
+        r"\[code\]\((\w+\.py)\)",
+        lambda link: f"```python\n{(path.parent / link[1]).read_text(encoding='utf-8')}```",
+        text,
+    )
 
 
-def of_notebook(path: Path) -> str:
-    """The cells of a notebook, one after the other."""
-    parts = []
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
-        source = "".join(cell["source"])
-        parts.append(f"```python\n{source}\n```" if cell["cell_type"] == "code" else source)
-    return "\n\n".join(parts) + "\n"
+def write(page: str, text: str) -> None:
+    """Write one page."""
+    path = PAGES / page
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def moved(page: str, leads_to: Path, anchor: str) -> str | None:
+    """Where a link of a page leads in the site; None where it leads to a file that is no page."""
+    inside = leads_to.relative_to(TOP)
+    if leads_to == TOP / "README.md":
+        place = "index.md"
+    elif inside.parts[0] == "docs":
+        place = str(leads_to.relative_to(HERE))
+    elif leads_to.suffix == ".py":  # a law of a page of theory
+        place = f"reference/functions/{module_of(leads_to)}.md"
+        anchor = f"{module_of(leads_to)}.{anchor}" if anchor else ""
+    else:
+        return None
+    return os.path.relpath(place, os.path.dirname(page) or ".") + (f"#{anchor}" if anchor else "")
 
 
 def build() -> int:
     """The exit code of mkdocs, which fails at any link that leads nowhere."""
     line = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--clean", "-f", str(HERE / "mkdocs.yml")]
-    return subprocess.run(line, check=False, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}).returncode
+    paths = os.pathsep.join([str(TOP), os.environ.get("PYTHONPATH", "")])
+    return subprocess.run(
+        line, check=False, env={**os.environ, "NO_MKDOCS_2_WARNING": "1", "PYTHONPATH": paths}
+    ).returncode
+
+
+def names_in(path: Path) -> set[str]:
+    """What a source file defines at its top level."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {node.name for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
 
 
 if __name__ == "__main__":
     gather()
     code = build()
     if code == 0:
-        print(f"{HERE / 'build' / 'site' / 'index.html'}")
+        print(SITE / "index.html")
     sys.exit(code)

@@ -92,7 +92,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     strain is linear over the cell, the displacement form of the Q2/P-1 pair; it has no free modes and does not lock as
     long as the volume stays. Where the ground dilates, ψ > 0, the flow rule asks for more at its points than its nodes
     can give. "reduced" is the 9-node one with 2 x 2 points, which follows dilating flow; its hourglass strain, which
-    is zero at the points, is resisted by ``hourglass``. fem/README.md has them side by side.
+    is zero at the points, is resisted by ``hourglass``. docs/theory/continuum.md has them side by side.
     """
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)

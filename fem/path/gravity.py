@@ -37,7 +37,7 @@ LEVELS = 256
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
-    """The element as set, or the one that suits the flow rule; fem/README.md says why."""
+    """The element as set, or the one that suits the flow rule; docs/theory/continuum.md says why."""
     if settings.element != "auto":
         return settings.element
     return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"

@@ -2,9 +2,11 @@
 
 Whatever lies in this folder is a benchmark; names leave out the others. Each is a process of its own and prints as it
 goes. The file has, for each, how it ended, its seconds, what it printed, and its own numbers where it writes any.
+Benchmarks with a function `quoted` are quoted by README and documentation: what it returns goes to `docs/numbers.toml`.
 """
 
 import argparse
+import importlib
 import json
 import os
 import platform
@@ -14,6 +16,9 @@ import tempfile
 import time
 from pathlib import Path
 from typing import Any
+
+from tests.support import TOP
+from workflow.verify.numbers import keep_numbers
 
 FOLDER = Path(__file__).parent
 
@@ -42,6 +47,13 @@ def run(name: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def quote(name: str, rows: Any) -> None:
+    """Keeps the numbers of a benchmark that the documentation quotes."""
+    quoted = getattr(importlib.import_module(f"tests.benchmarks.{name}"), "quoted", None)
+    if quoted is not None:
+        keep_numbers(TOP / "docs", name, f"python -m tests.benchmarks {name}", quoted(rows))
+
+
 def main() -> int:
     """Runs them; 1 if one of them failed."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -52,6 +64,8 @@ def main() -> int:
     for name in options.names or names():
         print(f"== {name}", flush=True)
         done.append(run(name))
+        if done[-1]["numbers"] is not None:
+            quote(name, done[-1]["numbers"])
         machine = {"machine": platform.machine(), "cores": os.cpu_count(), "python": platform.python_version()}
         options.json.write_text(json.dumps({"on": machine, "benchmarks": done}, indent=1) + "\n")
     failed = [row["benchmark"] for row in done if row["exit"]]

@@ -306,6 +306,20 @@ def main() -> None:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
 
 
+def quoted(rows: list[Row]) -> dict[str, float]:
+    """What the documentation shows: million disc-steps a second on one thread, and times LAMMPS if it is installed."""
+    single = [line for line in rows if line["threads"] == 1]
+    least = min(line["elements"] for line in single)
+    of = {
+        line["variant"]: line["million_element_steps_per_s"] for line in reversed(single) if line["elements"] == least
+    }
+    found = {"elements": least, "soil_discs": of["soil discs"]}
+    if "gran/hooke/history" in of:
+        found |= {"lammps": of["gran/hooke/history"]}
+        found |= {"times_lammps": round(of["frictional"] / of["gran/hooke/history"], 1)}
+    return {name: round(value, 1) for name, value in found.items()}
+
+
 def notes(ours: list[Row], theirs: list[Row]) -> None:
     """What the rows of one size say beside each other."""
     speed = {(r["variant"], r["threads"]): r["million_element_steps_per_s"] for r in ours}

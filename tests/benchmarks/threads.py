@@ -26,7 +26,7 @@ from dem.model import DiscModel
 from tests.benchmarks.dem_throughput import DT, model_of
 
 SIZES, THREADS = (31800, 318000), (1, 2, 8, 32)
-# Of a step the share of summing forces and moving discs (dem/README.md); the rest are contacts.
+# Of a step the share of summing forces and moving discs; the rest are contacts.
 MOVING = 0.25
 MEETINGS, REPEATS = 200_000, 5
 

@@ -1,56 +1,72 @@
-"""What the README shows works as shown."""
+"""What the README shows works as shown, and its numbers are those of `docs/numbers.toml`."""
 
+import os
 import re
 import subprocess
 import sys
 import tomllib
-from textwrap import dedent
+from pathlib import Path
 
-from meshes.gmsh_model import generate
-from meshes.section.polyline import Line
 from tests.support import TOP
-from tests.support.sections import assert_conforming
+from tests.support.docs import blocks, program
 from workflow.settings import Input
 
 README = (TOP / "README.md").read_text(encoding="utf-8")
+(SECTION,) = blocks("toml", README)
 
 
-def blocks(language: str, text: str) -> list[str]:
-    """The examples in a language, as they would be typed."""
-    return [dedent(block) for block in re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)]
-
-
-def settings_of(package: str) -> str:
-    """The table of settings in the README of a package."""
-    return blocks("toml", (TOP / package / "README.md").read_text(encoding="utf-8"))[0]
-
-
-def test_the_section_and_the_settings_of_the_readmes() -> None:
-    section, cases, bottom, borings, uncertain, block = blocks("toml", README)
-    meshing, solving = settings_of("meshes"), settings_of("fem")
-    texts = (section.replace("[1, 2, 3]", "[1, 2]"), cases, meshing, solving, borings, uncertain, block)
-    used = Input.parse({key: value for text in texts for key, value in tomllib.loads(text).items()})
-    assert Line.model_validate(tomllib.loads(bottom)["bottom"]).points(0.0, 100.0).shape == (5, 2)
-    assert len(used.uncertain.numbers) == 4
-    assert [used.cases[0].residual_of("Loose sand"), used.cases[1].strength_of("Loose sand")] == [0.15, 6000.0]
-    mesh = generate(used, used.mesh)
-    assert mesh.method == "free"
-    assert_conforming(mesh, used, used.mesh)
-    # ends and kinks of the ground and of the sand, the load, and where the river meets the bank
-    assert used.layering.x.tolist() == [0.0, 4.0, 16.0, 20.0, 38.0, 40.0, 44.0, 60.0, 70.0]
-
-
-def test_pictures_are_there_and_small() -> None:
-    pictures = [TOP / name for name in re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)]
-    assert len(pictures) == 3
-    assert sum(path.stat().st_size for path in pictures) < 300_000
-
-
-def test_the_example_in_python_runs() -> None:
+def test_it_is_short() -> None:
+    """600 words, and one screen of commands."""
+    assert len(README.split()) <= 600
+    assert len(SECTION.splitlines()) == 10
     (example,) = blocks("python", README)
-    done = subprocess.run([sys.executable, "-c", example], cwd=TOP, capture_output=True, text=True, timeout=300)
+    assert len(example.splitlines()) <= 15
+
+
+def test_its_picture_is_there_and_small() -> None:
+    (picture,) = re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)
+    assert (TOP / picture).stat().st_size < 200_000
+
+
+def test_its_numbers_come_from_the_file() -> None:
+    """Every number of its sentences, in the order in which they stand."""
+    numbers = program("generated").numbers()
+    slopes, slides, s13, discs = (numbers[name] for name in ("published", "slides", "s13", "dem_throughput"))
+    lines = README[README.index("## What it does") : README.index("## Documentation")]
+    found = re.findall(r"(?<![\w-])\d+(?:\.\d+)?", lines)
+    packings = sorted(s13["kc_discs_of_packings"])
+    expected = [
+        slopes["cases"], slopes["right"], slopes["explained"], slopes["wrong"], slopes["gap_percent"],
+        round(s13["kc"], 3), 0.25, s13["slide_least_m"], s13["slide_most_m"], 3,
+        packings[0], packings[-1], round(s13["kc_target"], 3),
+        slides["experiment_within_1_5"], slides["experiment_run"], 1.5, slides["field_within_1_5"], slides["field_run"],
+        discs["times_lammps"],
+    ]  # fmt: skip
+    assert [float(number) for number in found] == [float(number) for number in expected]
+
+
+def test_its_answers_come_from_the_file() -> None:
+    first = program("generated").numbers()["readme"]
+    (printed,) = blocks("text", README)
+    digits = {"kc": 4, "factor": 3, "lower": 4, "upper": 4}
+    shown = [f"{first[name]:.{count}f}" for name, count in digits.items()]
+    assert re.findall(r"\d\.\d{3,}", printed) == shown
+    told = README[README.index("prints 0") : README.index("## What it does")]
+    assert re.findall(r"\d\.\d+", told) == first["script"]
+
+
+def test_the_section_and_the_script_run(tmp_path: Path) -> None:
+    """The script on the section of the page: elements and bounds as told, discs as near as rounding leaves them."""
+    assert Input.parse(tomllib.loads(SECTION)).name == "my_slope"
+    (tmp_path / "my_slope.toml").write_text(SECTION, encoding="utf-8")
+    (example,) = blocks("python", README)
+    done = subprocess.run(
+        [sys.executable, "-c", example], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False,
+        env={**os.environ, "PYTHONPATH": str(TOP)},
+    )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    told = dict(line.split(": ") for line in done.stdout.splitlines())
-    assert re.fullmatch(r"0\.[23]\d+ plateau", told["finite elements"])
-    assert 0.1 < float(told["discs"]) < 0.6
-    assert 0.0 < float(told["slide"].removesuffix(" m")) < 20.0
+    found = [float(number) for number in re.findall(r"\d\.\d+", done.stdout)]
+    told = [float(number) for number in program("generated").numbers()["readme"]["script"]]
+    assert len(found) == len(told) == 4
+    assert max(abs(a - b) for a, b in zip(found[:3], told[:3], strict=True)) < 0.002
+    assert abs(found[3] - told[3]) < 0.03

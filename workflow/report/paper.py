@@ -179,7 +179,8 @@ def _sets(results: Results) -> list[str]:
 def _slides(results: Results, name: str) -> Iterator[Row]:
     cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
-    why = f"{SECTION}; the text leaves open how contacts are averaged and how fast layers liquefy (see dem/README.md)"
+    open_points = "the text leaves open how contacts are averaged and how fast layers liquefy"
+    why = f"{SECTION}; {open_points} (see docs/theory/paper.md)"
 
     def row(number: int, what: str, paper: str, where: str, judge: Judge) -> Row:
         quantity = f"{what}, case {number}{springs}"

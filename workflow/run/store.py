@@ -32,7 +32,7 @@ def _by_numbers(name: str) -> list[str | int]:
 
 
 class Store:
-    """The folder of one run; see the names of its files in the README."""
+    """The folder of one run; docs/reference/files.md names its files."""
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)

@@ -83,11 +83,16 @@ def _write(file: Path, rows: list[dict[str, Any]]) -> None:
 
 
 def _page(folder: Path) -> Path:
-    from workflow.verify.case import read_cases
-    from workflow.verify.page import write_page
+    from workflow.verify.case import FOLDER, read_cases
+    from workflow.verify.numbers import keep_numbers
+    from workflow.verify.page import counts, write_page
     from workflow.verify.record import FILE, read_answers
 
-    return write_page(folder, read_cases(folder), read_answers(folder / FILE))
+    cases, answers = read_cases(folder), read_answers(folder / FILE)
+    if folder == FOLDER:
+        commits = [found.commit for found in answers.values()]
+        keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)
+    return write_page(folder, cases, answers)
 
 
 def _tell(out: "Console", row: "Row") -> None:

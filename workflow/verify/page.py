@@ -104,6 +104,18 @@ def _versions(answers: Collection[Answer]) -> str:
 
 def _speed(answers: Collection[Answer]) -> str:
     """How close the bounds are and what all of it took, at the median; empty where not all has been run."""
+    found = medians(answers)
+    if not found:
+        return ""
+    return (
+        f"At the median the bounds are {found['gap_percent']:.1f} % apart after {found['bounds_seconds']:.1f} s; the "
+        f"elements take {found['associated_seconds']:.1f} s with ψ = φ and {found['davis_seconds']:.1f} s by Davis's "
+        "estimate, all of one core."
+    )
+
+
+def medians(answers: Collection[Answer]) -> dict[str, float]:
+    """Gap of the bounds (%) and processor seconds at the median; empty where not all has been run."""
     pairs = [(found.lower, found.upper) for found in answers]
     gaps = [2.0 * (high - low) / (high + low) for low, high in pairs if low is not None and high is not None]
     spent = [
@@ -111,12 +123,17 @@ def _speed(answers: Collection[Answer]) -> str:
         for values in zip(*((a.bounds_seconds, a.associated_seconds, a.davis_seconds) for a in answers), strict=True)
     ]
     if not gaps or not all(spent):
-        return ""
-    bounds, associated, davis = (median(values) for values in spent)
-    return (
-        f"At the median the bounds are {100 * median(gaps):.1f} % apart after {bounds:.1f} s; the elements take "
-        f"{associated:.1f} s with ψ = φ and {davis:.1f} s by Davis's estimate, all of one core."
-    )
+        return {}
+    names = ("bounds_seconds", "associated_seconds", "davis_seconds")
+    times = {name: round(median(values), 1) for name, values in zip(names, spent, strict=True)}
+    return {"gap_percent": round(100.0 * median(gaps), 1), **times}
+
+
+def counts(cases: Sequence[Case], answers: Mapping[str, Answer]) -> dict[str, float | int | str]:
+    """The numbers that the documentation quotes: how many cases are right, and what they took."""
+    words = Counter(judge(case, answers.get(case.name)).word for case in cases)
+    judged = {word: words.get(word, 0) for word in ("right", "explained", "wrong")}
+    return {"cases": len(cases), **judged, **medians(answers.values())}
 
 
 def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:

@@ -74,7 +74,7 @@ def test_a_file_that_says_nothing_of_dilation_is_told_with_psi_equal_to_phi_and_
     (still,), (other) = silent.safety, given.safety
     assert still.result.beside == pytest.approx(other[0].result.factor, rel=2e-3)
     assert other[0].result.beside == pytest.approx(still.result.factor, rel=2e-3)
-    # the closed form of form B for one soil without dilation, sqrt(F^2 - tan^2 phi) (fem/README.md)
+    # the closed form of form B for one soil without dilation, sqrt(F^2 - tan^2 phi)
     assert still.result.beside == pytest.approx(
         np.sqrt(still.result.factor**2 - np.tan(np.radians(32.0)) ** 2), rel=0.01
     )

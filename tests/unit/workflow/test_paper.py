@@ -78,7 +78,7 @@ def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
     wrong = {**dem_fixture.CASES, 2: dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
     found = table(results(s13, fem=fem(s13), cases=CasesAnswer(sets={"calibrated": wrong}, random=None)))
     assert found[f"largest slide, case 2{springs}"].agrees is False
-    assert "dem/README.md" in found[f"largest slide, case 2{springs}"].why
+    assert "docs/theory/paper.md" in found[f"largest slide, case 2{springs}"].why
 
 
 def test_states_of_the_discs(s13: Input) -> None:

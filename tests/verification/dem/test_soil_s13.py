@@ -1,4 +1,4 @@
-"""Soil discs on S-13: a prediction without any factor, and slides that come to rest; dem/README.md has three seeds."""
+"""Soil discs on S-13: a prediction without any factor, and slides that come to rest."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -105,7 +105,7 @@ def test_log_spirals_do_not_undercut_the_lower_bound_of_vertical_cuts(phi):
 )
 def test_slopes_of_45_degrees(phi, lowest):
     """Measured: 9.198-9.254 (10°, log-spiral 9.31: the best mechanism goes below the toe), 16.015-16.140 (20°; 15.93 to
-    16.39 by limit analysis elsewhere), 30° in fem/README.md."""
+    16.39 by limit analysis elsewhere), 30° in docs/validation."""
     found = slope_45(phi, gap=0.03)
     assert found.gap <= 0.03
     assert lowest <= found.lower <= log_spiral(phi, 45.0)

@@ -86,7 +86,7 @@ def test_bilinear_element_comes_from_above_and_slowly_where_the_ground_dilates()
     for coarse, fine in errors.values():
         assert 0.0 < fine < 0.8 * coarse
     assert errors[0.0][1] < 0.07
-    assert errors[30.0][1] > 0.3, "if this is better now, say so in fem/README.md"
+    assert errors[30.0][1] > 0.3, "if this is better now, say so in docs/theory/continuum.md"
 
 
 def test_bilinear_element_without_the_mean_dilatation_locks(monkeypatch):

@@ -26,7 +26,12 @@ def verify_slides(
         out.print(str(write_page(place, cases, answers)), soft_wrap=True)
         if folder is None:
             from workflow.estimates import slide_error
+            from workflow.verify.numbers import keep_numbers
+            from workflow.verify.slides.page import counts
 
+            commits = [found.commit for found in answers.values()]
+            command = "noshiro verify --slides --page"
+            keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
             out.print(str(write_errors(Path(slide_error.__file__).parent, cases, answers)), soft_wrap=True)
     return [_as_dict(row) for row in rows]
 

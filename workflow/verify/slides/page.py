@@ -90,6 +90,17 @@ def _summary(cases: Sequence[SlideCase], verdicts: Mapping[str, SlideVerdict]) -
     return "\n".join(rows)
 
 
+def counts(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> dict[str, float | int | str]:
+    """The numbers that the documentation quotes: how many of each group were run, and how many are how near."""
+    found: dict[str, float | int | str] = {}
+    for group in GROUPS:
+        chosen = [judge(case, answers.get(case.name)) for case in cases if case.known.group == group]
+        run = [one for one in chosen if one.word not in ("not run", "failed")]
+        found |= {f"{group}_cases": len(chosen), f"{group}_run": len(run)}
+        found |= {f"{group}_within_1_5": right(run, CLOSE), f"{group}_within_3": right(run, FAR)}
+    return found
+
+
 def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdicts: Mapping[str, SlideVerdict]) -> str:
     rows = [
         "| | case | measured | predicted, by packing | predicted over measured | loose | |",

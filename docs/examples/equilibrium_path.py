@@ -1,0 +1,20 @@
+"""Kh over displacement: the equilibrium path of a slope, with associated flow and by Davis's estimate."""
+
+import matplotlib.pyplot as plt
+from mpi4py import MPI
+
+from fem import FemSettings, critical_coefficient
+from meshes import MeshSettings, Section, generate
+from meshes.shipped import file_of
+
+section = Section.read(file_of("slope_2to1"))
+mesh = generate(section, MeshSettings(method="mapped", columns=20, rows=8))
+figure, axes = plt.subplots(figsize=(5.0, 3.2), layout="constrained")
+for flow in ("associated", "davis"):
+    settings = FemSettings(direction="downhill", flow=flow, element="bilinear")
+    found = critical_coefficient(section, mesh, settings, MPI.COMM_SELF)
+    axes.plot([step.displacement for step in found.steps], [step.factor for step in found.steps], ".-", label=flow)
+    print(f"{flow}: critical Kh {found.kc:.3f}, {found.verdict}")
+axes.set(xlabel="mean horizontal displacement (m)", ylabel="Kh")
+axes.legend()
+figure.savefig("equilibrium_path.png", dpi=110)

@@ -1,0 +1,140 @@
+"""Pages that follow from the program, computed from models, commands, docstrings and numbers."""
+
+import ast
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from workflow.cli import app
+from workflow.report.reference import markdown as keys
+
+__all__ = ["closed_forms", "commands", "keys", "numbers", "python_interface", "s13", "speed"]
+
+HERE = Path(__file__).resolve().parent
+TOP = HERE.parent
+
+
+def numbers() -> dict[str, dict[str, Any]]:
+    """The numbers that README and pages quote, by table."""
+    return tomllib.loads((HERE / "numbers.toml").read_text(encoding="utf-8"))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell).replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def commands() -> str:
+    """Every command with its arguments and options, from the program that reads them."""
+    group = typer.main.get_command(app)
+    parts = [
+        "# Commands",
+        "Generated from the program. `noshiro COMMAND --help` prints the same.",
+        "Exit codes: 0 done, 1 a fault of the program, 2 the input or the folder cannot be used, 3 a stage ended "
+        "without an answer (the report says why and what to try), 130 stopped by Ctrl-C. The same command continues "
+        "a stopped run.",
+    ]
+    for name, command in group.commands.items():  # type: ignore[attr-defined]
+        rows = [
+            (", ".join(f"`{word}`" for word in (*one.opts, *one.secondary_opts)), getattr(one, "help", "") or "")
+            for one in command.params
+            if one.name != "help"
+        ]
+        what = " ".join((command.help or "").split())
+        parts += [f"## noshiro {name}", what, table(("argument or option", "what"), rows) if rows else ""]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def exported(package: str) -> Iterator[tuple[str, str]]:
+    """What a package offers at its top: names and the modules that define them."""
+    tree = ast.parse((TOP / package / "__init__.py").read_text(encoding="utf-8"))
+    homes = {
+        alias.asname or alias.name: node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+    listed = next(
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
+    )
+    for name in listed:
+        yield name, homes[name]
+
+
+def python_interface() -> str:
+    """The public interface of the packages, from the docstrings."""
+    parts = [
+        "# Python interface",
+        "What `meshes`, `fem` and `dem` offer at their top. Lengths in m, stresses in Pa, angles in radians unless a "
+        "unit is written. Scripts that use them: [examples](../examples/README.md).",
+    ]
+    for package in ("meshes", "fem", "dem"):
+        parts += [f"## {package}"]
+        parts += [f"::: {module}.{name}\n    options:\n      heading_level: 3" for name, module in exported(package)]
+    return "\n\n".join(parts) + "\n"
+
+
+def made(name: str) -> str:
+    """When the numbers of a table were found, and by which command they are found again."""
+    told = numbers()[name]
+    by = f" by commit {told['commit']}" if told["commit"] else ""
+    return f"Generated {told['date']}{by}. Again: `{told['command']}`."
+
+
+def closed_forms() -> str:
+    """Closed forms and published brackets beside strict bounds and elements."""
+    rows = [
+        (
+            row["problem"], row["answer"], row["source"], f"{row['lower']:g} to {row['upper']:g}",
+            ", ".join(f"{row[key]:g}" for key in ("elements_4", "elements_8") if key in row),
+        )
+        for row in numbers()["closed_forms"]["rows"]
+    ]  # fmt: skip
+    head = ("problem", "answer", "source", "strict bounds", "reduced elements, 4 and 8 cells below half of the footing")
+    words = "Every problem is also a test in `tests/verification`. Strict bounds must contain the answer."
+    return "\n\n".join(["# Closed forms", made("closed_forms"), words, table(head, rows)]) + "\n"
+
+
+def s13() -> str:
+    """S-13 beside the paper."""
+    found: Mapping[str, Any] = numbers()["s13"]
+    lines = [
+        ("critical Kh, finite elements (free sides, Davis's estimate, as its file asks)", found["kc"]),
+        ("critical Kh for ψ = φ", found["kc_associated"]),
+        ("strict bounds for ψ = φ", f"{found['lower']} to {found['upper']}"),
+        ("critical Kh of finite elements with fixed sides, which the discs are compared with", found["kc_target"]),
+        ("critical Kh of soil discs, uncalibrated, by packing", ", ".join(map(str, found["kc_discs_of_packings"]))),
+        ("critical Kh of the paper's discs", found["kc_paper_discs"]),
+        ("largest slide, cases 1 to 3 (m)", f"{found['slide_least_m']} to {found['slide_most_m']}"),
+    ]
+    agrees = {True: "yes", False: "no", "": "-"}
+    rows = [(one["quantity"], one["paper"], one["ours"], agrees[one["agrees"]]) for one in found["paper"]]
+    parts = ["# S-13", made("s13"), table(("quantity", "here"), lines), "## Beside the paper"]
+    parts += ["What the paper says: [the paper](../theory/paper.md)."]
+    parts += [table(("quantity", "paper", "here", "agrees"), rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def speed() -> str:
+    """Times, beside LAMMPS where it has the same problem."""
+    found = numbers()
+    slopes, discs = found["published"], found["dem_throughput"]
+    rows: list[Sequence[object]] = [
+        ("published slopes: strict bounds, median", f"{slopes['bounds_seconds']} s"),
+        ("published slopes: finite elements with ψ = φ, median", f"{slopes['associated_seconds']} s"),
+        (f"soil discs, {discs['elements']:g} of them, one core", f"{discs['soil_discs']} million disc-steps a second"),
+    ]
+    if "lammps" in discs:
+        rows += [
+            ("LAMMPS gran/hooke/history, same discs, same core", f"{discs['lammps']} million disc-steps a second"),
+            ("discs with the same law as LAMMPS, over LAMMPS", f"{discs['times_lammps']} times"),
+        ]
+    dates = "\n".join(f"- {made(name)}" for name in ("published", "dem_throughput"))
+    words = "Seconds of processor time on one machine. All benchmarks: `python -m tests.benchmarks`."
+    return "\n\n".join(["# Speed", words, table(("what", "speed"), rows), dates]) + "\n"

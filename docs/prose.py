@@ -1,0 +1,77 @@
+"""Refuses words that the glossary replaced, in the pages of the documentation: `python docs/prose.py`.
+
+Only words that mean nothing else here are listed. Code between backquotes and in blocks is left out: names in it are
+those of the program.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parent.parent
+# Pages that tell what was, or are generated from the texts of the program.
+LEFT_OUT = {"docs/changelog.md"}
+
+# The word, as a pattern, and what it is called now.
+WORDS = {
+    r"at once, without a path": "limit load by finite element limit analysis",
+    r"DirectLimit|AtOnce": "the name of the class that is there",
+    r"pushed (downhill|uphill)": "seismic force downslope or upslope",
+    r"Davis's substitute": "Davis's estimate, or the reduced strength of Davis",
+    r"grains (that )?roll(s|ing)? down": "shallow failure of a cohesionless face",
+    r"(is|are|was|were) doubtful": "warning",
+    r"what is doubtful": "warnings",
+    r"these discs are not this soil": "calibration failed",
+    r"without any factor": "uncalibrated",
+    r"hangs? on": "depends on",
+    r"stands? beside": "is compared with, or is shown with",
+    r"goes on": "continues",
+    r"comes? to (the|a) ": "amounts to",
+    r"It has not run yet": "not run",
+    r"was made from": "inputs",
+    r"\b(it|which|that) tells\b": "reports",
+    r"judges?\b(?! computes)": "checks, or second opinion",
+    r"ledger|books\b": "energy balance",
+    r"swing\b": "added mass",
+    r"\bas of last time\b": "history is no part of a page",
+    r"utili[sz]e": "use",
+    r"in order to": "to",
+}
+
+
+def prose(text: str) -> str:
+    """A page without its code, with as many lines."""
+    text = re.sub(r"^```.*?^```", lambda block: "\n" * block[0].count("\n"), text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"^ {4,}\S.*$", "", text, flags=re.MULTILINE)
+    return re.sub(r"`[^`\n]*`", "", text)
+
+
+def faults(text: str) -> Iterator[tuple[int, str, str]]:
+    """Line, word and its replacement of every word that is refused."""
+    for number, line in enumerate(prose(text).splitlines(), 1):
+        for pattern, better in WORDS.items():
+            for found in re.finditer(pattern, line, flags=re.IGNORECASE):
+                yield number, found[0].strip(), better
+
+
+def pages() -> list[Path]:
+    """README, the READMEs of the packages, and every page of the documentation."""
+    written = [path for path in (TOP / "docs").rglob("*.md") if "build" not in path.relative_to(TOP / "docs").parts]
+    found = [TOP / "README.md", *(TOP / package / "README.md" for package in ("meshes", "fem", "dem", "workflow"))]
+    return [path for path in (*found, *sorted(written)) if str(path.relative_to(TOP)) not in LEFT_OUT]
+
+
+def main() -> int:
+    """Prints the faults; 1 if there are any."""
+    told = [
+        f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
+        for path in pages()
+        for line, word, better in faults(path.read_text(encoding="utf-8"))
+    ]
+    print("\n".join(told) or "prose: no word of the old language")
+    return 1 if told else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

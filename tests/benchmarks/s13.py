@@ -1,0 +1,82 @@
+"""A whole run of S-13 and strict bounds of it to 1 %: `python -m tests.benchmarks.s13 [--folder RUN] [--json FILE]`.
+
+README and documentation quote these numbers. With a folder that holds a finished run, only the bounds are computed.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fem.limit.bounds import kh_bounds
+from fem.settings import BoundsSettings, FemSettings
+from meshes.section.section import Section
+from tests.support import SECTIONS
+
+S13 = SECTIONS / "s13.toml"
+
+Row = dict[str, Any]
+
+
+def run(folder: Path) -> None:
+    """All stages, into a folder; what is there already is reused."""
+    command = [sys.executable, "-m", "workflow.cli", "run", str(S13), "--out", str(folder), "--quiet"]
+    subprocess.run(command, check=True)
+
+
+def rows_of(folder: Path) -> list[Row]:
+    """The numbers of a run, and its bounds to 1 %."""
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    fem, dem = summary["fem"], summary["dem"]
+    more = summary["cases_random"]["seeds"] if summary["cases_random"] else [{"kc_before": dem["kc_uncalibrated"]}]
+    packings = sorted(seed["kc_before"] for seed in more if seed["kc_before"] is not None)
+    slides = [case["slide_max_m_mean"] or case["slide_max_m"] for case in summary["cases"].values()]
+    bounds = kh_bounds(Section.read(S13), FemSettings(), BoundsSettings(gap=0.01, davis=False))
+    row = {
+        "kc": fem["kc"],
+        "kc_associated": fem["kc_associated"],
+        "lower": bounds.lower,
+        "upper": bounds.upper,
+        "kc_discs": dem["kc"],
+        "kc_discs_of_packings": packings,
+        "kc_target": dem["kc_target"],
+        "strength_factor": dem["strength_factor"],
+        "kc_paper_discs": summary["paper_model"]["kc"],
+        "slide_least_m": min(slides),
+        "slide_most_m": max(slides),
+        "paper": summary["paper"],
+    }
+    return [row]
+
+
+def quoted(rows: list[Row]) -> Row:
+    """What the documentation shows, in the digits that it shows."""
+    row = rows[0]
+    packings = [round(kc, 3) for kc in row["kc_discs_of_packings"]]
+    digits = {"slide_least_m": 1, "slide_most_m": 1, "strength_factor": 2, "kc_paper_discs": 3, "kc": 3}
+    numbers = {name: round(value, digits.get(name, 4)) for name, value in row.items() if isinstance(value, float)}
+    told = ("quantity", "paper", "ours", "agrees")
+    compared = [{name: "" if line[name] is None else line[name] for name in told} for line in row["paper"]]
+    return {**numbers, "kc_discs_of_packings": packings, "paper": compared}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folder", type=Path, help="of a run; a new one if not given")
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="noshiro-") as new:
+        folder = options.folder or Path(new)
+        if not (folder / "summary.json").exists():
+            run(folder)
+        rows = rows_of(folder)
+    print(quoted(rows))
+    if options.json:
+        options.json.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

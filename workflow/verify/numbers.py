@@ -1,0 +1,49 @@
+"""The numbers that README and documentation quote: `docs/numbers.toml` of a checkout, a table for each command."""
+
+import tomllib
+from collections.abc import Collection, Mapping
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from workflow.run.store import Store
+from workflow.verify.record import version_of
+
+FILE = "numbers.toml"
+HEAD = "# Written by the commands that stand in it. README and pages quote these numbers; a test compares them.\n\n"
+
+
+def keep_numbers(
+    folder: Path, table: str, command: str, numbers: Mapping[str, Any], commits: Collection[str] = ()
+) -> Path | None:
+    """Replace one table of the file of numbers.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder `docs` of a checkout. Where it is missing, as beside an installed package, nothing is written.
+    table : str
+        Name of the table.
+    command : str
+        The command that makes these numbers anew.
+    numbers : mapping
+        The numbers by their names, which end with the unit, and lists of rows of them.
+    commits : collection of str
+        The versions of the program that found the numbers; the present one where none is given.
+
+    Returns
+    -------
+    Path or None
+        The file, None where there is no such folder.
+    """
+    if not folder.is_dir():
+        return None
+    path = folder / FILE
+    tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    found_by = ", ".join(sorted({commit or "unknown" for commit in commits})) or version_of(folder)
+    made = {"command": command, "date": date.today().isoformat(), "commit": found_by}
+    tables[table] = {**made, **numbers}
+    text = HEAD + tomli_w.dumps({name: tables[name] for name in sorted(tables)})
+    return Store(folder).write_text(FILE, text)
