@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Callable
 
 from meshes.errors import InputError, NoAnswerError
-from workflow.run.interrupts import remembered
+from meshes.executor import is_left_working
 from workflow.run.spelling import spell_out
 
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
@@ -16,8 +16,7 @@ def ended(call: Callable[[], object]) -> None:
     """Call what may fail; leave the program with an exit code where it does."""
     spell_out()
     try:
-        with remembered():
-            call()
+        call()
     except InputError as error:
         _complain(str(error))
         sys.exit(BAD_INPUT)
@@ -47,8 +46,7 @@ def ended_as_program(call: Callable[[], object]) -> None:
     try:
         ended(call)
     except SystemExit as stop:
-        threads = sys.modules.get("fem.solvers.meanwhile")
-        if threads is not None and threads.is_working():
+        if is_left_working():
             sys.stdout.flush()
             sys.stderr.flush()
             os._exit(stop.code if isinstance(stop.code, int) else int(stop.code is not None))

@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from meshes.errors import NoAnswerError
+from meshes.executor import Processes
 from meshes.section.section import Section
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, plan
@@ -112,7 +113,6 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
 
     Raises what `pipeline.execute` and `write_pdf` do.
     """
-    from workflow.ensemble.team import crew
     from workflow.run import pipeline
     from workflow.run.display import NORMAL, QUIET, VERBOSE, Display
 
@@ -120,8 +120,8 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
-        with Display(out, err, shown, verbosity) as display, crew(job.given.dem.workers) as team:
-            pipeline.execute(replace(job, team=team), choice, display, what)
+        with Display(out, err, shown, verbosity) as display:
+            pipeline.execute(replace(job, executor=Processes(job.given.dem.workers)), choice, display, what)
     except NoAnswerError:
         _tell(job, choice, voice, warnings, pdf)
         raise

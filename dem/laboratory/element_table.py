@@ -9,7 +9,7 @@ from dem.errors import DemError
 from dem.laboratory.element_test import element_test
 from dem.laboratory.patch import PackingKind, Sample
 from dem.springs import LayerSprings
-from dem.team import Team, Tell, alone
+from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.section import Section
 from meshes.section.stratum import Stratum
 
@@ -53,7 +53,7 @@ def element_tests(
     radius: float,
     *,
     seed: int = 0,
-    team: Team = alone,
+    executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
     """Every layer as a lattice and as a random packing; a test that cannot be done says why."""
     stresses = middle_stresses(section)
@@ -62,7 +62,7 @@ def element_tests(
         for k in np.flatnonzero(stresses > 0.0)
         for packing in PACKINGS
     ]
-    return team(_tested, tests)
+    return executor.compute(_tested, tests)
 
 
 def _tested(given: tuple[Stratum, Sample, list[float]], _: Tell) -> dict[str, Any]:

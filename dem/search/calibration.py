@@ -24,7 +24,7 @@ from dem.search.equilibrium import settle
 from dem.search.pushover import Continuum, pushed_over
 from dem.settings import DemSettings, Parameter
 from dem.springs import LayerSprings
-from dem.team import Team, Tell, alone
+from meshes.executor import SERIAL, Executor, Tell
 
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
 ONE_AT_A_TIME = PARAMETERS[:3]
@@ -124,7 +124,7 @@ class Calibrator:
         Searches of an earlier run, taken as they are.
     on_trial, on_search
         Hear of every trial of a search in this process, and of every search.
-    team
+    executor
         Who does several searches.
 
     By parameter and factor, ``pushed`` has the discs at the end of every push in this process, and ``rested`` soil
@@ -142,14 +142,14 @@ class Calibrator:
         known: dict[Key, Search] | None = None,
         on_trial: OnTrial | None = None,
         on_search: OnSearch | None = None,
-        team: Team = alone,
+        executor: Executor = SERIAL,
     ) -> None:
         self.ground, self.layers, self.settled, self.settings = ground, list(layers), settled, settings
         self.continuum = continuum
         self.searches = dict(known or {})
         self.pushed: dict[Key, DiscModel] = {}
         self.rested: dict[Key, DiscModel] = {}
-        self.on_trial, self.on_search, self.team = on_trial, on_search, team
+        self.on_trial, self.on_search, self.executor = on_trial, on_search, executor
 
     def __getstate__(self) -> dict[str, Any]:
         """What goes to another process: all but who listens here, and what is known already."""
@@ -160,7 +160,7 @@ class Calibrator:
             "rested": {},
             "on_trial": None,
             "on_search": None,
-            "team": alone,
+            "executor": SERIAL,
         }
 
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
@@ -212,16 +212,18 @@ class Calibrator:
         )  # fmt: skip
 
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
-        """Several searches, by the team. What is known is not searched for again."""
+        """Several searches, by the executor. What is known is not searched for again."""
         new = [key for key in wanted if key not in self.searches]
-        if self.team is alone or len(new) < 2:
+        if self.executor is SERIAL or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
-        self.team(_searched, [(self, *key, fine) for key in new], done=lambda k, found: self._know(new[k], found))
+        self.executor.compute(
+            _searched, [(self, *key, fine) for key in new], done=lambda k, found: self._know(new[k], found)
+        )
         return [self.searches[key] for key in wanted]
 
 
 def _searched(given: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
-    """One search of a team."""
+    """One search of several."""
     calibrator, parameter, factor, fine = given
     return calibrator.search(parameter, factor, fine=fine)
 

@@ -13,8 +13,8 @@ from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds,
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
+from fem.solvers.blas_threads import one_more_thread
 from fem.solvers.cone_program import NoSolution, Solution
-from fem.solvers.meanwhile import Meanwhile
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
@@ -59,8 +59,8 @@ class BoundSearch:
         best, mesh = self.found, self.found.mesh if self._seen is None else self._finer(*self._seen)
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
-        with Meanwhile() as meanwhile:
-            above = meanwhile.begin(partial(proven_upper_bound, problem, left))
+        with one_more_thread() as executor:
+            above = executor.submit(partial(proven_upper_bound, problem, left))
             low, low_notes, stress = proven_lower_bound(problem, left)
             high, high_notes, mechanism = above.result()
         missing: tuple[tuple[BoundSide, bool], ...] = (

@@ -27,9 +27,9 @@ from fem.search.mesh_sequence import (
 )
 from fem.search.strength_reduction import SafetyFactor, safety_at_once
 from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
-from fem.solvers.meanwhile import IN_TURN, Meanwhile
 from meshes.adaptation import adapted
 from meshes.errors import InputError, NoAnswerError
+from meshes.executor import SERIAL, Executor
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import areas
@@ -89,7 +89,7 @@ def adapted_answer(
     settings: FemSettings,
     comm: Any,
     listener: Callable[[str], None],
-    meanwhile: Meanwhile = IN_TURN,
+    executor: Executor = SERIAL,
 ) -> AdaptiveResult[AtOnce]:
     """The critical Kh on meshes made for it, in the direction in which it is smaller; ``first`` alone if none are made.
 
@@ -116,7 +116,7 @@ def adapted_answer(
 
     if settings.direction != "both":
         return towards(settings.direction, nothing)
-    begun = meanwhile.begin(lambda: towards("downhill", nothing))
+    begun = executor.submit(lambda: towards("downhill", nothing))
     try:
         up = towards("uphill", lambda: begun.result().result.kc)
     except NoAnswerError:

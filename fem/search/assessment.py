@@ -26,8 +26,9 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings
-from fem.solvers.meanwhile import Meanwhile, stop_if_left
+from fem.solvers.blas_threads import one_more_thread
 from meshes.errors import NoAnswerError
+from meshes.executor import Executor, check_cancelled
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -92,8 +93,8 @@ def assess(
     weight.
     """
     settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
-    with Meanwhile(comm.size == 1) as meanwhile:
-        return _Search(section, meshing, first, comm, listener, meanwhile).assessed(settings)
+    with one_more_thread(comm.size == 1) as executor:
+        return _Search(section, meshing, first, comm, listener, executor).assessed(settings)
 
 
 def box_below_faces(
@@ -110,8 +111,8 @@ def box_below_faces(
     Raises InputError, NoEquilibriumError, UnstableError.
     """
     settings = settings.model_copy(update={"flow": flow_of(section.strata, settings.flow)})
-    with Meanwhile(comm.size == 1) as meanwhile:
-        search = _Search(section, meshing, first, comm, listener, meanwhile)
+    with one_more_thread(comm.size == 1) as executor:
+        search = _Search(section, meshing, first, comm, listener, executor)
         return search.rigid_box(settings, None, first, below_faces=True)
 
 
@@ -159,7 +160,7 @@ class _Search:
     first: QuadMesh
     comm: Any
     listener: AssessmentListener
-    meanwhile: Meanwhile
+    executor: Executor
 
     def assessed(self, settings: FemSettings) -> Assessment:
         """All answers; those that do not hang on each other are looked for side by side."""
@@ -187,7 +188,7 @@ class _Search:
         one_way = settings.model_copy(update={"direction": adapted.result.direction})
         box = self.begin_box(one_way, adapted, adapted.mesh)
         safety = self.begin_safety(one_way) if safety is None else safety
-        beside = self.meanwhile.begin(partial(self.beside_limit_loads, adapted, one_way))
+        beside = self.executor.submit(partial(self.beside_limit_loads, adapted, one_way))
         critical = self.path_to(adapted, one_way)
         found, other = beside.result()
         if found is not adapted:
@@ -216,7 +217,7 @@ class _Search:
 
     def begin_safety(self, settings: FemSettings) -> list[Safety]:
         """Begin with the factors of safety that are asked for."""
-        return [self.meanwhile.begin(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
+        return [self.executor.submit(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
         self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
@@ -225,7 +226,7 @@ class _Search:
         same = settings.sides == "fixed" and not self.dilates_more(settings)
         if not settings.rigid_box or same:
             return None
-        return self.meanwhile.begin(partial(self.rigid_box, settings, adapted, mesh))
+        return self.executor.submit(partial(self.rigid_box, settings, adapted, mesh))
 
     def told(self, what: str) -> Callable[[EquilibriumPath], None]:
         """Tells how far a path is."""
@@ -281,7 +282,7 @@ class _Search:
     def at_once(self, what: str, settings: FemSettings) -> AdaptiveResult[AtOnce]:
         """The limit loads of meshes made for the mechanism."""
         told = self._saying(what)
-        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.meanwhile)
+        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.executor)
 
     def rigid_box(
         self,
@@ -383,5 +384,5 @@ class _Search:
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:
         """Tells the listener, unless nobody waits for this any more."""
-        stop_if_left()
+        check_cancelled()
         self.listener(what, path)

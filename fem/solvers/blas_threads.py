@@ -2,6 +2,8 @@
 
 from threadpoolctl import ThreadpoolController
 
+from meshes.executor import SERIAL, Executor, OneThread
+
 
 def use_one_thread() -> None:
     """Let every BLAS that is loaded compute with one thread: with more, sums come in another order and have other bits.
@@ -15,3 +17,8 @@ def bears_threads() -> bool:
     """Whether several threads may call BLAS at once: OpenBLAS without threads of its own (Debian's
     ``libopenblas0-serial``) shares its work space among them, and what it finds then is wrong."""
     return all(library.get("threading_layer") != "disabled" for library in ThreadpoolController().info())
+
+
+def one_more_thread(wanted: bool = True) -> Executor:
+    """An executor with one thread beside this one, where it is wanted and BLAS bears it."""
+    return OneThread() if wanted and bears_threads() else SERIAL

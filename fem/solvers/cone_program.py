@@ -30,7 +30,7 @@ from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
 from fem.solvers.corner_matrix import CornerMatrix
-from fem.solvers.meanwhile import interruptible, stop_if_left
+from meshes.executor import check_cancelled, interruptible
 
 use_one_thread()
 
@@ -195,7 +195,7 @@ def _by_interior_point(program: ConeProgram, data: Assembled, magnified: float, 
     form, order = standard(program, data, magnified)
     try:
         matrix = CornerMatrix(form.rates)
-        found = interior_point.interior_solution(form, magnified, gap, matrix, stop_if_left)
+        found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled)
     except MemoryError:
         return _End("MemoryError", np.empty(0), np.empty(0), False, 0, 0.0)
     z = np.empty(len(found.z))

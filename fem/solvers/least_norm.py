@@ -6,7 +6,7 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from fem.solvers.meanwhile import interruptible
+from meshes.executor import interruptible
 
 MOST_CORRECTIONS = 30
 

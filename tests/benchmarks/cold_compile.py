@@ -29,13 +29,12 @@ print(json.dumps({"cpu_s": time.process_time() - begin[0], "clock_s": time.perf_
 
 AHEAD = """
 import json, time
-from dem.ahead import compile_ahead
-from workflow.ensemble.team import crew
+from dem.precompile import precompile
+from meshes.executor import Processes
 if __name__ == "__main__":
-    with crew(2) as team:
-        team.hire()
+    with Processes(2) as executor:
         begin = time.perf_counter()
-        compile_ahead(team, lambda _: None)
+        precompile(executor, lambda _: None)
         print(json.dumps({"clock_s": time.perf_counter() - begin}))
 """
 

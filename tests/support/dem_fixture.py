@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import workflow.stages
-from dem.team import Team
+from meshes.executor import Executor
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import (
     AssemblyProperties,
@@ -146,7 +146,7 @@ def draw(store: Store, name: str, title: str) -> None:
         figure.savefig(path, format="png")
 
 
-def calibrate_stage(run: Input, store: Store, progress: Progress, team: Team, reached: bool = True) -> None:
+def calibrate_stage(run: Input, store: Store, progress: Progress, executor: Executor, reached: bool = True) -> None:
     """As if calibrated: a journal that grows, then the answer."""
     kc = FemAnswer.read(store).kc
     journal = store.folder / "dem/trials.jsonl"
@@ -163,9 +163,9 @@ def calibrate_stage(run: Input, store: Store, progress: Progress, team: Team, re
         raise NoAnswerError("the range of stiffness does not reach it", "widen [dem] range")
 
 
-def out_of_reach(run: Input, store: Store, progress: Progress, team: Team) -> None:
+def out_of_reach(run: Input, store: Store, progress: Progress, executor: Executor) -> None:
     """As if the calibration were out of reach."""
-    calibrate_stage(run, store, progress, team, reached=False)
+    calibrate_stage(run, store, progress, executor, reached=False)
 
 
 def slide_stage(job: Job) -> None:

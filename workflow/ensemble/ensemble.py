@@ -2,19 +2,21 @@
 
 import socket
 import time
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from concurrent import futures
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Generic
 
 from meshes.errors import InputError, NoAnswerError
+from meshes.executor import LostError, Processes
 from workflow.ensemble.kept import Kept, Outcome
 from workflow.ensemble.task import Found, Given, Task
-from workflow.ensemble.workers import LostError, Workers, hired
 
 LOOK_AGAIN = 1.0  # s between two looks for answers that another machine computes
+PATIENCE = 30  # s for a scheduler to answer
 
 
 @dataclass(frozen=True)
@@ -77,17 +79,38 @@ class Ensemble:
                 on_row(len(found), sum(row.answer is None for row in found.values()), total)
 
         tell()
-        team = hired(min(self.workers, len(missing)), self.scheduler) if missing else nullcontext()
-        with team as workers:
-            while missing and workers is not None:
-                self._round(workers, missing, found, tell)
-                if missing:
+        if missing:
+            with self._executor(min(self.workers, len(missing))) as executor:
+                self._round(executor, missing, found, tell)
+                while missing:
                     time.sleep(LOOK_AGAIN)
+                    self._round(executor, missing, found, tell)
         return [found[task.fingerprint] for task in tasks]
+
+    @contextmanager
+    def _executor(self, count: int) -> Iterator[futures.Executor]:
+        """So many processes of this machine, or the workers of the scheduler; raises InputError if there is none."""
+        if self.scheduler is None:
+            with Processes(count) as executor:
+                yield executor
+            return
+        from distributed import Client
+
+        try:
+            client = Client(self.scheduler, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            told = f"no Dask scheduler answers ({error}); expected an address such as tcp://{socket.gethostname()}:8786"
+            raise InputError(f"--scheduler {self.scheduler}", [told]) from None
+        with client:
+            executor = client.get_executor(pure=False)
+            try:
+                yield executor
+            finally:
+                executor.shutdown(wait=False)  # which cancels what is left
 
     def _round(
         self,
-        workers: Workers,
+        executor: futures.Executor,
         missing: dict[str, Task[Given, Found]],
         found: dict[str, Row[Found]],
         tell: Callable[[], None],
@@ -95,15 +118,18 @@ class Ensemble:
         """Let every missing task be tried once; those that another machine is at stay missing."""
         tasks = list(missing.values())
         attempts = [Attempt(str(self.folder), task.fingerprint, partial(_outcome, task), task.name) for task in tasks]
-        for place, outcome in workers.results(attempt, attempts):
+        begun = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
+        for future in futures.as_completed(begun):
+            task = begun[future]
+            try:
+                outcome = future.result()
+            except InputError:
+                raise
+            except Exception as error:
+                told = str(error) if isinstance(error, LostError) else f"{type(error).__name__}: {error}"
+                outcome = Outcome(task=task.name, given={}, reason=told, lasting=False)
             if outcome is None:
                 continue
-            if isinstance(outcome, InputError | KeyboardInterrupt):
-                raise outcome
-            task = tasks[place]
-            if not isinstance(outcome, Outcome):
-                told = str(outcome) if isinstance(outcome, LostError) else f"{type(outcome).__name__}: {outcome}"
-                outcome = Outcome(task=task.name, given={}, reason=told, lasting=False)
             del missing[task.fingerprint]
             found[task.fingerprint] = _row(task, outcome)
             tell()

@@ -2,22 +2,22 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, as_completed
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from threading import RLock
 from typing import Protocol
 
+from meshes.executor import SERIAL, Tell, interruptible, then
 from workflow.run import mesh_options
-from workflow.run.beside import Beside
-from workflow.run.draughtsman import Draughtsman
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import title
-from workflow.run.interrupts import remembered
 from workflow.run.lock import locked
 from workflow.run.log import Log
 from workflow.run.plan import Choice, Decision, is_of_this_input, made_from, plan
-from workflow.run.progress import Progress
+from workflow.run.progress import Progress, silent
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -37,29 +37,8 @@ class Listener(Protocol):
         """A stage does not run."""
 
 
-class Heeding:
-    """A listener that raises KeyboardInterrupt at any sign of progress after a Ctrl-C that was swallowed."""
-
-    def __init__(self, listener: Listener, check: Callable[[], None]) -> None:
-        self.listener, self.check = listener, check
-        self.skip = listener.skip
-
-    def begin(self, decision: Decision) -> Progress:
-        progress = self.listener.begin(decision)
-
-        def tell(line: str, share: float | None) -> None:
-            self.check()
-            progress(line, share)
-
-        return tell
-
-    def end(self, decision: Decision, entry: Entry) -> None:
-        self.listener.end(decision, entry)
-        self.check()
-
-
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
-    """Do what has to be done, with the folder locked; ``what`` is the command, for the log.
+    """Do what has to be done, with the folder locked; ``what`` is the command, for the log. The executor ends with it.
 
     Raises InputError if something cannot be used or written. A stage without an answer keeps those from running that
     need it; all others run, and then its error is raised.
@@ -71,12 +50,9 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         log.begin(what)
         failures: dict[str, NoAnswerError] = {}
         try:
-            with remembered() as check:
-                run = Run(job, record, log, Heeding(listener, check), failures)
-                try:
-                    run.do_all(decisions)
-                finally:
-                    run.leave()
+            with job.executor:
+                work = partial(Run(job, record, log, listener, failures).do_all, decisions)
+                interruptible(work) if job.ranks is None or job.ranks.comm.size == 1 else work()
         except BaseException as error:
             log.stop(error)
             raise
@@ -97,8 +73,7 @@ class Run:
     log: log.txt.
     listener: who is told how it goes.
     failures: what kept stages from an answer, by their names, with those that need them.
-    beside: the stages that run beside others.
-    draughtsman: who draws beside them; None where this process does.
+    beside: what goes on beside this process, stages and pictures.
     """
 
     job: Job
@@ -106,47 +81,38 @@ class Run:
     log: Log
     listener: Listener
     failures: dict[str, NoAnswerError] = field(default_factory=dict)
-    draughtsman: Draughtsman | None = None
+    beside: list[Future[None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.beside = Beside.of(self.job)
+        alone = self.job.ranks is None or self.job.ranks.comm.size == 1  # else MPI started several processes
+        self.executor = self.job.executor if alone and self.job.executor.count > 1 else SERIAL
         self.one_at_a_time = RLock()  # who writes the record, the log and the input: stages beside others do so, too
 
     def do_all(self, decisions: Sequence[Decision]) -> None:
         """Do what was decided, stage by stage, and those stages beside others that can be."""
         waiting = list(decisions)
-        works = [one.stage for one in waiting if one.action == "run" and not one.stage.of_all]
-        if any(stage.drawn_after for stage in works[:-1]):
-            self.draughtsman = Draughtsman.of(self.job)
         while waiting:
             for decision in [one for one in waiting if self._can_go_beside(one, waiting)]:
                 waiting.remove(decision)
                 self.work_beside(decision)
             decision = waiting.pop(0)
             if decision.stage.of_all:
-                self.beside.wait()
-                self._wait_for_pictures()
-            self.beside.look()
-            if self.draughtsman is not None:
-                self.draughtsman.look()
+                self._wait()
+            for future in self.beside:
+                if future.done():
+                    future.result()
             self.do(decision)
-        self.beside.wait()
-        self._wait_for_pictures()
+        self._wait()
 
-    def leave(self) -> None:
-        """End all that still goes on beside this process."""
-        self.beside.leave()
-        if self.draughtsman is not None:
-            self.draughtsman.leave()
-
-    def _wait_for_pictures(self) -> None:
-        if self.draughtsman is not None:
-            self.draughtsman.wait()
+    def _wait(self) -> None:
+        """Wait for all that goes on beside; raises its first error."""
+        for future in as_completed(self.beside):
+            future.result()
 
     def _can_go_beside(self, decision: Decision, waiting: Sequence[Decision]) -> bool:
         """Whether a stage can run now in another process, while this one has something else to do."""
         stage = decision.stage
-        if self.beside.team is None or stage.beside is None or decision.action != "run":
+        if self.executor.count < 2 or stage.beside is None or decision.action != "run":
             return False
         needed = {*stage.beside, *stage.needs}
         if needed & {one.stage.name for one in waiting} or needed & self.failures.keys():
@@ -189,10 +155,16 @@ class Run:
 
     def _draw(self, stage: Stage, draw: Callable[[Job], None], begun: "Begun") -> None:
         """Draw what a stage has left, in another process where there is one."""
-        if self.draughtsman is not None:
-            return self.draughtsman.begin(draw, self.job, lambda: self._keep_pictures(stage, begun.before))
-        draw(self.job)
-        return self._keep_pictures(stage, begun.before)
+
+        def keep(drawn: "Future[None]") -> None:
+            drawn.result()
+            self._keep_pictures(stage, begun.before)
+
+        self.beside.append(then(self.executor.submit(draw, self._for_others()), keep))
+
+    def _for_others(self) -> Job:
+        """The job as other processes get it."""
+        return replace(self.job, stages=(), progress=silent, executor=SERIAL, ranks=None)
 
     def _keep_pictures(self, stage: Stage, before: Mapping[str, tuple[int, int]]) -> None:
         """Keep which pictures a stage has left."""
@@ -204,9 +176,17 @@ class Run:
     def work_beside(self, decision: Decision) -> None:
         """Let a stage work in another process; how it ended is kept as soon as it has."""
         begun = self._begin(decision)
-        self.beside.begin(
-            decision.stage, self.job, begun.progress, lambda failure: self._end(decision, begun, failure)
-        )  # fmt: skip
+
+        def end(worked: "Future[None]") -> None:
+            failure = None
+            try:
+                worked.result()
+            except NoAnswerError as error:
+                failure = error
+            self._end(decision, begun, failure)
+
+        work = partial(_worked, decision.stage.work, self._for_others())
+        self.beside.append(then(self.executor.begin(work, lambda told: begun.progress(*told)), end))
 
     def _begin(self, decision: Decision) -> "Begun":
         """Clear up before a stage, and remember that it has begun."""
@@ -279,6 +259,11 @@ class Run:
                     self.log.line(f"{stage.name}: {line}")
 
         return tell
+
+
+def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
+    """A stage's work, in the process that does it."""
+    work(replace(job, progress=lambda line, share: tell((line, share))))
 
 
 @dataclass(frozen=True)

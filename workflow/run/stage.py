@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dem.team import Team, alone
+from meshes.executor import SERIAL, Executor
 from workflow.run.progress import Progress, silent
 from workflow.run.store import Store
 from workflow.settings import Input
@@ -26,8 +26,8 @@ class Job:
     progress: who hears how far a stage is.
     mesh_file: a mesh made elsewhere, to be taken instead of a new one.
     cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
-    ranks: the MPI ranks that may help; None where the program is alone.
-    team: who does jobs that do not hang on each other.
+    ranks: the MPI ranks that may help; None where the program is SERIAL.
+    executor: who does tasks that do not depend on each other.
     mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
     """
 
@@ -39,7 +39,7 @@ class Job:
     cases: tuple[int, ...] | None = None
     ranks: "Ranks | None" = None
     mesh_options: Mapping[str, Any] | None = None
-    team: Team = alone
+    executor: Executor = SERIAL
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,7 @@ class Stage:
     wanted: whether the settings ask for it. Where they do not, it runs only if it is asked for by name, and what it
         left before is used as long as it fits.
     partial: whether the job asks for a part of it only, so that the rest is still to come.
-    beside: the stages that must have ended before it may run beside others, in a process of the team; None where it
+    beside: the stages that must have ended before it may run beside others, in another process; None where it
         runs in this process. Nobody but a stage ``of_all`` may need it.
     of_all: whether it tells of whatever the others left, with or without an answer. It then runs after any news from
         them, and whether or not those that it needs have an answer.

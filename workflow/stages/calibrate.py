@@ -20,14 +20,14 @@ def work(job: Job) -> None:
             f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
             "raise fem.kh_limit, or look at a weaker section",
         )
-    calibrate_stage(job.given, job.store, job.progress, job.team)
+    calibrate_stage(job.given, job.store, job.progress, job.executor)
 
 
 def draw(job: Job) -> None:
     """Draw the discs by layer, and their states at every recorded Kh."""
     from workflow.stages.calibrated_discs import calibrate_pictures
 
-    calibrate_pictures(job.given, job.store, job.team)
+    calibrate_pictures(job.given, job.store, job.executor)
 
 
 def ignored(given: Input) -> tuple[str, ...]:

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from dem.ahead import compile_ahead
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
+from dem.precompile import precompile
 from dem.search.calibration import (
     ONE_AT_A_TIME,
     Calibration,
@@ -33,7 +33,7 @@ from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
-from dem.team import Team, Tell, alone
+from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.recorded_kh import in_name
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
@@ -68,11 +68,11 @@ PUSHES, POINTS, TESTS = 3, 22, 30
 FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
-def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) -> None:
+def calibrate_stage(given: Input, store: Store, progress: Progress, executor: Executor) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
-    compile_ahead(team, lambda what: progress(what, None))
-    found, paper, layers = _searched(given, store, progress, team)
+    precompile(executor, lambda what: progress(what, None))
+    found, paper, layers = _searched(given, store, progress, executor)
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
@@ -91,7 +91,7 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     papers_own = None
     if paper is not None:
         papers_own, sets["paper"] = _paper_answer(given, store, paper)
-    kept = keep_states(given, store, sets, team)
+    kept = keep_states(given, store, sets, executor)
     progress("slip surfaces", None)
     surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
     answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
@@ -99,9 +99,9 @@ def calibrate_stage(given: Input, store: Store, progress: Progress, team: Team) 
     answer.model_copy(update={"paper": papers_own, "model": model}).write(store)
     calibration_told = calibration_answer(given, found, continuum).model_copy(update={"layers": layers})
     calibration_told.write(store)
-    if tests := _layer_tests(given, discs, found, progress, team):
+    if tests := _layer_tests(given, discs, found, progress, executor):
         calibration_told.model_copy(update=tests).write(store)
-    calibrate_pictures(given, store, team)
+    calibrate_pictures(given, store, executor)
     calibration = found.calibration
     if given.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
@@ -131,13 +131,13 @@ class Searched:
 
 
 def _searched(
-    given: Input, store: Store, progress: Progress, team: Team
+    given: Input, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
     """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
     were asked for, and tests of the soil discs of every layer. What the discs are held against comes first, while they
     come to rest."""
     if given.dem.model != "soil":
-        return _calibrated(given, store, lambda message: progress(*message), team), None, ()
+        return _calibrated(given, store, lambda message: progress(*message), executor), None, ()
     searched, ended = 0.0, 0
 
     def tell(words: str) -> None:
@@ -162,8 +162,8 @@ def _searched(
             ended += 1
             tell(f"element tests of the discs of every layer: {ended} of {len(tests)}")
 
-    begun = team(_done, first, heard)
-    found, *tested = team(_done, [(_calibrated, (given, store)), *tests], heard, one_more)
+    begun = executor.compute(_done, first, heard)
+    found, *tested = executor.compute(_done, [(_calibrated, (given, store)), *tests], heard, one_more)
     layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(tested))
     return found, begun[2] if given.dem.paper else None, layers
 
@@ -182,11 +182,11 @@ def _at_rest(given: Input, store: Store, tell: Tell) -> None:
     discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
 
 
-def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> Searched:
+def _calibrated(given: Input, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
     """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
     discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(given, store)
-    calibrator = _calibrator(given, store, discs, continuum, tell, team)
+    calibrator = _calibrator(given, store, discs, continuum, tell, executor)
     base = calibrator.search("", 1.0, given.dem.workers)
     if base.kc is None:
         return Searched(base)
@@ -200,7 +200,9 @@ def _calibrated(given: Input, store: Store, tell: Tell, team: Team = alone) -> S
     return found
 
 
-def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, tell: Tell, team: Team) -> Calibrator:
+def _calibrator(
+    given: Input, store: Store, discs: Discs, continuum: Continuum, tell: Tell, executor: Executor
+) -> Calibrator:
     journal = Journal(store, JOURNAL)
     soil = given.dem.model == "soil"
     wanted = PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)
@@ -219,7 +221,7 @@ def _calibrator(given: Input, store: Store, discs: Discs, continuum: Continuum, 
         known=journal.known(),
         on_trial=on_trial,
         on_search=journal.add,
-        team=team,
+        executor=executor,
     )
     return calibrator
 
@@ -272,14 +274,14 @@ def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDisc
 
 
 def _layer_tests(
-    given: Input, discs: Discs, found: Searched, progress: Progress, team: Team
+    given: Input, discs: Discs, found: Searched, progress: Progress, executor: Executor
 ) -> dict[str, tuple[LayerTest, ...]]:
     """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
     if given.dem.model == "soil" or not given.dem.element_tests or found.calibration is None:
         return {}
     progress("element tests of the discs of every layer", None)
     springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
-    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, team=team)
+    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, executor=executor)
     return {"element_tests": tuple(LayerTest.model_validate(test) for test in tests)}
 
 
@@ -337,9 +339,9 @@ def _off(given: Input, ground: Ground, model: DiscModel) -> dict[str, float]:
     return {"surface_off_mean_m": float(off.mean()), "surface_off_worst_m": float(off.max())} if len(off) else {}
 
 
-def calibrate_pictures(given: Input, store: Store, team: Team = alone) -> None:
+def calibrate_pictures(given: Input, store: Store, executor: Executor = SERIAL) -> None:
     """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
-    team(_drawn, [StatePicture(given, store, state) for state in (None, *DiscsAnswer.read(store).states)])
+    executor.compute(_drawn, [StatePicture(given, store, state) for state in (None, *DiscsAnswer.read(store).states)])
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from dem.search.equilibrium import Rise, try_kh
 from dem.search.pushover import Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
-from dem.team import Team, Tell
+from meshes.executor import Executor, Tell
 from workflow.results.answer import line
 from workflow.results.discs import DiscState, SetOfSprings
 from workflow.run.store import Store
@@ -62,7 +62,7 @@ class Kept:
         return self.surfaces.get(which, NO_LINE)
 
 
-def keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
+def keep_states(given: Input, store: Store, sets: Sets, executor: Executor) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
@@ -72,7 +72,7 @@ def keep_states(given: Input, store: Store, sets: Sets, team: Team) -> Kept:
         for which, start in sets.items()
         if start.search.upper is not None and start.search.flexibility
     ]
-    found = team(_reached, [*recorded, *ends])
+    found = executor.compute(_reached, [*recorded, *ends])
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
     return Kept(tuple(found[: len(recorded)]), failing)
 

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from dem.team import Tell
 from fem.continuum.strength import is_dilating_fully
 from fem.settings import YIELDED, FemSettings
 from meshes.errors import NoAnswerError
+from meshes.executor import Tell
 from meshes.quad_mesh import QuadMesh
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer, PathStep, displacement_at

@@ -11,7 +11,7 @@ from typing import Any
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.slide import Slide
-from dem.team import Team, Tell, alone
+from meshes.executor import SERIAL, Executor, Tell
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
 from workflow.results.disc_grids import case_name, frames, write_collection
@@ -40,7 +40,7 @@ def slide_stage(job: Job) -> None:
     packings = others.at_once() if others is not None else []  # these take longest, and so begin
     pieces: list[Run | Packing] = [*packings, *(Run(given, store, each, frames=True) for each in tasks)]
     hearer = Hearer(given, job.progress, pieces)
-    found = job.team(_computed, pieces, hearer, hearer.ended)
+    found = job.executor.compute(_computed, pieces, hearer, hearer.ended)
     slides: dict[Task, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
     random: RandomPackings | None = None
     if others is not None:
@@ -51,7 +51,7 @@ def slide_stage(job: Job) -> None:
     for each in tasks:
         write_collection(store, case_name(each.springs, each.number))
     job.progress("pictures of the slides", None)
-    slide_pictures(given, store, job.team)
+    slide_pictures(given, store, job.executor)
 
 
 def _computed(piece: Run | Packing, tell: Tell) -> Any:
@@ -127,12 +127,12 @@ def _share(of_duration: float) -> float:
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
 
 
-def slide_pictures(given: Input, store: Store, team: Team = alone) -> None:
+def slide_pictures(given: Input, store: Store, executor: Executor = SERIAL) -> None:
     """Draw every case at its end, its animation, and the histories, from what is stored."""
     from workflow.figures import slides as slide_figures
 
     answer = CasesAnswer.read(store)
-    team(_drawn, [CasePictures(given, store, *each) for each in answer.each()])
+    executor.compute(_drawn, [CasePictures(given, store, *each) for each in answer.each()])
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
             slide_figures.history(given, read_histories(store), path)

@@ -9,7 +9,7 @@ from dem.search.equilibrium import Trial
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.slide import Slide
-from dem.team import Tell
+from meshes.executor import Tell
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
@@ -73,7 +73,10 @@ class RandomPackingsWanted:
         if self._chooses and found:
             seed = found[0][0]
             later = self._packings(seed.parameter if seed.parameter != "none" else "auto")[1:]
-            found = [*found, *job.team(packed, later, lambda place, told: job.progress(later[place].told(told), None))]
+            found = [
+                *found,
+                *job.executor.compute(packed, later, lambda place, told: job.progress(later[place].told(told), None)),
+            ]
         seeds, slides = [seed for seed, _ in found], [slides for _, slides in found]
         if self.own is not None:
             seeds, slides = [self.own, *seeds], [own, *slides]

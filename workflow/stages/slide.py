@@ -23,7 +23,7 @@ def draw(job: Job) -> None:
     """Draw every case at its end, its animation, and the histories."""
     from workflow.stages.liquefied_slides import slide_pictures
 
-    slide_pictures(job.given, job.store, job.team)
+    slide_pictures(job.given, job.store, job.executor)
 
 
 def files(job: Job) -> Mapping[str, Path]:

@@ -8,7 +8,7 @@ from dem.settings import Case
 from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
 from dem.slides.slide import Slide
-from dem.team import Tell
+from meshes.executor import Tell
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
 from workflow.settings import Input

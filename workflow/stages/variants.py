@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dem.team import Tell
 from fem.continuum.strength import Flow, flow_of, is_dilating_fully
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError
+from meshes.executor import Tell
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
@@ -50,7 +50,7 @@ def work(job: Job) -> None:
     def heard(place: int, message: str) -> None:
         progress(f"{asked[place].words}: {message}", len(ended) / len(asked))
 
-    found = job.team(variant, asked, heard, lambda _, each: ended.append(each))
+    found = job.executor.compute(variant, asked, heard, lambda _, each: ended.append(each))
     VariantsAnswer(variants=tuple(found)).write(store)
 
 

@@ -8,7 +8,7 @@ from fem.errors import UnstableError
 from fem.search import assessment
 from fem.search.assessment import assess
 from fem.settings import FemSettings
-from fem.solvers.meanwhile import IN_TURN
+from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -23,7 +23,7 @@ def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     found = []
     for alone in (False, True):
         if alone:
-            monkeypatch.setattr(assessment, "Meanwhile", lambda beside: IN_TURN)
+            monkeypatch.setattr(assessment, "one_more_thread", lambda beside: SERIAL)
         mesh = generate(ground, meshing)
         found.append(assess(ground, meshing, mesh, settings, MPI.COMM_SELF, lambda *_: None))
     one, other = found

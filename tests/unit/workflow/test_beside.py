@@ -1,15 +1,16 @@
 """Stages that run beside others: when they begin, what becomes of their results, and of those that fail or are left."""
 
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from threading import Event
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
-from dem.team import Tell, alone
 from meshes.errors import InputError
+from meshes.executor import Executor, Tell
 from tests.support.toy_stages import Heard, Toys, stage
 from workflow.run import pipeline
 from workflow.run.errors import NoAnswerError
@@ -18,25 +19,20 @@ from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
 
+A = TypeVar("A")
 
-class Threads:
-    """A team that does a job beside others in the thread that asks for it."""
 
-    several = True
+class Threads(Executor):
+    """Does tasks beside others in threads of this process."""
+
+    count = 2
 
     def __init__(self) -> None:
-        self.hired = 0
+        self.begun, self.pool = 0, ThreadPoolExecutor(2)
 
-    def __call__(self, *given: Any, **more: Any) -> Any:
-        return alone(*given, **more)
-
-    def hire(self) -> None:
-        self.hired += 1
-
-    def beside(
-        self, work: Callable[[Any, Tell], Any], given: Any, heard: Callable[[int, Any], None], stop: Event
-    ) -> Any:
-        return work(given, lambda told: heard(0, told))
+    def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
+        self.begun += 1
+        return self.pool.submit(work, heard or (lambda _: None))
 
 
 @pytest.fixture
@@ -49,7 +45,7 @@ def more(toys: Toys) -> Toys:
 
 def go(toys: Toys, folder: Path, choice: Choice | None = None) -> Heard:
     heard = Heard()
-    job = replace(toys.job(folder), team=Threads())
+    job = replace(toys.job(folder), executor=Threads())
     pipeline.execute(job, choice or toys.choose(), heard, "test")
     return heard
 
@@ -73,7 +69,7 @@ def test_it_begins_once_what_it_waits_for_has_ended_and_is_kept_while_others_run
                 kept.set()
 
     heard = Listening()
-    pipeline.execute(replace(more.job(tmp_path), team=Threads()), more.choose(), heard, "test")
+    pipeline.execute(replace(more.job(tmp_path), executor=Threads()), more.choose(), heard, "test")
     assert heard.ran == ["mesh", "bounds", "fem", "slide", "report"]
     assert set(heard.ended.values()) == {"done"}
     assert go(more, tmp_path).ran == []
@@ -82,9 +78,9 @@ def test_it_begins_once_what_it_waits_for_has_ended_and_is_kept_while_others_run
 
 def test_nothing_runs_beside_where_nothing_else_runs(more: Toys, tmp_path: Path) -> None:
     go(more, tmp_path)
-    job = replace(more.job(tmp_path), team=Threads())
+    job = replace(more.job(tmp_path), executor=Threads())
     pipeline.execute(job, more.choose(only=("bounds", "report"), force=True), Heard(), "test")
-    assert job.team.hired == 0  # type: ignore[attr-defined]
+    assert job.executor.begun == 0  # type: ignore[attr-defined]
 
 
 def test_the_report_tells_of_one_without_an_answer(more: Toys, tmp_path: Path) -> None:
@@ -94,7 +90,7 @@ def test_the_report_tells_of_one_without_an_answer(more: Toys, tmp_path: Path) -
     more.change("bounds", work=work)
     heard = Heard()
     with pytest.raises(NoAnswerError, match="no bracket; more triangles"):
-        pipeline.execute(replace(more.job(tmp_path), team=Threads()), more.choose(), heard, "test")
+        pipeline.execute(replace(more.job(tmp_path), executor=Threads()), more.choose(), heard, "test")
     assert heard.ended == {"mesh": "done", "bounds": "no answer", "fem": "done", "slide": "done", "report": "done"}
 
 
@@ -112,23 +108,27 @@ def test_an_error_beside_ends_the_run(error: Exception, more: Toys, tmp_path: Pa
 
 
 def test_ctrl_c_in_one_stage_leaves_what_runs_beside(more: Toys, tmp_path: Path) -> None:
-    begun, left = Event(), Event()
+    begun, may_end = Event(), Event()
 
-    class Slow(Threads):
-        def beside(self, work: Any, given: Any, heard: Any, stop: Event) -> Any:
-            begun.set()
-            assert stop.wait(10.0)
-            left.set()
-            return super().beside(work, given, heard, stop)
+    def bounds(job: Job) -> None:
+        begun.set()
+        assert may_end.wait(10.0)
+
+    class Left(Threads):
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            shut.set()
 
     def fem(job: Job) -> None:
         assert begun.wait(10.0)
         raise KeyboardInterrupt
 
+    shut = Event()
     more.change("fem", work=fem)
+    more.change("bounds", work=bounds)
     with pytest.raises(KeyboardInterrupt):
-        pipeline.execute(replace(more.job(tmp_path), team=Slow()), more.choose(), Heard(), "test")
-    assert left.is_set()
+        pipeline.execute(replace(more.job(tmp_path), executor=Left()), more.choose(), Heard(), "test")
+    assert shut.is_set()  # before the folder is let go
     entry = Record(Store(tmp_path))["bounds"]
+    may_end.set()
     assert entry is not None
-    assert entry.outcome == "begun"  # what came after nobody heard of
+    assert entry.outcome == "begun"

@@ -67,7 +67,7 @@ def test_init_loads_nothing_either(tmp_path: Path) -> None:
 
 
 def test_a_plan_loads_nothing_that_crashes_on_ctrl_c(tmp_path: Path) -> None:
-    """VTK does while it is loaded: so it is loaded where `workflow.run.interrupts` watches, in the work of a stage."""
+    """VTK does while it is loaded: so it is loaded where the main thread waits for Ctrl-C, in the work of a stage."""
     there = loaded("run", SECTIONS / "slope_2to1.toml", "--out", tmp_path, "--dry-run")
     assert there & {"pyvista", "vtkmodules", "gmsh", "numba", "matplotlib"} == set()
 

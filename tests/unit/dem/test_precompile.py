@@ -3,18 +3,20 @@
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from dem import ahead
+from dem import precompile
+from meshes.executor import Executor
 
 PROGRAM = """
 from numba.core import event
-from dem.ahead import compile_ahead
-from dem.team import alone
+from dem.precompile import precompile
+from meshes.executor import SERIAL
 told = []
-compile_ahead(alone, told.append)
+precompile(SERIAL, told.append)
 names = []
 class Heard(event.Listener):
     def on_start(self, e): names.append(e.data["dispatcher"].py_func.__name__)
@@ -33,19 +35,20 @@ assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & se
 def test_a_run_compiles_none_of_them_again(tmp_path: Path) -> None:
     given = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", PROGRAM], env=given, check=True)
-    assert list(tmp_path.glob(f"*/{ahead.MARK}-*"))
+    assert list(tmp_path.glob(f"*/{precompile.MARK}-*"))
 
 
 def test_they_are_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ahead, "kept_kernels", lambda: tmp_path)
+    monkeypatch.setattr(precompile, "kept_kernels", lambda: tmp_path)
     wanted: list[str] = []
     told: list[str] = []
 
-    def team(work: object, given: tuple[str, ...], *_: object) -> list[None]:
-        wanted.extend(given)
-        return [None for _ in given]
+    class Asked(Executor):
+        def compute(self, work: object, inputs: Sequence[str], *_: object) -> list[None]:  # type: ignore[override]
+            wanted.extend(inputs)
+            return [None for _ in inputs]
 
     for _ in range(2):
-        ahead.compile_ahead(team, told.append)  # type: ignore[arg-type]
+        precompile.precompile(Asked(), told.append)
     assert wanted == ["steps", "energies"]
     assert len(told) == 1

@@ -1,13 +1,10 @@
 """Kernels compiled ahead, side by side, where no earlier run has kept them.
 
-Left to themselves, all processes of a team come to the step loop at once and each of them compiles it.
+Left to themselves, all processes of a run come to the step loop at once and each of them compiles it.
 """
 
 import hashlib
 import os
-import pickle
-import subprocess
-import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -23,8 +20,8 @@ from dem.kernels import stepping
 from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 from dem.springs import LayerSprings
-from dem.team import Team, Tell
 from meshes.compiled import kept_kernels
+from meshes.executor import Executor, LostError, Processes, Tell
 
 MARK = "discs"  # file beside the kernels: those of the discs are there
 SOIL = LayerSprings(
@@ -33,12 +30,12 @@ SOIL = LayerSprings(
 )  # fmt: skip
 
 
-def compile_ahead(team: Team, tell: Tell) -> None:
-    """Has the team compile the kernels that take long, some seconds each, unless that has been done."""
+def precompile(executor: Executor, tell: Tell) -> None:
+    """Compiles the kernels that take long, some seconds each, unless that has been done."""
     mark = kept_kernels() / f"{MARK}-{_kept_for()}"
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")
-        team(_compiled, ("steps", "energies"))
+        executor.compute(_compiled, ("steps", "energies"))
         with suppress(OSError):  # a hint for the next run, no more
             mark.touch()
 
@@ -53,9 +50,11 @@ def _kept_for() -> str:
 def _compiled(what: str, _: Tell) -> None:
     """Compiles the step loop, or all that is needed around it, and what measures energies."""
     if what == "steps":
-        with suppress(subprocess.CalledProcessError):  # it is compiled where it is first called, then
-            take_steps.compile(types_of_a_step())
-        return
+        # In a process that compiles nothing: here the lists of neighbours would be compiled for it, as they are by
+        # another process at the same time.
+        with suppress(LostError), Processes(1, os.environ | {"NUMBA_DISABLE_JIT": "1"}) as without_compiler:
+            take_steps.compile(without_compiler.submit(types_of_a_step).result())
+        return  # where that process was lost, it is compiled where it is first called
     model = three_discs()
     largest_step(model)
     layout = pack(model)
@@ -64,23 +63,11 @@ def _compiled(what: str, _: Tell) -> None:
 
 
 def types_of_a_step() -> tuple[Type, ...]:
-    """Types of what the step loop is called with, of three discs in a process that compiles nothing.
-
-    Here the lists of neighbours would be compiled for it, as they are by the rest of the team at the same time.
-    """
-    path = os.pathsep.join(folder for folder in sys.path if folder)
-    # nor may a module beside what the user works on stand in for one of ours
-    without_compiler = os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
-    done = subprocess.run([sys.executable, "-m", __name__], env=without_compiler, capture_output=True, check=True)
-    found: tuple[Type, ...] = pickle.loads(done.stdout)
-    return found
+    """Types of what the step loop is called with, of three discs."""
+    given = Run(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
+    return tuple(typeof(one) for one in given)
 
 
 def three_discs() -> DiscModel:
     """A row of discs that touch."""
     return DiscModel.create(np.array([0.0, 1.9, 3.8]), np.zeros(3), 1.0, [SOIL], law="soil")
-
-
-if __name__ == "__main__":
-    given = Run(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
-    sys.stdout.buffer.write(pickle.dumps(tuple(typeof(one) for one in given)))

@@ -1,0 +1,284 @@
+"""Tasks side by side: an executor is handed down, and does the tasks that it is given in order, or in threads, or in
+processes of this machine. What they find does not depend on it.
+
+One rule for interruption and cancelling
+----------------------------------------
+The main thread waits while another one works (`interruptible`), so that it hears Ctrl-C at once, and no library does.
+The end of an executor's ``with`` block cancels all that is left of its tasks. Those that have not begun never do. A
+process is killed in the middle of its task: files are there whole or not at all. It ends by itself when the program
+that started it ends, however that happens. A thread raises KeyboardInterrupt at its next `check_cancelled`; nobody
+waits for it, and a program that ends while it `is_left_working` does so at once.
+"""
+
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from concurrent import futures
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import ContextVar
+from functools import partial
+from queue import SimpleQueue
+from threading import Event, Lock, current_thread, local, main_thread
+from typing import Any, ParamSpec, TypeVar
+from weakref import WeakSet
+
+from meshes.worker import DONE, TOLD, Worker, WorkerEndedError
+
+A = TypeVar("A")
+P = ParamSpec("P")
+Given = TypeVar("Given")
+Found = TypeVar("Found")
+
+# How a task tells how far it is, in a few plain values.
+Tell = Callable[[Any], None]
+
+# Set once nobody waits any more for what this thread does.
+_cancelled: ContextVar[Event | None] = ContextVar("_cancelled", default=None)
+# Tasks of threads for which nobody waits any more.
+_left: WeakSet["Future[Any]"] = WeakSet()
+
+
+class Executor(futures.Executor):
+    """Does tasks in order, each when it is handed in; those that do not are derived from it.
+
+    Attributes
+    ----------
+    count : int
+        How many tasks it does side by side.
+    """
+
+    count = 1
+
+    def submit(self, work: Callable[P, A], /, *given: P.args, **named: P.kwargs) -> "Future[A]":
+        """The future result of some work."""
+        return self.begin(partial(_telling_nothing, partial(work, *given, **named)))
+
+    def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
+        """The same of work that tells how far it is. Where it goes to another process it can be pickled."""
+        future: Future[A] = Future()
+        _do(future, partial(work, heard or _unheard), Exception)
+        return future
+
+    def compute(
+        self,
+        work: Callable[[Given, Tell], Found],
+        inputs: Sequence[Given],
+        heard: Callable[[int, Any], None] | None = None,
+        done: Callable[[int, Found], None] | None = None,
+    ) -> list[Found]:
+        """What the work makes of every input, in their order; raises the first error of a task.
+
+        In this thread ``heard`` hears what a task tells, with the place of its input, and ``done`` every result as it
+        comes.
+        """
+        results = []
+        for place, one in enumerate(inputs):
+            results.append(work(one, partial(heard, place) if heard is not None else _unheard))
+            if done is not None:
+                done(place, results[-1])
+        return results
+
+
+SERIAL = Executor()
+
+
+def _unheard(_: Any) -> None:
+    """Nobody hears it."""
+
+
+def _telling_nothing(work: Callable[[], A], _: Tell) -> A:
+    return work()
+
+
+def _do(future: "Future[A]", work: Callable[[], A], kept: type[BaseException] = BaseException) -> None:
+    """Do some work and keep what came of it, errors of a kind as well."""
+    try:
+        future.set_result(work())
+    except kept as error:
+        future.set_exception(error)
+
+
+def then(future: "Future[A]", follow: Callable[["Future[A]"], Found]) -> "Future[Found]":
+    """What follows once a future is done, in the thread that has done it."""
+    following: Future[Found] = Future()
+    future.add_done_callback(lambda done: _do(following, partial(follow, done)))
+    return following
+
+
+class OneThread(Executor):
+    """One more thread, which takes up tasks in their order; for work that lets go of Python's lock."""
+
+    count = 2
+
+    def __init__(self) -> None:
+        self._event, self._begun = Event(), WeakSet["Future[Any]"]()
+        self._pool = ThreadPoolExecutor(1, initializer=_cancelled.set, initargs=(self._event,))
+
+    def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
+        """See `Executor.begin`. Who asks for the result does the task, unless the thread is at it already."""
+        call = partial(work, heard or _unheard)
+        return _Shared(self.begin_there(call), call)
+
+    def begin_there(self, work: Callable[[], A]) -> "Future[A]":
+        """A task that is the thread's to do."""
+        future = self._pool.submit(work)
+        self._begun.add(future)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Cancel all that is left, and wait for nothing."""
+        self._event.set()
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        _left.update(future for future in self._begun if not future.done())
+
+
+class _Shared(Future[A]):
+    """A task of another thread, which is done here where its result is asked for first."""
+
+    def __init__(self, begun: "Future[A]", work: Callable[[], A]) -> None:
+        super().__init__()
+        self._begun, self._work = begun, work
+
+    def result(self, timeout: float | None = None) -> A:
+        """What came of it; raises its error, and KeyboardInterrupt where Ctrl-C is heard in this thread."""
+        if self._begun.cancel():
+            self._begun = Future()
+            _do(self._begun, self._work, Exception)
+        return self._begun.result(timeout)
+
+
+def interruptible(work: Callable[[], A]) -> A:
+    """What some work makes, in another thread if this is the main one, so that Ctrl-C is heard here meanwhile.
+
+    Raises its error, and KeyboardInterrupt in a thread whose work nobody waits for any more.
+    """
+    if current_thread() is main_thread():
+        with OneThread() as thread:
+            return thread.begin_there(work).result()
+    check_cancelled()
+    found = work()
+    check_cancelled()
+    return found
+
+
+def check_cancelled() -> None:
+    """Raise KeyboardInterrupt if nobody waits any more for the work of this thread."""
+    event = _cancelled.get()
+    if event is not None and event.is_set():
+        raise KeyboardInterrupt
+
+
+def is_left_working() -> bool:
+    """Whether a thread still works for which nobody waits."""
+    return any(not future.done() for future in _left)
+
+
+class LostError(RuntimeError):
+    """A task whose process ended each time that it was tried."""
+
+
+class Processes(Executor):
+    """So many processes of this machine, each started when it is first needed.
+
+    Parameters
+    ----------
+    count
+        How many.
+    environment
+        Their environment; by default that of this process, with one thread each.
+    preload, forks, tries
+        See `Worker`; and how often a task is tried whose process ends.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        environment: Mapping[str, str] | None = None,
+        preload: str = "",
+        forks: bool = False,
+        tries: int = 2,
+    ) -> None:
+        self.count, self.tries = count, tries
+        self._start = partial(Worker, environment, preload, forks)
+        self._threads = ThreadPoolExecutor(count)  # each has one process do its tasks
+        self._own, self._workers, self._lock, self._ended = local(), set[Worker](), Lock(), False
+
+    def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
+        """See `Executor.begin`. The error of a task whose processes have ended is LostError."""
+        return self._threads.submit(self._done, pickle.dumps(work), heard or _unheard)
+
+    def compute(
+        self,
+        work: Callable[[Given, Tell], Found],
+        inputs: Sequence[Given],
+        heard: Callable[[int, Any], None] | None = None,
+        done: Callable[[int, Found], None] | None = None,
+    ) -> list[Found]:
+        """See `Executor.compute`. A single task, or all for one process, are done in this one."""
+        if self.count < 2 or len(inputs) < 2:
+            return super().compute(work, inputs, heard, done)
+        news: SimpleQueue[tuple[int, bool, Any]] = SimpleQueue()
+
+        def begin(place: int, one: Given) -> "Future[Found]":
+            future = self.begin(partial(work, one), lambda message: news.put((place, False, message)))
+            future.add_done_callback(lambda _: news.put((place, True, None)))
+            return future
+
+        tasks = [begin(place, one) for place, one in enumerate(inputs)]
+        missing = len(tasks)
+        try:
+            while missing:
+                place, ended, message = news.get()
+                if ended:
+                    missing, result = missing - 1, tasks[place].result()
+                    if done is not None:
+                        done(place, result)
+                elif heard is not None:
+                    heard(place, message)
+        finally:
+            for task in tasks:
+                task.cancel()
+        return [task.result() for task in tasks]
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Cancel all that is left, and end the processes whatever they are at."""
+        with self._lock:
+            self._ended = True
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for worker in list(self._workers):
+            worker.kill()
+        self._threads.shutdown(wait=True)
+
+    def _done(self, request: bytes, heard: Tell) -> Any:
+        """What this thread's process makes of a task, or another one where that ends."""
+        for _ in range(self.tries):
+            worker = self._worker()
+            try:
+                kind, value = worker.call(request)
+                while kind == TOLD:
+                    heard(value)
+                    kind, value = worker.next()
+            except WorkerEndedError:
+                self._let_go(worker)
+                continue
+            except BaseException:  # of who hears: the process is not waited for
+                self._let_go(worker)
+                raise
+            if kind == DONE:
+                return value
+            raise value
+        raise LostError(f"its worker died, and so did the next that tried ({self.tries} tries)")
+
+    def _worker(self) -> Worker:
+        with self._lock:
+            if self._ended:
+                raise futures.CancelledError
+            worker: Worker | None = getattr(self._own, "worker", None)
+            if worker is None:
+                self._own.worker = worker = self._start()
+                self._workers.add(worker)
+            return worker
+
+    def _let_go(self, worker: Worker) -> None:
+        worker.kill()
+        self._own.worker = None
+        self._workers.discard(worker)

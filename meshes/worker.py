@@ -1,0 +1,133 @@
+"""A process of this machine that does what another one asks, one task after the other.
+
+It hears no Ctrl-C, and ends with the program that started it, in the middle of a task if need be: its main thread does
+nothing but wait for requests, and where these end it ends the process.
+"""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import traceback
+from collections.abc import Mapping
+from contextlib import suppress
+from importlib import import_module
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from pathlib import Path
+from threading import Lock, Thread
+from typing import Any
+
+# What an answer is: something that the task tells, its result, or the error that it raised.
+TOLD, DONE, FAILED = range(3)
+ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+PATIENCE = 1.0  # s for a child to end once it has answered
+_ROOT = str(Path(__file__).parents[1])
+_PROGRAM = "import sys; sys.path[:] = {path!r}; from meshes.worker import serve; serve({pipe}, {preload!r}, {forks})"
+
+
+class WorkerEndedError(RuntimeError):
+    """The process of a worker has ended in the middle of a task."""
+
+
+class Worker:
+    """Such a process.
+
+    Parameters
+    ----------
+    environment
+        Its environment; by default that of this process, with one thread.
+    preload
+        A module that it imports before its first task.
+    forks
+        Whether it does each task in a child that it forks, in a thread of its own: so each begins in the same state,
+        with fresh memory, whatever was done before.
+    """
+
+    def __init__(self, environment: Mapping[str, str] | None, preload: str, forks: bool) -> None:
+        self._pipe, other = Pipe()
+        # nothing that lies where the user works may stand in for a module of ours
+        path = [folder for folder in sys.path if folder]
+        path = path if _ROOT in path else [*path, _ROOT]
+        program = _PROGRAM.format(path=path, pipe=other.fileno(), preload=preload, forks=forks)
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-s", "-c", program], stdin=subprocess.DEVNULL, pass_fds=[other.fileno()],
+            env={**os.environ, **ONE_THREAD} if environment is None else environment,
+            start_new_session=True,  # Ctrl-C at a terminal is for the program
+        )  # fmt: skip
+        other.close()  # so that this process hears the end of that one
+
+    def call(self, request: bytes) -> tuple[int, Any]:
+        """Ask for a task, and hear its first answer; raises WorkerEndedError."""
+        try:
+            self._pipe.send_bytes(request)
+        except OSError:
+            raise WorkerEndedError from None
+        return self.next()
+
+    def next(self) -> tuple[int, Any]:
+        """The next answer, after something was told; raises WorkerEndedError."""
+        try:
+            answer = self._pipe.recv_bytes()
+        except (EOFError, OSError):
+            raise WorkerEndedError from None
+        kind, value, text = pickle.loads(answer)
+        if kind == FAILED:
+            value.__cause__ = RuntimeError(f"in another process:\n{text}")
+        return kind, value
+
+    def kill(self) -> None:
+        """End the process and its child, whatever they are at."""
+        if self._process.poll() is None:
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
+
+
+def serve(descriptor: int, preload: str, forks: bool) -> None:
+    """What the process does until nobody asks any more."""
+    if preload:
+        import_module(preload)
+    pipe: Connection[Any, Any] = Connection(descriptor)
+    while True:
+        try:
+            request = pipe.recv_bytes()
+        except (EOFError, OSError):
+            os._exit(0)
+        if forks and (child := os.fork()):
+            if os.waitpid(child, 0)[1] != 0:
+                os._exit(1)
+            continue
+        thread = Thread(target=_answer, args=(pipe, request, forks), daemon=True)
+        thread.start()
+        if forks:
+            pipe.poll(None)  # until nobody asks any more; or there is an answer, and a next request
+            thread.join(PATIENCE)
+            os._exit(1)
+
+
+def _answer(pipe: "Connection[Any, Any]", request: bytes, ends: bool) -> None:
+    """Do what was asked for, and answer; a child ends then."""
+    lock = Lock()
+
+    def send(kind: int, value: Any, text: str = "") -> None:
+        data = pickle.dumps((kind, value, text))
+        with lock:
+            pipe.send_bytes(data)
+
+    try:
+        send(DONE, pickle.loads(request)(lambda message: send(TOLD, message)))
+    except BaseException as error:
+        text = traceback.format_exc()
+        send(FAILED, error if _can_travel(error) else RuntimeError(text), text)
+    if ends:
+        os._exit(0)
+
+
+def _can_travel(error: BaseException) -> bool:
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return False
+    return True

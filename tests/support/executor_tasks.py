@@ -1,0 +1,49 @@
+"""Tasks for processes, which import them from here."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+
+def squared(number: int, tell: Callable[[Any], None]) -> int:
+    """The square, after what it is of was told."""
+    tell(number)
+    return number * number
+
+
+def own_number(_: int, tell: Callable[[Any], None]) -> int:
+    """The number of the process."""
+    return os.getpid()
+
+
+def dies_first(folder: str) -> int:
+    """Kills the first process that tries."""
+    if not (Path(folder) / "tried").exists():
+        (Path(folder) / "tried").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return os.getpid()
+
+
+def sleeps(folder: str, seconds: float = 60.0) -> None:
+    """Leaves the number of its process, and sleeps."""
+    (Path(folder) / "pid").write_text(str(os.getpid()))
+    time.sleep(seconds)
+
+
+class OddError(Exception):
+    """An error that cannot be made again from its words alone."""
+
+    def __init__(self, one: int, other: int) -> None:
+        super().__init__("odd")
+
+
+def raises_odd_error() -> None:
+    raise OddError(1, 2)
+
+
+def ends(*_: Any) -> None:
+    """Ends its process, as a library does that crashes."""
+    os._exit(3)
