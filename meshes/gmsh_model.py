@@ -80,10 +80,9 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
     Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
     one's, if none does.
     """
-    ground = Section.model_construct(**{name: getattr(section, name) for name in Section.model_fields})
     try:
         return _in_fresh_processes.submit(
-            make_free_mesh, ground, settings, sizes, path and Path(path).absolute()
+            make_free_mesh, section, settings, sizes, path and Path(path).absolute()
         ).result()
     except LostError as error:
         raise BadMeshError("gmsh has ended its process; try another size") from error

@@ -80,14 +80,14 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     request = Request.of(section, folder, {}, settings)
     picture = request.store.folder / "figures" / "section.png"
     if not json:
-        show_strata(request.given)
+        show_strata(request.config.section)
     with request.store.writing("figures/section.png") as path:
-        draw_section(request.given, path)
+        draw_section(request.config.section, path)
     if json:
-        return say_data(of_section(request.given, picture))
-    for notice in request.given.notices:
+        return say_data(of_section(request.config, picture))
+    for notice in request.config.notices:
         say(f"Mind: {notice}.")
-    verdict = "is sound" if request.given.uplift is None else "can be computed, but its water lifts the ground"
+    verdict = "is sound" if request.config.section.uplift is None else "can be computed, but its water lifts the ground"
     return say(f"The section {verdict}. Picture: {picture}")
 
 
@@ -128,7 +128,7 @@ def run_all(
     if dry_run:
         return show_plan(request.job(), choice, voice)
     if voice.speaks:
-        show_strata(request.given)
+        show_strata(request.config.section)
     return execute(request.job(), choice, voice, warnings)
 
 
@@ -155,7 +155,7 @@ def mesh(
     options = {"mesh": mesh_options(refine, size, free, columns, rows)}
     request = Request.of(section, folder, options, settings, afresh=True)
     if voice.speaks:
-        show_strata(request.given)
+        show_strata(request.config.section)
     _up_to("mesh", request, force, voice)
 
 
@@ -203,7 +203,7 @@ def fem(
     beside: tuple[str, ...] = ()
     if safety_factor:
         request = request.with_safety_factors()
-        beside = () if request.given.bounds.run is False else ("bounds",)
+        beside = () if request.config.bounds.run is False else ("bounds",)
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()

@@ -10,11 +10,11 @@ from typing import Any
 from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from workflow import stages
+from workflow.config import Config, merged
 from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import kept
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input, merged
 from workflow.unread import keys_of, unread
 
 Tables = Mapping[str, Mapping[str, Any]]
@@ -26,7 +26,7 @@ class Request:
 
     Attributes
     ----------
-    given : the section with all settings
+    config : the section with all settings
     store : the folder
     mesh_options : settings of the mesh by the command line, of this command or of an earlier one
     carried : whether those are of an earlier one
@@ -34,7 +34,7 @@ class Request:
     tables : settings and options of the command line
     """
 
-    given: Input
+    config: Config
     store: Store
     mesh_options: dict[str, Any]
     carried: bool
@@ -54,14 +54,14 @@ class Request:
             table: {key: value for key, value in its.items() if value is not None} for table, its in options.items()
         }
         tables = merged(dotted(settings or []), asked)
-        read = Input.load(section, tables)
-        store = Store(folder or Path("runs") / read.name)
+        read = Config.load(section, tables)
+        store = Store(folder or Path("runs") / read.section.name)
         mesh = dict(tables.get("mesh", {}))
         carried = {} if mesh or afresh else kept(store)
         if carried:
             read = _with(section, tables, carried, store)
         if read.fem.sides == "tied":
-            refuse_other_sides(read)
+            refuse_other_sides(read.section)
         list(records(read))  # a record that cannot be read is told now, not after minutes
         if read.slide.accelerogram:
             from workflow.stages.shaking import shaking_of
@@ -71,24 +71,24 @@ class Request:
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
         """Raise InputError for numbers of cases in which no stratum liquefies."""
-        possible = sorted({number for stratum in self.given.strata for number in stratum.liquefies_in})
+        possible = sorted({number for stratum in self.config.section.strata for number in stratum.liquefies_in})
         if unknown := sorted(set(cases) - set(possible)):
             told = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible)) or 'which none is'}"
             raise InputError("--case", [f"{', '.join(map(str, unknown))}: {told}"])
 
     def job(self, **more: Any) -> Job:
         """The job of all stages."""
-        return Job(self.given, self.store, stages.STAGES, mesh_options=self.mesh_options, **more)
+        return Job(self.config, self.store, stages.STAGES, mesh_options=self.mesh_options, **more)
 
     def with_safety_factors(self) -> "Request":
         """The same, with factors of safety, and strict bounds of them, without shaking and at every Kh whose fields are
         kept."""
-        asked = tuple(sorted({0.0, *self.given.fem.kh, *self.given.fem.safety_factor_at}))
-        wanted = self.given.fem.model_copy(update={"safety_factor_at": asked})
-        bounds = self.given.bounds.model_copy(update={"safety_factor": True})
+        asked = tuple(sorted({0.0, *self.config.fem.kh, *self.config.fem.safety_factor_at}))
+        wanted = self.config.fem.model_copy(update={"safety_factor_at": asked})
+        bounds = self.config.bounds.model_copy(update={"safety_factor": True})
         others = {key: value for key, value in self.tables.get("bounds", {}).items() if key != "run"}  # this reads it
-        given = self.given.model_copy(update={"fem": wanted, "bounds": bounds})
-        return replace(self, given=given, tables={**self.tables, "bounds": others})
+        config = self.config.model_copy(update={"fem": wanted, "bounds": bounds})
+        return replace(self, config=config, tables={**self.tables, "bounds": others})
 
     def unread(self, chosen: Sequence[str]) -> list[str]:
         """The settings of the command line that none of the ``chosen`` stages reads."""
@@ -98,7 +98,7 @@ class Request:
                 table: {key: value for key, value in values.items() if f"{table}.{key}" != name}
                 for table, values in self.tables.items()
             }
-            return replace(self, given=Input.load(self.section, rest)).job()
+            return replace(self, config=Config.load(self.section, rest)).job()
 
         return unread(keys_of(self.tables), self.job(), chosen, without)
 
@@ -111,10 +111,10 @@ class Request:
         return [f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."]
 
 
-def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Input:
+def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
     """The input with the mesh of the folder; raises InputError that says where that comes from."""
     try:
-        return Input.load(section, merged(tables, {"mesh": mesh}))
+        return Config.load(section, merged(tables, {"mesh": mesh}))
     except InputError as error:
         told = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
         raise InputError(told, error.problems) from None
@@ -143,8 +143,8 @@ def dotted(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
         setting = _setting(text)
         if setting is None:
             problems.append(f"{text!r}: expected table.key=value, such as fem.sides=fixed or mesh.size='2 m'")
-        elif next(iter(setting)) not in Input.tables():
-            problems.append(f"{text!r}: expected a setting of {', '.join(Input.tables())}")
+        elif next(iter(setting)) not in Config.tables():
+            problems.append(f"{text!r}: expected a setting of {', '.join(Config.tables())}")
         else:
             tables = merged(tables, setting)
     if problems:
@@ -162,5 +162,5 @@ def _setting(text: str) -> dict[str, Any] | None:
         except tomllib.TOMLDecodeError:
             continue
         table, inside = next(iter(setting.items()))
-        return setting if isinstance(inside, dict) or table not in Input.tables() else None
+        return setting if isinstance(inside, dict) or table not in Config.tables() else None
     return None

@@ -78,7 +78,7 @@ def show_strata(section: Section) -> None:
     """The strata in a table, and that they are a reconstruction if they are one."""
     if section.reconstruction:
         out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
-    title = escape(legible(section.title or section.name))
+    title = escape(legible(section.heading))
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for head in tables.STRATA_HEADS:
         table.add_column(legible(head), justify="left" if head == "stratum" else "right")
@@ -104,7 +104,7 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
 
 def _show_shaking(job: Job) -> None:
     """What was done to records, what is doubtful about them and the earthquake, and which Kh follows from it."""
-    for text in job.given.notices_of_shaking:
+    for text in job.config.notices_of_shaking:
         out.print(escape(f"Mind: {text}."))
 
 
@@ -121,7 +121,7 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
         with Display(out, err, shown, verbosity) as display:
-            pipeline.execute(replace(job, executor=Processes(job.given.dem.workers)), choice, display, what)
+            pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
     except NoAnswerError:
         _tell(job, choice, voice, warnings, pdf)
         raise
@@ -149,10 +149,10 @@ def _tell_in_sentences(job: Job, choice: Choice) -> None:
         _show_shaking(job)
     for stage in job.stages:
         if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
-            for line in sentences(stage.name, job.given, job.store):
+            for line in sentences(stage.name, job.config, job.store):
                 out.print(escape(line))
     if "report" in choice.chosen and job.store.has("report.html"):
-        for line in sentences("report", job.given, job.store):
+        for line in sentences("report", job.config, job.store):
             out.print(escape(line))
         out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
         if job.store.has("report.pdf"):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 import tomli_w
@@ -32,12 +32,6 @@ from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import surcharge_problems, water_problems
 
 BOUNDARIES = ("surface", "base", "left", "right")
-
-# Tables that stand in the same file and belong to those who mesh, solve and draw.
-SETTINGS_TABLES = (
-    "mesh", "fem", "variants", "bounds", "dem", "slide", "sliding_block", "figures", "report",
-    "earthquake", "site_response", "triggering", "free_face", "uncertain", "study",
-)  # fmt: skip
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
@@ -76,7 +70,6 @@ class Section(Model):
     beyond_slope: Slope = Field(default="level", description='"level", or "parallel" to the last stretch of the ground')
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
 
-    settings_tables: ClassVar[tuple[str, ...]] = SETTINGS_TABLES
     _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
 
     @model_validator(mode="after")
@@ -158,6 +151,16 @@ class Section(Model):
         return told
 
     @property
+    def heading(self) -> str:
+        """What stands above its pictures: its title, or its name where it has none."""
+        return self.title or self.name
+
+    @property
+    def liquefies(self) -> bool:
+        """Whether any of its strata liquefies in any case."""
+        return any(stratum.liquefies_in for stratum in self.strata)
+
+    @property
     def extent(self) -> tuple[float, float]:
         """x (m) of the left and the right side."""
         return float(self.ground[0, 0]), float(self.ground[-1, 0])
@@ -219,7 +222,7 @@ class Section(Model):
         """What presses on the ground beside still water."""
         return SurfaceLoads(self.surcharges, self.water_pressure)
 
-    def thinned(self) -> Self:
+    def thinned(self) -> "Section":
         """The section without points of its lines that lie so densely that no mesh can use them, and a notice."""
         lines = lines_by_place(self.surface, self.base, self.water_table, self.strata, self.water)
         found, tolerance = thinned_lines(lines, CELL * mean_height(self.surface, self.base))
@@ -233,7 +236,7 @@ class Section(Model):
         )
         return changed
 
-    def cut_at_water(self) -> Self:
+    def cut_at_water(self) -> "Section":
         """The section with the strata cut where water crosses them, and the saturated density below it."""
         if self.water is None and all(s.piezometric_level is None for s in self.strata):
             return self
@@ -246,13 +249,9 @@ class Section(Model):
         strata = cut(self.strata, self.layering, levels, self.given_extent)
         if strata == self.strata:
             return self
-        data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
-        data["strata"] = [s.model_dump(mode="python", exclude_none=True, by_alias=True) for s in strata]
-        found = type(self).model_validate(data)
-        found._thinning = self._thinning
-        return found
+        return self._derived([s.model_copy(update={"density": None}) for s in strata])  # they have the two of the model
 
-    def with_strata(self, strata: Sequence[Stratum]) -> Self:
+    def with_strata(self, strata: Sequence[Stratum]) -> "Section":
         """The section with other strata that the program derived from its own, without those that have no area.
 
         They are not validated: what a person cannot have meant, such as a cohesion of 1 Pa, may well be derived.
@@ -262,24 +261,41 @@ class Section(Model):
         strata : sequence of Stratum
             From the top down, as in a file; names, lines and quantities that fit each other.
         """
-        changed = self.model_copy(update={"strata": tuple(strata)})
-        for kind in type(self).__mro__:  # what was found with the strata before
-            for name in [name for name, value in vars(kind).items() if isinstance(value, cached_property)]:
-                changed.__dict__.pop(name, None)
+        changed = self._derived(strata)
         there = changed.layering.areas() > 0.0
         return changed if there.all() else self.with_strata(list(compress(strata, there)))
 
+    def _derived(self, strata: Sequence[Stratum]) -> "Section":
+        """The section with other strata, without any check that is meant for what a person writes."""
+        fields = {name: getattr(self, name) for name in Section.model_fields}
+        section = Section.model_construct(**{**fields, "strata": tuple(strata)})
+        section._thinning = self._thinning
+        return section
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """What another process is given: the fields alone; what was found with them it finds again."""
+        state = super().__getstate__()
+        return {**state, "__dict__": {name: getattr(self, name) for name in type(self).model_fields}}
+
     @classmethod
-    def read(cls, path: Path | str) -> Self:
+    def read(cls, path: Path | str) -> "Section":
         """The section in a TOML file; raises InputError with every problem found."""
         return cls.parse(read_toml(path), str(path))
 
     @classmethod
-    def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """The section from what a TOML file holds; raises InputError with every problem found."""
-        known = {key: value for key, value in data.items() if key in cls.model_fields or key not in SETTINGS_TABLES}
+    def parse(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
+        """The section from what a TOML file holds; raises InputError with every problem found.
+
+        Tables that no section has belong to those who mesh, solve and draw, and are passed over.
+        """
+        return cls.as_written(data, source).thinned().cut_at_water()
+
+    @classmethod
+    def as_written(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
+        """The same with the lines and strata of the file, neither thinned nor cut."""
+        known = {key: value for key, value in data.items() if key in cls.model_fields or not isinstance(value, Mapping)}
         try:
-            return cls.model_validate(known).thinned().cut_at_water()
+            return cls.model_validate(known)
         except ValidationError as error:
             problems = sentences(error, known, cls)
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
@@ -292,8 +308,9 @@ class Section(Model):
         return tomli_w.dumps(self.model_dump(mode="python", exclude_none=True, by_alias=True))
 
     def sha256(self) -> str:
-        """A fingerprint of the section."""
-        return hashlib.sha256(self.to_toml().encode()).hexdigest()
+        """A fingerprint of the ground, whatever the section is called."""
+        ground = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude={"name", "title"})
+        return hashlib.sha256(tomli_w.dumps(ground).encode()).hexdigest()
 
 
 def read_toml(path: Path | str) -> dict[str, Any]:

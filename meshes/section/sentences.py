@@ -1,7 +1,7 @@
 """What is wrong with an input, as sentences: the key as a person finds it, the value, what was expected."""
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -31,15 +31,15 @@ NUMBERS = {
 Place = tuple[int | str, ...]
 
 
-def sentences(error: ValidationError, data: Any, model: type[BaseModel]) -> list[str]:
-    """One sentence for each problem: the key, the value, what was expected."""
+def sentences(error: ValidationError, data: Any, model: type[BaseModel], beside: Sequence[str] = ()) -> list[str]:
+    """One sentence for each problem: the key, the value, what was expected; ``beside`` are keys of others there."""
     choices: dict[Place, list[ErrorDetails]] = {}
     for entry in error.errors():
         place, choice = _without_choices(entry["loc"], data)
         entry["loc"] = place
         choices.setdefault(choice or place, []).append(entry)
     told = [text for field, same in choices.items() for entry in _nearest(field, same)
-            for text in _told(entry, data, model)]  # fmt: skip
+            for text in _told(entry, data, model, beside)]  # fmt: skip
     return list(dict.fromkeys(told))
 
 
@@ -77,14 +77,14 @@ def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
     return [error for error in errors if far(error) == least] if several else errors
 
 
-def _told(error: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterable[str]:
+def _told(error: ErrorDetails, data: Any, model: type[BaseModel], beside: Sequence[str]) -> Iterable[str]:
     """One sentence for each problem in a pydantic error: the key, the value, what was expected."""
     key = _key(error["loc"], data)
     if error["type"] == "missing":
         expected = _description(error["loc"], model)
         return [f"{key}: missing" + (f"; expected {expected}" if expected else "")]
     if error["type"] == "extra_forbidden":
-        known = _known_keys(error["loc"], model)
+        known = [*_known_keys(error["loc"], model), *(beside if len(error["loc"]) == 1 else ())]
         close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
         listed = f"; expected one of {', '.join(known)}" if known else ""
         hint = f'; did you mean "{close[0]}"?' if close else listed

@@ -26,7 +26,7 @@ from fem.search.critical import seismic_path
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 SAME = 1e-6  # by which Kh may differ between numbers of ranks
 GROWTH = 0.01  # of Kh while the displacement doubles, below which it is a plateau
@@ -64,14 +64,14 @@ def follow(path: EquilibriumPath, steps: int) -> bool:
 def solve(refine: int, steps: int) -> Row:
     """What every rank does."""
     comm, begin = MPI.COMM_WORLD, time.perf_counter()
-    given = Input.load(SECTIONS / "s13.toml")
+    given = Config.load(SECTIONS / "s13.toml")
     settings = FemSettings(element="bilinear", direction="downhill")
-    mesh = generate(given, given.mesh.model_copy(update={"refine": refine}))
+    mesh = generate(given.section, given.mesh.model_copy(update={"refine": refine}))
     made = time.perf_counter()
-    ground = pushed(given, mesh, settings, comm)
+    ground = pushed(given.section, mesh, settings, comm)
     assert ground.gravity is not None
     stood = time.perf_counter()
-    path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(given, "downhill"), settings)
+    path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(given.section, "downhill"), settings)
     newton = NewtonSettings(tolerance=settings.tolerance, iterations=MANY)
     longer = replace(path.settings, newton=newton, first=FIRST, growth=FASTER, largest=LARGEST, few=FEW, many=MANY)
     path = replace(path, settings=longer)

@@ -23,7 +23,7 @@ from dem.settings import DemSettings
 from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 LIQUEFIED = [3, 5]
 
@@ -44,13 +44,15 @@ class Measured:
     same_when_resumed: bool
 
 
-def at_rest(given: Input, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
+def at_rest(given: Config, dem: DemSettings, folder: Path) -> tuple[DiscModel, float]:
     """Discs at rest, and the seconds that took; 0 if they were in the folder."""
     file, begin = folder / "settled.h5", time.perf_counter()
     if file.exists():
         return DiscModel.load(file), 0.0
-    soil = soil_layers(given)
-    deposit(given, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil]).settled.save(file)
+    soil = soil_layers(given.section)
+    deposit(given.section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil]).settled.save(
+        file
+    )
     return DiscModel.load(file), time.perf_counter() - begin
 
 
@@ -61,7 +63,7 @@ def same(one: DiscModel, other: DiscModel) -> bool:
     return one.time == other.time and all(np.array_equal(a, b, equal_nan=True) for a, b in arrays)
 
 
-def measure(given: Input, discs: int, seconds: float, threads: int, folder: Path) -> Measured:
+def measure(given: Config, discs: int, seconds: float, threads: int, folder: Path) -> Measured:
     """One size."""
     dem = DemSettings(elements=discs)
     folder.mkdir(parents=True, exist_ok=True)
@@ -71,7 +73,9 @@ def measure(given: Input, discs: int, seconds: float, threads: int, folder: Path
     whole, half = folder / f"whole_{threads}", folder / f"half_{threads}"
 
     def slider(where: Path) -> Slider:
-        return Slider(start, ground_at_rest(given, dem, start), LIQUEFIED, given.slide.cases[2], settings, where)
+        return Slider(
+            start, ground_at_rest(given.section, dem, start), LIQUEFIED, given.slide.cases[2], settings, where
+        )
 
     def look(_: DiscModel, row: Row, __: bool) -> None:
         print(f"{row.time_s:.1f} s: {row.slide_max_m:.3f} m, {time.perf_counter() - begin:.0f} s", flush=True)
@@ -103,7 +107,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="where discs and slides are kept; nowhere if not given")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     arguments = parser.parse_args()
-    given = Input.load(SECTIONS / "s13.toml")
+    given = Config.load(SECTIONS / "s13.toml")
     rows = []
     with tempfile.TemporaryDirectory() as nowhere:
         for discs in arguments.discs:

@@ -33,8 +33,8 @@ from mpi4py import MPI
 from fem.continuum.strength import flow_of
 from fem.search.adaptive import adapted_safety
 from meshes.gmsh_model import generate
-from workflow.settings import Input
-section = Input.load(sys.argv[1])
+from workflow.config import Config
+section = Config.load(sys.argv[1])
 fem = section.fem.model_copy(update={{"flow": flow_of(section.strata, section.fem.flow)}})
 adapted_safety(section, section.mesh, generate(section, section.mesh), fem, 0.0, MPI.COMM_SELF, print)
 """

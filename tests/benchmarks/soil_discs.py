@@ -19,10 +19,10 @@ from dem.search.deposit import deposit
 from dem.search.pushover import Continuum, pushed_over
 from dem.slides.slip import compare, slip_surface
 from tests.support import SECTIONS
+from workflow.config import Config
 from workflow.results.continuum import FemAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.like_discs import continuum_like_discs
 
 
@@ -43,30 +43,33 @@ def main() -> None:
 
 def predict(run: Path, seeds: int) -> None:
     """All packings of one section."""
-    given = Input.load(run / "section.toml")
+    given = Config.load(run / "section.toml")
     like, davis = continuum_like_discs(given, Store(run), lambda _: None), LikeDiscs.of(FemAnswer.read(Store(run)))
     continuum = Continuum(like.kc, like.yielding_m)
-    soil = soil_layers(given)
+    soil = soil_layers(given.section)
     ratios = []
     for seed in range(seeds):
         begin = time.process_time()
         settings = given.dem.model_copy(update={"seed": seed})
-        found = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        found = deposit(given.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
         search, pushed = pushed_over(found.settled, found.ground, settings, continuum)
         surface = slip_surface(pushed, found.settled, found.ground)
         apart = [
-            compare(given, surface, np.array(line).reshape(-1, 2)) for line in (like.slip_surface, davis.slip_surface)
+            compare(given.section, surface, np.array(line).reshape(-1, 2))
+            for line in (like.slip_surface, davis.slip_surface)
         ]
         ratios.append(0.5 * (search.lower + (search.upper or 0.0)) / continuum.kc)
         print(
-            f"{given.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
+            f"{given.section.name}, seed {seed}: {search.verdict}, {search.lower:.4f} to {search.upper or 0.0:.4f}, "
             f"{ratios[-1]:.3f} of {continuum.kc:.4f}, slip surfaces "
             f"{' and '.join(f'{one.mean_distance_m if one else np.nan:.1f}' for one in apart)} m from that with "
             f"{like.terms} and with {davis.terms}, {time.process_time() - begin:.0f} s of CPU",
             flush=True,
         )
-    print(f"{given.name}: the continuum bears {like.kc:.4f} with {like.terms}, {davis.kc:.4f} with {davis.terms}")
-    print(f"{given.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")
+    print(
+        f"{given.section.name}: the continuum bears {like.kc:.4f} with {like.terms}, {davis.kc:.4f} with {davis.terms}"
+    )
+    print(f"{given.section.name}: ratio {np.mean(ratios):.3f}, from {min(ratios):.3f} to {max(ratios):.3f}")
 
 
 if __name__ == "__main__":

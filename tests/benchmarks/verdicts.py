@@ -18,7 +18,7 @@ from dem.search.deposit import deposit
 from dem.search.equilibrium import Trial, settle
 from dem.search.pushover import Continuum, pushed_over
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 # Of the continuum between fixed sides with psi as given, and its mean displacement (m) once it yields.
 CONTINUUM = Continuum(0.339, 0.243)
@@ -65,20 +65,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    given = Input.load(SECTIONS / "s13.toml")
+    given = Config.load(SECTIONS / "s13.toml")
     rows: list[dict[str, Any]] = []
 
     paper = given.dem.as_paper()
-    ground = ground_of(given, paper)
-    settled = settle(ground, springs_of(given, paper, ground.radius), paper)
+    ground = ground_of(given.section, paper)
+    settled = settle(ground, springs_of(given.section, paper, ground.radius), paper)
     trials = Trials("paper", settled)
     found = critical_kh(settled, ground, paper, on_trial=trials)
     total = sum(row["million_disc_steps"] for row in trials.rows)
     print(f"paper: {found.lower:.4f} to {found.upper or 0.0:.4f}, {len(trials.rows)} verdicts, {total:.0f} million")
     rows += trials.rows
 
-    soil = soil_layers(given)
-    box = deposit(given, given.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+    soil = soil_layers(given.section)
+    box = deposit(given.section, given.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
     points = Points("soil", box.settled)
     pushed, after = pushed_over(box.settled, box.ground, given.dem, CONTINUUM, on_trial=points)
     total = sum(row["million_disc_steps"] for row in points.rows)

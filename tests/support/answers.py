@@ -4,29 +4,29 @@ from typing import Any
 
 from fem.continuum.loads import Direction
 from fem.continuum.strength import flow_of
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
 from workflow.results.results import Results
 from workflow.results.variants import Variant
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
-def state(run: Input, kh: float, past: bool, failed: float) -> KeptState:
+def state(run: Config, kh: float, past: bool, failed: float) -> KeptState:
     return KeptState(
         label=f"Kh = {kh}", kh=kh, past_equilibrium=past, largest_displacement_m=0.1,
-        failed_share_by_stratum={stratum.name: failed for stratum in run.strata},
+        failed_share_by_stratum={stratum.name: failed for stratum in run.section.strata},
         slip_surface=tuple((float(x), 9.08 - 0.0454 * x - 6.0) for x in range(5, 200, 10)),  # in layers 4 and 5
     )  # fmt: skip
 
 
-def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
+def fem(run: Config, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
     return FemAnswer(
-        section=SectionLabel.of(run), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict, reason="it is flat",
-        remedy="", judgement="sound", doubts=(), direction="downhill", towards="right", opposite=None,
-        associated=None, skins=(), flow=flow_of(run.strata, run.fem.flow), element="quadratic", settings=run.fem,
-        dilation_deg={},
+        section=SectionLabel.of(run.section), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict,
+        reason="it is flat", remedy="", judgement="sound", doubts=(), direction="downhill", towards="right",
+        opposite=None, associated=None, skins=(), flow=flow_of(run.section.strata, run.fem.flow), element="quadratic",
+        settings=run.fem, dilation_deg={},
         meshes=(), meshes_ended="", kc_limit=None,
         mesh=MeshCount(quadrilaterals=611, nodes=672, method="mapped"),
         gravity=Gravity(iterations=8, plastic_share=0.0), linear_solves=200, curve=(), safety_factors=(),
@@ -34,17 +34,17 @@ def fem(run: Input, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer
     )  # fmt: skip
 
 
-def bounds(run: Input, lower: float, upper: float, direction: Direction = "downhill") -> BoundsAnswer:
+def bounds(run: Config, lower: float, upper: float, direction: Direction = "downhill") -> BoundsAnswer:
     part = DirectionPart(direction=direction, towards="right", lower=lower, upper=upper, leaves=(), history=())
     return BoundsAnswer(
-        section=SectionLabel.of(run), lower=lower, upper=upper, directions=(part,), gap=0.1,
+        section=SectionLabel.of(run.section), lower=lower, upper=upper, directions=(part,), gap=0.1,
         verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, skins=(),
         least_depth=0.5, sides="roller", direction=direction, vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip
 
 
-def results(run: Input, **answers: Any) -> Results:
+def results(run: Config, **answers: Any) -> Results:
     """Results as if the stages had left these answers."""
     return Results(run, Store("nowhere"), {}, {}, **answers)
 

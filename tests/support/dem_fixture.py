@@ -12,6 +12,7 @@ from PIL import Image
 
 import workflow.stages
 from meshes.executor import Executor
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import (
     AssemblyProperties,
@@ -38,7 +39,6 @@ from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 
 SPRINGS = Parameters(springs="table2", stiffness_scale=0.01, mean="arithmetic")
 
@@ -60,24 +60,24 @@ def search(kc: float, largest: float = 0.4) -> DiscSearch:
     )  # fmt: skip
 
 
-def critical(run: Input, kc: float, cracked_elsewhere: dict[str, float] | None = None) -> DiscsAnswer:
+def critical(run: Config, kc: float, cracked_elsewhere: dict[str, float] | None = None) -> DiscsAnswer:
     """Discs that stand at Kh = 0.2 without a crack, and fail at 0.3 with a third of the pore springs cracked."""
-    left, right = run.extent
-    level = run.surface[-1][1] - 4.0
+    left, right = run.section.extent
+    level = run.section.surface[-1][1] - 4.0
     surface = ((left, level), (right, level))
     sets: tuple[SetOfSprings, ...] = ("before", "after")
     states = tuple(
         DiscState(
             set=which, kh=kh, verdict="stands" if share == 0.0 else "fails", reason="by hand", unbalanced_ratio=1e-5,
             kinetic_ratio=1e-9, displacement_m=0.05, elastic_displacement_m=None, seconds=3.0, file="dem/none.h5",
-            cracked_share_by_stratum={s.name: share for s in run.strata} | (cracked_elsewhere or {}),
+            cracked_share_by_stratum={s.name: share for s in run.section.strata} | (cracked_elsewhere or {}),
             slip_surface=surface, largest_displacement_m=10 * share,
         )
         for which in sets
         for kh, share in ((0.2, 0.0), (0.3, 0.3))
     )  # fmt: skip
     return DiscsAnswer(
-        section=SectionLabel.of(run),
+        section=SectionLabel.of(run.section),
         model=DiscModelAnswer(
             discs="paper",
             packing="box", rows=8, radius_m=0.75, elements=320, boundary_elements=50, tilt_deg=2.6, seed=None,
@@ -146,7 +146,7 @@ def draw(store: Store, name: str, title: str) -> None:
         figure.savefig(path, format="png")
 
 
-def calibrate_stage(run: Input, store: Store, progress: Progress, executor: Executor, reached: bool = True) -> None:
+def calibrate_stage(run: Config, store: Store, progress: Progress, executor: Executor, reached: bool = True) -> None:
     """As if calibrated: a journal that grows, then the answer."""
     kc = FemAnswer.read(store).kc
     journal = store.folder / "dem/trials.jsonl"
@@ -163,7 +163,7 @@ def calibrate_stage(run: Input, store: Store, progress: Progress, executor: Exec
         raise NoAnswerError("the range of stiffness does not reach it", "widen [dem] range")
 
 
-def out_of_reach(run: Input, store: Store, progress: Progress, executor: Executor) -> None:
+def out_of_reach(run: Config, store: Store, progress: Progress, executor: Executor) -> None:
     """As if the calibration were out of reach."""
     calibrate_stage(run, store, progress, executor, reached=False)
 

@@ -14,6 +14,7 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
+from workflow.config import Config
 
 SOIL: dict[str, Any] = {
     "youngs_modulus": "30 MPa",
@@ -56,7 +57,7 @@ def spoiled(change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
     return data
 
 
-def problems(data: dict[str, Any], model: type[Section] = Section) -> tuple[str, ...]:
+def problems(data: dict[str, Any], model: type[Section] | type[Config] = Section) -> tuple[str, ...]:
     """What is said of bad input; fails if it is accepted."""
     with pytest.raises(InputError) as caught:
         model.parse(data, "slope.toml")

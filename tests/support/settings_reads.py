@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from dem.settings import Case
+from workflow.config import FILES, Config
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import FILES, Input
 from workflow.stages import STAGES
 
-TABLES = {type(Input.model_fields[table].default): table for table in Input.tables()}
+TABLES = {type(Config.model_fields[table].default): table for table in Config.tables()}
 KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in model.model_fields)
 
 
@@ -56,7 +56,7 @@ def traced(stages: tuple[Stage, ...], found: dict[str, set[str]]) -> tuple[Stage
     return tuple(one(stage) for stage in stages)
 
 
-def altered(given: Input, name: str) -> Input:
+def altered(given: Config, name: str) -> Config:
     """The same input with another value of one setting, whatever that is: nothing is computed with it."""
     table, _, key = name.partition(".")
     settings = getattr(given, table)
@@ -82,7 +82,7 @@ def _other(value: Any) -> Any:
     return 0.125
 
 
-def stale(before: Input, after: Input) -> set[str]:
+def stale(before: Config, after: Config) -> set[str]:
     """The stages whose results before are none for the input after."""
     first, then = (Job(given, Store(Path("nowhere")), STAGES) for given in (before, after))
     with warnings.catch_warnings():

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.run import pipeline
 from workflow.run.plan import Choice, Decision
 from workflow.run.progress import Progress, silent
 from workflow.run.record import Entry
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
 
 ALL_OF_THEM = ["mesh", "fem", "slide", "report"]
 
@@ -60,7 +60,7 @@ class Toys(dict[str, Stage]):
 
     def job(self, folder: Path, **settings: Any) -> Job:
         """The small slope with some settings."""
-        return Job(Input.parse({**slope(), **settings}), Store(folder), tuple(self.values()))
+        return Job(Config.parse({**slope(), **settings}), Store(folder), tuple(self.values()))
 
     def choose(self, **options: Any) -> Choice:
         """A choice among them."""

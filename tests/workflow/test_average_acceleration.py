@@ -11,8 +11,8 @@ import tomli_w
 
 from tests.support.command_line import run
 from tests.support.sections import layer
+from workflow.config import Config
 from workflow.earthquake.column import column_of
-from workflow.settings import Input
 
 pytestmark = pytest.mark.slow
 
@@ -75,8 +75,8 @@ def case(folder: Path) -> dict[str, Any]:
 def test_the_discs_go_where_a_record_of_that_average_takes_them(
     data: dict[str, Any], average: Path, tmp_path: Path
 ) -> None:
-    given = Input.parse(data)
-    column = column_of(given, given.site_response)
+    given = Config.parse(data)
+    column = column_of(given.section, given.site_response)
     felt = column.average_above(SLIP)
     lines = "\n".join(f"{column.step * k!r}, {float(a)!r}" for k, a in enumerate(felt))
     (tmp_path / "felt.csv").write_text(f"time (s), a (m/s2)\n{lines}\n")
@@ -89,8 +89,8 @@ def test_the_discs_go_where_a_record_of_that_average_takes_them(
 
 
 def test_kh_is_k_max_where_it_is_left_to_the_record(data: dict[str, Any], average: Path, tmp_path: Path) -> None:
-    given = Input.parse(data)
-    k_max = round(column_of(given, given.site_response).k_max(SLIP), 4)
+    given = Config.parse(data)
+    k_max = round(column_of(given.section, given.site_response).k_max(SLIP), 4)
     assert 0.02 < k_max < 0.6
     asked = beside(average, tmp_path)
     assert slid(data, asked, kh="k_max") == 0

@@ -12,7 +12,7 @@ from matplotlib.image import imread
 from meshes import shipped
 from tests.support.command_line import run
 from tests.support.sections import layer, slope, written
-from workflow.settings import Input
+from workflow.config import Config
 from workflow.stages import NAMES
 
 
@@ -49,7 +49,7 @@ def test_help_lists_the_stages_and_the_sections_that_come_with_it(capsys: pytest
 def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in shipped.names():
         assert run("init", tmp_path / f"{name}.toml", "--from", name) == 0
-        assert Input.load(tmp_path / f"{name}.toml") == Input.load(shipped.file_of(name))
+        assert Config.load(tmp_path / f"{name}.toml") == Config.load(shipped.file_of(name))
     assert run("init", tmp_path / "none.toml", "--from", "s14") == 2
     assert f"'s14': expected one of {', '.join(shipped.names())}" in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "none.toml").exists()
@@ -58,9 +58,9 @@ def test_init_from_a_section_that_comes_with_it(tmp_path: Path, capsys: pytest.C
 def test_check_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("check", written(tmp_path), "--out", tmp_path / "out", "--json") == 0
     checked = told(capsys)
-    given = Input.load(tmp_path / "slope.toml")
-    assert [one["name"] for one in checked["strata"]] == [one.name for one in given.strata]
-    assert checked["strata"][0]["friction_angle"] == pytest.approx(given.strata[0].friction_angle)
+    given = Config.load(tmp_path / "slope.toml")
+    assert [one["name"] for one in checked["strata"]] == [one.name for one in given.section.strata]
+    assert checked["strata"][0]["friction_angle"] == pytest.approx(given.section.strata[0].friction_angle)
     assert Path(checked["picture"]).is_file()
 
 
@@ -94,12 +94,12 @@ def test_a_mesh_stays_until_noshiro_mesh_is_called_again(tmp_path: Path, capsys:
     said = words(capsys)
     assert "Meshed as before in this folder: size = 2.0 (noshiro mesh without options forgets that)." in said
     assert "be reused" in said
-    assert Input.load(out / "section.toml").mesh.size == 2.0
+    assert Config.load(out / "section.toml").mesh.size == 2.0
     assert run(*planned, "--set", "mesh.size=4") == 0  # what a command says of the mesh counts
     assert "Meshed as before" not in (said := words(capsys))
     assert "changed: [mesh]" in said
     assert run("mesh", path, "--out", out, "-q") == 0
-    assert Input.load(out / "section.toml").mesh.size == 3.0
+    assert Config.load(out / "section.toml").mesh.size == 3.0
     assert run(*planned) == 0
     assert "Meshed as before" not in words(capsys)
 

@@ -24,8 +24,8 @@ from tests.support.command_line import run
 from tests.support.docs import DOCS, PACKAGES, blocks, commands, pages, program
 from workflow import stages
 from workflow.cli import app
+from workflow.config import Config
 from workflow.report.reference import keys
-from workflow.settings import Input
 
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
@@ -75,8 +75,8 @@ def test_every_link_leads_somewhere() -> None:
 
 def test_every_key_stands_in_the_reference_with_what_is_checked() -> None:
     found = {(key.table, key.name): key for key in keys()}
-    for table in Input.tables():
-        for name, field in type(Input.model_fields[table].default).model_fields.items():
+    for table in Config.tables():
+        for name, field in type(Config.model_fields[table].default).model_fields.items():
             assert found[table, name].words == (field.description or "")
     assert found["fem", "accuracy"].allowed == "a number from 0 to 0.5"
     assert found["fem", "accuracy"].default == "0.01"
@@ -127,7 +127,7 @@ def test_every_example_of_a_file_is_read(page: Path, block: str) -> None:
         return
     base = {} if "strata" in data else _base(page)
     tables = {key: base[key] | value for key, value in data.items() if isinstance(base.get(key), dict)}
-    Input.parse(base | data | tables)
+    Config.parse(base | data | tables)
 
 
 @cache

@@ -21,8 +21,8 @@ from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.command_line import process, run
 from tests.support.sections import layer, slope
+from workflow.config import Config
 from workflow.figures import canvas
-from workflow.settings import Input
 
 FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
@@ -88,8 +88,8 @@ def test_the_input_as_used(section: Path, out: Path) -> None:
         "refine = 1",
     ):
         assert default in text
-    used = Input.load(out / "section.toml")
-    assert used == Input.load(section, {"mesh": {"size": "2 m"}})
+    used = Config.load(out / "section.toml")
+    assert used == Config.load(section, {"mesh": {"size": "2 m"}})
     assert used.to_toml() == text
     assert run("mesh", out / "section.toml", "--out", out) == 0
     assert (out / "section.toml").read_text(encoding="utf-8") == text

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tests.support import TOP
 from tests.support.docs import blocks, program
-from workflow.settings import Input
+from workflow.config import Config
 
 README = (TOP / "README.md").read_text(encoding="utf-8")
 (SECTION,) = blocks("toml", README)
@@ -57,7 +57,7 @@ def test_its_answers_come_from_the_file() -> None:
 
 def test_the_section_and_the_script_run(tmp_path: Path) -> None:
     """The script on the section of the page: elements and bounds as told, discs as near as rounding leaves them."""
-    assert Input.parse(tomllib.loads(SECTION)).name == "my_slope"
+    assert Config.parse(tomllib.loads(SECTION)).section.name == "my_slope"
     (tmp_path / "my_slope.toml").write_text(SECTION, encoding="utf-8")
     (example,) = blocks("python", README)
     done = subprocess.run(

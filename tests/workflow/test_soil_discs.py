@@ -14,7 +14,7 @@ from dem.settings import SlideSettings
 from meshes.section.section import Section
 from tests.support.command_line import run
 from tests.support.sections import layer
-from workflow.settings import Input
+from workflow.config import Config
 
 SECTION: dict[str, Any] = {
     "name": "soil",
@@ -68,24 +68,24 @@ def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
 
 def test_the_ground_before_anything_is_the_sections(whole: Path) -> None:
     """Surface within half a radius in every column; weight and horizontal force of the soil; no disc turns."""
-    section = Input.load(whole / "section.toml")
+    section = Config.load(whole / "section.toml")
     discs = answer(whole, "dem/critical.json")["model"]
     settled = DiscModel.load(whole / "dem/settled.h5")
     assert discs["discs"] == "soil"
     assert settled.law == "soil"
     assert (settled.inertia_ratio[~settled.fixed] > 0.0).tolist() == (settled.layer[~settled.fixed] != 2).tolist()
-    away = misfit(section, settled, discs["radius_m"])
+    away = misfit(section.section, settled, discs["radius_m"])
     assert np.abs(away).max() <= 0.5 * discs["radius_m"]
-    calibrated = np.abs(misfit(section, DiscModel.load(whole / "dem/calibrated.h5"), discs["radius_m"]))
+    calibrated = np.abs(misfit(section.section, DiscModel.load(whole / "dem/calibrated.h5"), discs["radius_m"]))
     assert discs["surface_off_mean_m"] == pytest.approx(calibrated.mean())
     assert discs["surface_off_worst_m"] == pytest.approx(calibrated.max())
-    areas = section.layering.areas()
-    mass = sum(area * s.density_seismic for area, s in zip(areas, section.strata, strict=True))
-    weight = sum(area * s.density_ordinary for area, s in zip(areas, section.strata, strict=True))
+    areas = section.section.layering.areas()
+    mass = sum(area * s.density_seismic for area, s in zip(areas, section.section.strata, strict=True))
+    weight = sum(area * s.density_ordinary for area, s in zip(areas, section.section.strata, strict=True))
     free = ~settled.fixed
     assert settled.mass[free].sum() == pytest.approx(mass, rel=0.02)
     assert (settled.mass * settled.weight)[free].sum() == pytest.approx(weight, rel=0.02)
-    inside = section.stratum_at(settled.x[free], settled.z[free])
+    inside = section.section.stratum_at(settled.x[free], settled.z[free])
     assert (inside == settled.layer[free])[inside >= 0].mean() > 0.9
 
 
@@ -112,7 +112,7 @@ def test_settings_of_the_paper_are_refused_with_words(tmp_path: Path, capsys: py
 def test_sections_without_settings_take_soil_discs() -> None:
     data = {key: value for key, value in SECTION.items() if key not in ("dem", "fem", "mesh", "slide")}
     assert isinstance(Section.parse(data), Section)
-    assert Input.parse(data).dem.model == "soil"
+    assert Config.parse(data).dem.model == "soil"
 
 
 def test_a_slide_has_an_interval(whole: Path) -> None:

@@ -14,11 +14,11 @@ from tests.support.borings import bored
 from tests.support.settings_reads import KEYS, altered, stale, traced, with_needed
 from tests.support.toy_stages import Heard
 from tests.workflow.test_soil_discs import SECTION
+from workflow.config import Config
 from workflow.run import pipeline
 from workflow.run.plan import Choice
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages import STAGES
 
 Reads = dict[str, set[str]]
@@ -29,7 +29,7 @@ ELSEWHERE = "mesh.least_thickness"  # is read by the process of gmsh, which nobo
 TAKEN = ("earthquake", "triggering", "slide.cases")
 
 
-def read_by(given: Input, folder: Path) -> Reads:
+def read_by(given: Config, folder: Path) -> Reads:
     """The settings that the work of every stage reads, all stages run in this process."""
     found: Reads = {}
     stages = traced(STAGES, found)
@@ -38,20 +38,20 @@ def read_by(given: Input, folder: Path) -> Reads:
     return found
 
 
-def papers(folder: Path) -> Input:
+def papers(folder: Path) -> Config:
     """A few of the paper's discs for a moment, and all that stands beside them."""
     data = tomllib.loads(small_run.written(folder).read_text())
     data["sliding_block"] = {"accelerogram": str(folder / "quake.csv")}
-    return Input.parse({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
+    return Config.parse({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
 
 
-def soil(folder: Path) -> Input:
+def soil(folder: Path) -> Config:
     """Soil discs, calibrated on two packings."""
     few = {"elements": 150, "resolution": 0.1, "workers": 1}
-    return Input.parse({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
+    return Config.parse({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
 
 
-def shaken(folder: Path) -> Input:
+def shaken(folder: Path) -> Config:
     """The paper's discs beside a path with ψ as given, borings, and a record that makes strata liquefy by their F_L."""
     data = tomllib.loads(small_run.written(folder).read_text())
     tests = [{"depth": 1.0 + k, "N": 4} for k in range(8)]
@@ -71,17 +71,17 @@ def shaken(folder: Path) -> Input:
         "slide": {**small_run.SHORT_SLIDE, "cases": cases, "accelerogram": quake},
         "sliding_block": {},
     }
-    return Input.parse(data)
+    return Config.parse(data)
 
 
 @pytest.fixture(scope="module")
-def of_the_papers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Input, Reads]:
+def of_the_papers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Config, Reads]:
     folder = tmp_path_factory.mktemp("papers")
     given = papers(folder)
     return given, read_by(given, folder / "out")
 
 
-def unheard(given: Input, reads: Reads) -> set[tuple[str, str]]:
+def unheard(given: Config, reads: Reads) -> set[tuple[str, str]]:
     """Stages, and settings that their work reads, whose change would not make them run again."""
     ignored = {stage.name: set(stage.ignores(given)) for stage in STAGES}
     return {
@@ -93,7 +93,7 @@ def unheard(given: Input, reads: Reads) -> set[tuple[str, str]]:
     }
 
 
-def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Input, Reads]) -> None:
+def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Config, Reads]) -> None:
     given, reads = of_the_papers
     assert set(reads) == {"mesh", "fem", "variants", "bounds", "slices", "liquefied", "calibrate", "slide", "report"}
     assert all(reads.values())
@@ -101,7 +101,7 @@ def test_what_a_stage_reads_makes_it_run_again(of_the_papers: tuple[Input, Reads
 
 
 @pytest.mark.slow
-def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Reads], tmp_path: Path) -> None:
+def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, Reads], tmp_path: Path) -> None:
     """Over inputs that take other ways through the program: whatever makes a stage run again is read by it, or by one
     that it needs, in one of them."""
     seen = [of_the_papers]
@@ -142,18 +142,18 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Input, Re
     ],
 )
 def test_which_stages_run_again(key: str, again: set[str]) -> None:
-    given = Input.parse(SECTION)
+    given = Config.parse(SECTION)
     assert stale(given, altered(given, key)) == {*again, "report"}
 
 
 def test_what_a_section_is_called_changes_no_result() -> None:
-    before = Input.parse(SECTION)
+    before = Config.parse(SECTION)
     for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
-        assert stale(before, Input.parse({**SECTION, **changes})) == {"report"}
+        assert stale(before, Config.parse({**SECTION, **changes})) == {"report"}
 
 
 def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:
-    def bored_with(**changes: Any) -> Input:
+    def bored_with(**changes: Any) -> Config:
         data = bored()
         data["water"] = {"table": data.pop("water_table")}
         for stratum in data["strata"]:
@@ -161,10 +161,10 @@ def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liq
             stratum |= {"density": "1.7 t/m^3", "density_saturated": "1.9 t/m^3"}
         data["earthquake"] |= changes
         data["slide"] = {**data.get("slide", {}), "kh": 0.1}  # else it follows from the earthquake, and so do slides
-        return Input.parse(data)
+        return Config.parse(data)
 
     before, as_before, less = (bored_with(peak_acceleration=f"{a} gal") for a in (250, 251, 20))
-    assert [bool(stratum.liquefies_in) for stratum in less.strata] != [bool(s.liquefies_in) for s in before.strata]
+    assert [bool(s.liquefies_in) for s in less.section.strata] != [bool(s.liquefies_in) for s in before.section.strata]
     assert stale(before, as_before) == {"triggering", "report"}
     assert stale(before, less) == {"triggering", "liquefied", "mpm", "slide", "report"}
 

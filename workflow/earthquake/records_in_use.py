@@ -13,13 +13,13 @@ PLACES = (
 )  # fmt: skip
 
 
-def records(given: Any) -> Iterator[tuple[str, Accelerogram]]:
+def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
     """Every record that an input names and uses, with the place of its name, such as "slide, accelerogram".
 
     Raises InputError where one cannot be read.
     """
     for table, key in PLACES:
-        settings = getattr(given, table)
+        settings = getattr(config, table)
         name = getattr(settings, key)
         if name in ("", AVERAGE) or getattr(settings, "peak_acceleration", None) is not None:
             continue
@@ -30,10 +30,10 @@ def records(given: Any) -> Iterator[tuple[str, Accelerogram]]:
         yield f"{table}, {key}", found.scaled(settings.scale)
 
 
-def remarks(given: Any) -> list[str]:
+def remarks(config: Any) -> list[str]:
     """What was done to the records in use, and what is doubtful about them; nothing where one cannot be read."""
     try:
-        told = [f"{place}, {found.name}: {text}" for place, found in records(given) for text in found.remarks]
+        told = [f"{place}, {found.name}: {text}" for place, found in records(config) for text in found.remarks]
     except InputError:  # told when it is read
         return []
     return told

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from dem.slides.cycles import cyclic_acceleration
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
-from workflow.settings import Input
 
 NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
 NEWMARK_VALIDITY = (
@@ -32,9 +33,9 @@ NO_LINE = np.zeros((0, 2))
 __all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
 
 
-def constant_kh(given: Input) -> float:
+def constant_kh(config: Config) -> float:
     """The constant Kh as set for the sliding block, or that of the slides."""
-    return given.slide.kh if given.sliding_block.kh is None else given.sliding_block.kh
+    return config.slide.kh if config.sliding_block.kh is None else config.sliding_block.kh
 
 
 @dataclass(frozen=True)
@@ -60,48 +61,48 @@ class BlockDrive:
         )  # fmt: skip
 
 
-def block_drive(given: Input) -> BlockDrive:
+def block_drive(config: Config) -> BlockDrive:
     """How Kh drives the block: for the seconds set for it, else as it drives the slides, else for 10 s."""
-    slide, seconds = given.slide, given.sliding_block.seconds
+    slide, seconds = config.slide, config.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
     return BlockDrive(seconds or slide.kh_seconds or FOR_EVER)
 
 
-def estimates(given: Input, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
+def estimates(config: Config, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
     """All estimates that this input allows; those of a block that resists need the critical Kh found.
 
     ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
     """
     found: list[Estimate] = []
     if kc is not None and kc > 0.0:
-        found.append(_constant(given, kc))
-        if given.sliding_block.accelerogram:
-            found += _newmark(given, kc)
-    found.append(_smooth(given))
-    return [*found, *_regressions(given), *empirical(given, kc, slip_surface)]
+        found.append(_constant(config, kc))
+        if config.sliding_block.accelerogram:
+            found += _newmark(config, kc)
+    found.append(_smooth(config.section))
+    return [*found, *_regressions(config.section), *empirical(config, kc, slip_surface)]
 
 
-def _constant(given: Input, kc: float) -> Estimate:
-    kh, drive = constant_kh(given), block_drive(given)
+def _constant(config: Config, kc: float) -> Estimate:
+    kh, drive = constant_kh(config), block_drive(config)
     slide = drive.slide(kc, kh)
-    words = f"Kh = {kh:g} {drive.words}, resisted by kc = {kc:.3f} {flow_words(given)}: "
+    words = f"Kh = {kh:g} {drive.words}, resisted by kc = {kc:.3f} {flow_words(config)}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
 
-def _newmark(given: Input, kc: float) -> Iterator[Estimate]:
-    record = given.sliding_block.in_use()
+def _newmark(config: Config, kc: float) -> Iterator[Estimate]:
+    record = config.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
     peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f} "
-    peak += flow_words(given)
+    peak += flow_words(config)
     for way, slide in named:
         yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
 
 
-def _smooth(given: Input) -> Estimate:
-    slope = mean_inclination(given)
+def _smooth(section: Section) -> Estimate:
+    slope = mean_inclination(section)
     plane = SmoothPlane(slope)
     if plane.acceleration <= 0.0:
         words = "the ground is level from end to end: no acceleration"
@@ -116,11 +117,11 @@ def _smooth(given: Input) -> Estimate:
     )  # fmt: skip
 
 
-def _regressions(given: Input) -> Iterator[Estimate]:
-    numbers = sorted({case for stratum in given.strata for case in stratum.liquefies_in})
+def _regressions(section: Section) -> Iterator[Estimate]:
+    numbers = sorted({case for stratum in section.strata for case in stratum.liquefies_in})
     by_ground: dict[Any, list[int]] = {}
     for case in numbers:
-        ground = liquefied(given, case)
+        ground = liquefied(section, case)
         if ground is not None:
             by_ground.setdefault(ground, []).append(case)
     for ground, cases in by_ground.items():

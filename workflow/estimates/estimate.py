@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.continuum.strength import davis_words, flow_of
-from workflow.settings import Input
+from meshes.section.section import Section
+from workflow.config import Config
 
 Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]
 
@@ -32,15 +33,15 @@ class Estimate:
     validity: str
 
 
-def mean_inclination(given: Input) -> float:
+def mean_inclination(section: Section) -> float:
     """By how much the ground is inclined from one end to the other (rad), whichever way it falls: never negative."""
-    (x0, z0), (x1, z1) = given.ground[0], given.ground[-1]
+    (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
-def flow_words(given: Input) -> str:
+def flow_words(config: Config) -> str:
     """Of which flow rule the critical Kh is that blocks resist with: ψ = φ where nothing else is asked for."""
-    flow = flow_of(given.strata, given.fem.flow)
+    flow = flow_of(config.section.strata, config.fem.flow)
     if flow == "davis":
-        return f"by {davis_words(stratum.dilation for stratum in given.strata)}"
+        return f"by {davis_words(stratum.dilation for stratum in config.section.strata)}"
     return "with ψ = φ" if flow == "associated" else "with ψ as given"

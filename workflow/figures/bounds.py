@@ -10,11 +10,12 @@ from fem.continuum.shallow_failure import STRIP
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
+from meshes.section.section import Section
 from meshes.triangles import TriMesh
+from workflow.config import Config
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
 from workflow.figures.ground import foot
 from workflow.run.store import Store
-from workflow.settings import Input
 
 # Dissipation per area over the largest: each class three times the one before.
 DISSIPATION = (0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
@@ -24,24 +25,24 @@ YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a
 ARROWS = "#1f6fb2"
 
 
-def draw_all(given: Input, found: KhBounds, store: Store) -> None:
+def draw_all(config: Config, found: KhBounds, store: Store) -> None:
     """bounds_mechanism.png and bounds_stress.png, where there is such a bound, and bounds_mesh.png."""
-    window = Window.around(given.outline())
+    window = Window.around(config.section.outline())
     if found.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:
-            _mechanism_sheet(given, found, found.mechanism, window).save(path)
+            _mechanism_sheet(config, found, found.mechanism, window).save(path)
     if found.stress:
         with store.writing("figures/bounds_stress.png") as path:
-            _stress_sheet(given, found, found.stress, window).save(path)
+            _stress_sheet(config, found, found.stress, window).save(path)
     with store.writing("figures/bounds_mesh.png") as path:
-        _mesh_sheet(given, found, window).save(path)
+        _mesh_sheet(config.section, found, window).save(path)
 
 
-def conditions(given: Input, found: KhBounds, bound: Mechanism | StressField) -> str:
+def conditions(config: Config, found: KhBounds, bound: Mechanism | StressField) -> str:
     """What a bound depends on and must be said beside it."""
-    kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
+    kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = next(one.direction for one in found.directions if bound in (one.mechanism, one.stress))
-    return f"sides {given.fem.sides}, ψ = φ, seismic force {direction}{kv}"
+    return f"sides {config.fem.sides}, ψ = φ, seismic force {direction}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:
@@ -52,7 +53,7 @@ def yield_use(stress: StressField) -> np.ndarray:
     return np.max(np.divide(radius, strength, out=np.zeros_like(radius), where=strength > 0.0), axis=1)
 
 
-def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window: Window) -> Sheet:
+def _mechanism_sheet(config: Config, found: KhBounds, mechanism: Mechanism, window: Window) -> Sheet:
     problem = mechanism.problem
     density = mechanism.dissipation / problem.mesh.areas
     density = density / max(float(density.max()), 1e-300)
@@ -75,7 +76,7 @@ def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window
         plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
 
     title = f"Upper bound, Kh = {mechanism.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion] * 3, foot(given), legend_rows=3)
+    sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
     sheet.show(0, render(window, arrows), window, "velocities of the mechanism; its size is arbitrary")
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
@@ -88,24 +89,24 @@ def _mechanism_sheet(given: Input, found: KhBounds, mechanism: Mechanism, window
         sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
     label = "shear rate, dissipation per area: over the largest (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
-    sheet.note(conditions(given, found, mechanism))
+    sheet.note(conditions(config, found, mechanism))
     return sheet
 
 
-def _stress_sheet(given: Input, found: KhBounds, stress: StressField, window: Window) -> Sheet:
+def _stress_sheet(config: Config, found: KhBounds, stress: StressField, window: Window) -> Sheet:
     mesh = stress.problem.mesh_in_metres
     title = f"Lower bound, Kh = {stress.multiplier:.4f}"
-    sheet = Sheet(title, [window.proportion], foot(given), legend_rows=3)
+    sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
     sheet.show(0, image, window, "how much of its strength the ground needs, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
-    sheet.note(conditions(given, found, stress))
+    sheet.note(conditions(config, found, stress))
     return sheet
 
 
-def _mesh_sheet(given: Input, found: KhBounds, window: Window) -> Sheet:
-    mesh, strata = found.mesh, (found.section or given).strata
-    own = [stratum.name for stratum in given.strata]  # a strip of a skin has the colour of its stratum
+def _mesh_sheet(section: Section, found: KhBounds, window: Window) -> Sheet:
+    mesh, strata = found.mesh, (found.section or section).strata
+    own = [stratum.name for stratum in section.strata]  # a strip of a skin has the colour of its stratum
     names = [one.name if one.name in own else one.name.rpartition(STRIP)[0] for one in strata]
     colours = [soil_colour(own.index(name)) for name in names]
     handles = [
@@ -123,7 +124,7 @@ def _mesh_sheet(given: Input, found: KhBounds, window: Window) -> Sheet:
         )  # fmt: skip
 
     title = f"{len(mesh.cells)} triangles of the bounds"
-    sheet = Sheet(title, [window.proportion], foot(given), legend_rows=-(-len(handles) // columns))
+    sheet = Sheet(title, [window.proportion], foot(section), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
     sheet.show(0, render(window, draw), window, "divided where the gap between the bounds is")
     return sheet

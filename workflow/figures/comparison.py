@@ -41,7 +41,7 @@ def draw_all(results: Results) -> list[str]:
 
 
 def _title(results: Results) -> str:
-    return results.given.title or results.given.name
+    return results.config.section.heading
 
 
 def _curves(results: Results, name: str) -> bool:
@@ -49,7 +49,7 @@ def _curves(results: Results, name: str) -> bool:
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
-    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.given), legend_rows=3)
+    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.config.section), legend_rows=3)
     axes = sheet.plot(0, "mean displacement in the direction of Kh (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]
@@ -81,10 +81,10 @@ def _curves(results: Results, name: str) -> bool:
         if after.kc is not None and after.kc_upper is not None:
             axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
         if soil and like is not None:
-            far = results.given.dem.ductility * like.yielding_m
+            far = results.config.dem.ductility * like.yielding_m
             widest = max(widest, far)
             axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9)
-            label = f"{results.given.dem.ductility:g} times where the FEM (dashed) yields: as far as discs are judged"
+            label = f"{results.config.dem.ductility:g} times where the FEM (dashed) yields: as far as discs are judged"
             handles.append(Line2D([], [], color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
@@ -147,7 +147,7 @@ def _surfaces(results: Results, name: str) -> bool:
             f"{100 * both.same_stratum_share:.0f} % of the length"
         )
     with results.store.writing(name) as file:
-        draw_section(results.given, file, title, lines)
+        draw_section(results.config.section, file, title, lines)
     return True
 
 
@@ -173,7 +173,7 @@ def _calibration(results: Results, name: str) -> bool:
         return False
     parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))  # soil discs have no choice of them
     heights = [0.34] * (2 if parameters else 1)
-    sheet = Sheet(f"{_title(results)}: calibration of the discs", heights, foot(results.given), legend_rows=1)
+    sheet = Sheet(f"{_title(results)}: calibration of the discs", heights, foot(results.config.section), legend_rows=1)
     handles = _one_at_a_time(sheet, answer, parameters) if parameters else []
     across = f"factor on {answer.parameter.replace('_', ' ')} (-)"
     axes = sheet.plot(len(heights) - 1, across, "critical Kh (-)", f"{answer.verdict}: {answer.reason}")
@@ -208,11 +208,14 @@ def _factors(axes: Axes) -> None:
 
 def _block(results: Results, name: str) -> bool:
     """The accelerogram, and the slide of the rigid block under it, both ways."""
-    if not results.given.sliding_block.accelerogram or results.kc is None:
+    if not results.config.sliding_block.accelerogram or results.kc is None:
         return False
-    record = results.given.sliding_block.in_use()
+    record = results.config.sliding_block.in_use()
     sheet = Sheet(
-        f"{_title(results)}: rigid block under {record.name}", [0.2, 0.2, 0.2], foot(results.given), legend_rows=1
+        f"{_title(results)}: rigid block under {record.name}",
+        [0.2, 0.2, 0.2],
+        foot(results.config.section),
+        legend_rows=1,
     )
     first = sheet.plot(0, "time (s)", "acceleration (m/s²)", f"{record.kind}, peak {record.peak:.2f} m/s²")
     first.plot(record.time, record.acceleration, color=INK, linewidth=0.6)

@@ -38,8 +38,8 @@ def displacements(results: Results, name: str) -> bool:
     known = [row for row in rows if row.value is not None]
     if len(known) < 2:
         return False
-    title = f"{results.given.title or results.given.name}: displacement by all methods"
-    sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.given), legend_rows=2)
+    title = f"{results.config.section.heading}: displacement by all methods"
+    sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.config.section), legend_rows=2)
     axes = sheet.plot(0, "displacement (m)", "")
     for number, row in enumerate(rows):
         _draw(axes, row, -number)
@@ -48,7 +48,7 @@ def displacements(results: Results, name: str) -> bool:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.set_yticks([-number for number in range(len(rows))], [row.words for row in rows], fontsize=6.5)
-    observed = results.given.report.observed
+    observed = results.config.report.observed
     most = max([SMALLEST, *(row.value or 0.0 for row in known), *(one.displacement for one in observed)])
     axes.set_xlim(0.8 * SMALLEST, 2.5 * most)  # so that the number beside the last point stands in the frame
     box = axes.get_position()
@@ -75,7 +75,7 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
 
 def _others(results: Results) -> Iterator[Row]:
     """The methods that the discs are compared with."""
-    for one in estimates(results.given, results.kc, results.slip_surface):
+    for one in estimates(results.config, results.kc, results.slip_surface):
         if one.displacement_m is not None:
             yield Row(one.method, OTHERS, one.displacement_m)
         elif one.kind != "smooth block":  # which never gives one
@@ -88,8 +88,8 @@ def slides(results: Results) -> Iterator[Row]:
     yield from _of_discs(results, cases)
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
     for number, case in sorted(printed.items()):
-        yield Row(f"the paper's discs, {results.given.called(number)}", PRINTED, case.slide_max_m)
-    if results.given.name == "s13":
+        yield Row(f"the paper's discs, {results.config.called(number)}", PRINTED, case.slide_max_m)
+    if results.config.section.name == "s13":
         for words, value in PAPER:
             yield Row(words, PAPERS, value)
 
@@ -105,9 +105,9 @@ def _why_not(words: str) -> str:
 
 def _of_discs(results: Results, cases: dict[int, CaseAnswer]) -> Iterator[Row]:
     """The discs of each case: at every place where something was measured, and at most."""
-    places = dict.fromkeys(one.x for one in results.given.report.observed if results.slides_at(one.x) is not None)
+    places = dict.fromkeys(one.x for one in results.config.report.observed if results.slides_at(one.x) is not None)
     for number, case in sorted(cases.items()):
-        name = f"discs, {results.given.called(number)}"
+        name = f"discs, {results.config.called(number)}"
         for x in places:
             yield Row(f"{name}, at x = {x:g} m", SLIDES, (results.slides_at(x) or {})[number])
         yield Row(f"{name}, at most" if places else name, SLIDES, case.slide_max_m)
@@ -123,7 +123,7 @@ def _handles(rows: list[Row]) -> Iterator[Line2D]:
 
 
 def _measured(results: Results) -> Iterator[Line2D]:
-    observed = results.given.report.observed
+    observed = results.config.report.observed
     if observed:
         words = ", ".join(f"{one.name}: {one.displacement:.3g} m" for one in observed)
         yield Line2D([], [], color=CRITICAL, label=words)

@@ -9,13 +9,14 @@ from matplotlib.lines import Line2D
 from fem.continuum.fields import State
 from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, draw_section, foot
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
-from workflow.settings import Input
 
 # Mobilised over available shear strength: pale where there is much in hand, red at failure.
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
@@ -25,7 +26,7 @@ SAFETY = "figures/fem_safety.png"
 DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
 
 
-def draw_all(given: Input, results: FemResults, store: Store) -> None:
+def draw_all(config: Config, results: FemResults, store: Store) -> None:
     """fem_kh_*.png for every state that was asked for, fem_plateau.png, fem_curve.png, and fem_safety.png with the
     slip surfaces of factors of safety; removes older ones."""
     drawn: dict[int, Views] = {}
@@ -34,15 +35,15 @@ def draw_all(given: Input, results: FemResults, store: Store) -> None:
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
             drawn[same] = _views(results.mesh, state)
-        names.append(picture_of(given, state))
+        names.append(picture_of(config, state))
         with store.writing(names[-1]) as path:
-            _state_sheet(given, results, state, drawn[same]).save(path)
+            _state_sheet(config, results, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
-        _curve_sheet(given, results.answer).save(path)
+        _curve_sheet(config, results.answer).save(path)
     if slips := _slips(results.answer):
         names.append(SAFETY)
         with store.writing(SAFETY) as path:
-            draw_section(given, path, "FEM, where it slips with its strength over the factor of safety", slips)
+            draw_section(config.section, path, "FEM, where it slips with its strength over the factor of safety", slips)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
 
 
@@ -59,42 +60,42 @@ def _named(factor: FactorOfSafety) -> str:
     return f"middle of the shear, factor of safety {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
-def draw_state(given: Input, results: FemResults, state: State, store: Store) -> str:
+def draw_state(config: Config, results: FemResults, state: State, store: Store) -> str:
     """Draw one state again; returns the name of its picture."""
-    name = picture_of(given, state)
+    name = picture_of(config, state)
     with store.writing(name) as path:
-        _state_sheet(given, results, state, _views(results.mesh, state)).save(path)
+        _state_sheet(config, results, state, _views(results.mesh, state)).save(path)
     return name
 
 
-def picture_of(given: Input, state: State) -> str:
+def picture_of(config: Config, state: State) -> str:
     """The name of the picture of a state."""
     is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"
 
 
-def conditions(given: Input, element: str) -> str:
+def conditions(config: Config, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
-    flow = _flow_in_words(given)
-    kv = f", Kv = {given.fem.vertical:g}" if given.fem.vertical else ""
-    way = "both ways, of which the smaller Kh counts" if given.fem.direction == "both" else given.fem.direction
-    return f"sides {given.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
+    flow = _flow_in_words(config)
+    kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
+    way = "both ways, of which the smaller Kh counts" if config.fem.direction == "both" else config.fem.direction
+    return f"sides {config.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
 
 
-def _flow_in_words(given: Input) -> str:
-    flow = flow_of(given.strata, given.fem.flow)
+def _flow_in_words(config: Config) -> str:
+    flow = flow_of(config.section.strata, config.fem.flow)
     match flow:
         case "associated":
             return "ψ = φ"
         case "davis":
-            return f"Davis's estimate for ψ = {_dilations(given)}"
+            return f"Davis's estimate for ψ = {_dilations(config.section)}"
         case "section":
-            return f"ψ as given ({_dilations(given)})"
+            return f"ψ as given ({_dilations(config.section)})"
     assert_never(flow)
 
 
-def _dilations(given: Input) -> str:
-    angles = sorted({round(float(np.degrees(s.dilation)), 1) for s in given.strata})
+def _dilations(section: Section) -> str:
+    angles = sorted({round(float(np.degrees(s.dilation)), 1) for s in section.strata})
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 
@@ -134,13 +135,13 @@ def _views(mesh: QuadMesh, state: State) -> Views:
     return Views(render(window, arrows), render(window, safety), stretch, largest, window)
 
 
-def _state_sheet(given: Input, results: FemResults, state: State, views: Views) -> Sheet:
+def _state_sheet(config: Config, results: FemResults, state: State, views: Views) -> Sheet:
     window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.ended == "limit load":
         label = label.replace("plateau", "end of the path")
-    title = f"{given.title or given.name}: FEM, {label}"
-    sheet = Sheet(title, [window.proportion, window.proportion], foot(given), legend_rows=3)
+    title = f"{config.section.heading}: FEM, {label}"
+    sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
     shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
     sheet.show(0, views.arrows, window, shown)
     axes = sheet.show(
@@ -153,7 +154,7 @@ def _state_sheet(given: Input, results: FemResults, state: State, views: Views) 
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     scale = "mobilised / available shear strength (-); 1: failure"
     sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), scale, SAFETY_BOUNDS)
-    note = f"{conditions(given, results.answer.element)}."
+    note = f"{conditions(config, results.answer.element)}."
     if len(slip):
         note += " Dashed: slip surface."
     if state.past_equilibrium:
@@ -174,13 +175,13 @@ def _most(answer: FemAnswer) -> str:
     return f", at most {most}" if most != f"{answer.kc:.3f}" else ""
 
 
-def _curve_sheet(given: Input, answer: FemAnswer) -> Sheet:
-    sheet = Sheet(f"{given.title or given.name}: FEM, rising Kh", [0.42], foot(given), legend_rows=2)
+def _curve_sheet(config: Config, answer: FemAnswer) -> Sheet:
+    sheet = Sheet(f"{config.section.heading}: FEM, rising Kh", [0.42], foot(config.section), legend_rows=2)
     axes = sheet.plot(
         0,
         "mean horizontal displacement, weighted by seismic mass (cm)",
         "seismic coefficient Kh (-)",
-        f"critical Kh = {answer.kc:.3f}{_most(answer)}: {answer.ended}; {conditions(given, answer.element)}",
+        f"critical Kh = {answer.kc:.3f}{_most(answer)}: {answer.ended}; {conditions(config, answer.element)}",
     )
     moving = [step for step in answer.curve if not step.at_rest]
     resting = [step for step in answer.curve if step.balanced]

@@ -58,7 +58,7 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
     handles += [
         Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
     ]
-    sheet = _sheet(section, f"{section.title or section.name}: {title}", window, handles)
+    sheet = _sheet(section, f"{section.heading}: {title}", window, handles)
     line_width = _line_width(section)
     for view, much in enumerate(window.exaggerations()):
         axes = sheet.frame(view, window, _heights(much), much)
@@ -88,10 +88,7 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     grid = unstructured(mesh)
     colours = [soil_colour(k) for k in range(len(mesh.strata))]
     quality = mesh.quality()
-    title = (
-        f"{section.title or section.name}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes "
-        f"({mesh.method})"
-    )
+    title = f"{section.heading}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method})"
     subtitle = (
         f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"

@@ -5,18 +5,18 @@ from pathlib import Path
 import numpy as np
 from matplotlib.lines import Line2D
 
+from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, INK, Sheet
 from workflow.results.material_points import PointSlidesAnswer
-from workflow.settings import Input
 
 
-def profiles(given: Input, answer: PointSlidesAnswer, out: Path) -> None:
+def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
     """The surface of every case before and after its slide by the material point method, x and elevation in m."""
-    title = f"{given.title or given.name}: slides by the material point method, cells of {answer.cell_m:.2g} m"
+    title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     sheet = Sheet(title, [0.16] * len(answer.cases), "", 1)
     for view, (number, case) in enumerate(sorted(answer.cases.items())):
         last = view == len(answer.cases) - 1
-        name = f"{given.called(number)}: slides at most {case.slide_max_m:.2f} m; {case.reason}"
+        name = f"{config.called(number)}: slides at most {case.slide_max_m:.2f} m; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
         before, after = np.array(case.surface_before), np.array(case.surface_after)
         axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)

@@ -41,7 +41,7 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     paths = []
     for state in _states(results, at):
         if field is None or chosen is None:
-            name = fem_figures.draw_state(job.given, results, state, job.store)
+            name = fem_figures.draw_state(job.config, results, state, job.store)
         elif state.past_equilibrium and at is None:
             continue  # it would show the last state once more
         else:
@@ -63,14 +63,14 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     if not states:
         there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in kept})) or "none"
         raise InputError("--at", [f"{at:g}: there are no discs at this Kh; expected one of {there}, or set dem.kh"])
-    ground = ground_of(job.given, job.given.dem)
+    ground = ground_of(job.config.section, job.config.dem)
     paths = []
     for state in states:
         model = discs.in_section(DiscModel.load(job.store.folder / state.file), ground)
         name = f"figures/field_{field}_{state.set}_kh_{state.kh:.3f}.png"
         words = f"{field.replace('_', ' ')} of the discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
         with job.store.writing(name) as path:
-            discs.FIELDS[field](model, path, f"{job.given.title or job.given.name}: {words}")
+            discs.FIELDS[field](model, path, f"{job.config.section.heading}: {words}")
         paths.append(job.store.folder / name)
     return paths
 
@@ -90,7 +90,7 @@ def window(job: Job, field: str, at: float | None) -> None:
             ],
         )
     state = [state for state in states if not state.past_equilibrium or at is not None][-1]
-    title = f"{job.given.title or job.given.name}: {chosen.label}, {state.label}"
+    title = f"{job.config.section.heading}: {chosen.label}, {state.label}"
     plotter = pv.Plotter(title=title)
     plotter.set_background("white")
     grid = _grid(results.mesh, state, chosen)
@@ -126,7 +126,7 @@ def _results(job: Job) -> FemResults:
     if results.fem is None:
         why = results.missing.get("fem", "the stage fem ended without an answer")
         raise InputError(str(job.store.folder), [f"holds no FEM results: {why}"])
-    return FemResults.load(job.given, job.store)
+    return FemResults.load(job.config.section, job.store)
 
 
 def _field(name: str) -> Field:
@@ -165,8 +165,10 @@ def _sheet(job: Job, mesh: QuadMesh, state: State, field: Field) -> Sheet:
         )
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
 
-    title = f"{job.given.title or job.given.name}: {field.label}"
-    sheet = Sheet(title, [much * view.proportion for much in view.exaggerations()], foot(job.given), legend_rows=3)
+    title = f"{job.config.section.heading}: {field.label}"
+    sheet = Sheet(
+        title, [much * view.proportion for much in view.exaggerations()], foot(job.config.section), legend_rows=3
+    )
     for number, much in enumerate(view.exaggerations()):
         heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
         sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)

@@ -16,7 +16,7 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
     """Four frames over the strata."""
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
-    title = f"{section.title or section.name}: response at x = {answer.x_m:g} m to {answer.record}"
+    title = f"{section.heading}: response at x = {answer.x_m:g} m to {answer.record}"
     figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
     names = [stratum.name for stratum in section.strata]
     layers = answer.layers

@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 from PIL import Image, ImageDraw, ImageFont
 
 from dem.settings import Case
+from workflow.config import Config
 from workflow.figures import fonts
 from workflow.figures.canvas import (
     CONTINUUM,
@@ -31,7 +32,6 @@ from workflow.figures.canvas import (
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
-from workflow.settings import Input
 
 SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
 FRAME_WIDTH = 1000  # px
@@ -72,9 +72,9 @@ class Frame:
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
-def name_of(given: Input, springs: str, case: int) -> str:
+def name_of(config: Config, springs: str, case: int) -> str:
     """The title of a case."""
-    return f"{given.title or given.name}: {given.called(case)}, {SPRINGS.get(springs, springs)}"
+    return f"{config.section.heading}: {config.called(case)}, {SPRINGS.get(springs, springs)}"
 
 
 def left_by(case: Case) -> str:
@@ -90,28 +90,28 @@ def left_by(case: Case) -> str:
     return ", ".join(told[:-1]) + " and " * (len(told) > 1) + told[-1]
 
 
-def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
+def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
     window, norm = window_of(frame, before), frame.scale()
 
     def strata(plotter: pv.Plotter) -> None:
-        for k in range(-1, len(given.strata)):
+        for k in range(-1, len(config.section.strata)):
             mesh = discs(frame, frame.stratum == k)
             if mesh.n_points:
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = (
-        f"{name_of(given, springs, number)}: slides at most {case.slide_max_m:.2g} m, {case.uphill} "
+        f"{name_of(config, springs, number)}: slides at most {case.slide_max_m:.2g} m, {case.uphill} "
         f"{abs(case.settlement_uphill_m):.2g} m uphill"
     )
-    soil = given.dem.model == "soil" and springs == "calibrated"
-    kept = left_by(given.cases[number - 1] if soil else Case(stiffness=case.stiffness))
+    soil = config.dem.model == "soil" and springs == "calibrated"
+    kept = left_by(config.cases[number - 1] if soil else Case(stiffness=case.stiffness))
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
     handles: list[Artist] = [
         Patch(color=soil_colour(k), label=stratum.name)
-        for k, stratum in enumerate(given.strata)
+        for k, stratum in enumerate(config.section.strata)
         if np.any(frame.stratum == k)
     ]
     columns = legend_columns(handles, most=6)
@@ -138,19 +138,19 @@ def end(given: Input, path: Path, case: CaseAnswer, springs: str, number: int, o
     sheet.save(out)
 
 
-def animate(given: Input, paths: list[Path], springs: str, number: int, out: Path) -> None:
+def animate(config: Config, paths: list[Path], springs: str, number: int, out: Path) -> None:
     """An animated WebP of all states of a case, displacement in colour: a third of a GIF."""
     last = Frame.read(paths[-1])
     norm, window = last.scale(), window_of(Frame.read(paths[0]))
     window = Window(window.left, window.right, window.bottom, window.top)
-    font = ImageFont.truetype(fonts.file_for(name_of(given, springs, number)), size=17)
+    font = ImageFont.truetype(fonts.file_for(name_of(config, springs, number)), size=17)
     images = []
     for path in paths:
         frame = Frame.read(path)
         picture = render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH)
         image = Image.new("RGB", (FRAME_WIDTH, picture.shape[0] + 34), "white")
         image.paste(Image.fromarray(picture), (0, 34))
-        text = f"{name_of(given, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
+        text = f"{name_of(config, springs, number)}, {frame.seconds:5.1f} s; colour: displacement, 0 to {norm.vmax:g} m"
         ImageDraw.Draw(image).text((8, 7), text, fill=INK, font=font)
         images.append(image)
     durations = [FRAME_MS] * (len(images) - 1) + [HOLD_MS]
@@ -171,9 +171,9 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
-def history(given: Input, slides: Sequence[SlideHistory], out: Path) -> None:
+def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
     """Settlement uphill and largest slide against time, a line for each case."""
-    sheet = Sheet(f"{given.title or given.name}: slides in time", [0.26, 0.26], "", 2)
+    sheet = Sheet(f"{config.section.heading}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
     handles = []
@@ -189,7 +189,7 @@ def history(given: Input, slides: Sequence[SlideHistory], out: Path) -> None:
         time = [row.time_s for row in slide.rows]
         largest.plot(time, [row.slide_max_m for row in slide.rows], **style)
         settlement.plot(time, [row.settlement_uphill_m for row in slide.rows], **style)
-        what = given.called(slide.case) if slide.case else "Kh alone"
+        what = config.called(slide.case) if slide.case else "Kh alone"
         handles.append(Line2D([], [], label=f"{what}, {SPRINGS.get(slide.springs, slide.springs)}", **style))
     for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
@@ -201,12 +201,17 @@ def _colour(case: int) -> str:
     return COLOURS[(case - 1) % len(COLOURS)] if case else INK
 
 
-def profiles(given: Input, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
+def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
     """The surface of every case over all packings: its median, and the band in which nine of ten lie."""
-    sheet = Sheet(f"{given.title or given.name}: the surface on {seeds} random packings", [0.16] * len(cases), "", 1)
+    sheet = Sheet(
+        f"{config.section.heading}: the surface on {seeds} random packings",
+        [0.16] * len(cases),
+        "",
+        1,
+    )
     for view, (number, profile) in enumerate(cases.items()):
         axes = sheet.plot(
-            view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", given.called(number)
+            view, "distance x (m)" if view == len(cases) - 1 else "", "elevation (m)", config.called(number)
         )
         colour = _colour(number)
         axes.fill_between(profile.x, profile.after_low, profile.after_high, color=colour, alpha=0.25, linewidth=0)

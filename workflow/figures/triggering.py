@@ -27,7 +27,7 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
     rows = -(-len(names) // ABREAST)
     figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
-    title = f"{section.title or section.name}: {answer.method}, {answer.motion.median_gal:.0f} gal"
+    title = f"{section.heading}: {answer.method}, {answer.motion.median_gal:.0f} gal"
     figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
     across = min(len(names), ABREAST)
     frames = figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)

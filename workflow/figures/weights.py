@@ -34,7 +34,7 @@ def draw_weights(section: Section, path: Path) -> None:
     grid["weight"] = np.repeat(own[mesh.stratum], 3)
     grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
-    title = f"{section.title or section.name}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
+    title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
     heights = [much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):

@@ -12,7 +12,7 @@ from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
 from meshes.section.quantity import LENGTH
-from workflow.settings import Input
+from workflow.config import Config
 from workflow.terminal import say
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
@@ -72,7 +72,7 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
         if out.suffix.lower() != DRAWING:
             raise InputError("--out", [f"{out}: expected a .dxf file, to draw the section"])
         return [
-            *_minded(write_dxf(Input.load(files[0]), out)),
+            *_minded(write_dxf(Config.load(files[0]).section, out)),
             f"{out} has the strata as closed polylines on layers of their names.",
         ]
     if out.exists():
@@ -105,7 +105,7 @@ def draw_borings(found: Connected, out: Path) -> Path:
 def to_be_given(path: Path) -> list[str]:
     """What a person has to give before the section is sound."""
     try:
-        Input.load(path)
+        Config.load(path)
     except InputError as error:
         return ["To be given before it can run:", *(f"  - {text}" for text in error.problems)]
     return ["It is sound; stiffness and strength are guesses from N: correct them."]

@@ -55,7 +55,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     """That the discs slide by their weight alone where the continuum stands: the two contradict each other."""
     _, cases = results.case_set()
     far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
-    slide = results.given.slide
+    slide = results.config.slide
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
             f"The discs contradict that: they slide {far:.2g} m by their weight alone. They are too coarse for the "
@@ -65,7 +65,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
 
 def _relief(results: Results) -> float:
     """Height of the ground (m), from its lowest point to its highest."""
-    return float(results.given.ground[:, 1].max() - results.given.ground[:, 1].min())
+    return float(results.config.section.ground[:, 1].max() - results.config.section.ground[:, 1].min())
 
 
 def _which(case: LiquefiedCase) -> str:
@@ -141,7 +141,7 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     """What a displacement that was measured says of the cases: ground that flows does not stop at so little."""
-    measured = [float(one.displacement) for one in results.given.report.observed]
+    measured = [float(one.displacement) for one in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:
         return

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Mapping
 
 from fem.continuum.strength import Flow, flow_of
 from fem.settings import DirectionSetting, Sides
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
-from workflow.settings import Input
 
 SIDES: Mapping[Sides, str] = {
     "roller": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
@@ -26,31 +27,31 @@ DIRECTIONS: Mapping[DirectionSetting, str] = {
 }
 
 
-def assumptions(given: Input) -> Iterator[tuple[str, str]]:
+def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
     yield "Plane strain", "The slope is taken to be endless across the section: nothing holds it at its ends."
     yield (
         "Shaking",
         "It acts as a horizontal force that does not change, Kh times g times the seismic density, and Kh is the same "
         "everywhere: no waves, no amplification, no frequency. "
-        + (f"Kv = {given.fem.vertical:g} acts with it. " if given.fem.vertical else "No vertical acceleration. ")
-        + DIRECTIONS[given.fem.direction],
+        + (f"Kv = {config.fem.vertical:g} acts with it. " if config.fem.vertical else "No vertical acceleration. ")
+        + DIRECTIONS[config.fem.direction],
     )
     yield (
         "Strength",
         "Mohr and Coulomb's, with c and φ as given, which neither fall with strain nor with the number of cycles. "
-        + FLOWS[flow_of(given.strata, given.fem.flow)],
+        + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
-    yield "Water", _water(given)
-    if given.surcharges:
+    yield "Water", _water(config.section)
+    if config.section.surcharges:
         yield "Loads", "Surcharges are vertical; so much of their mass as is given shakes with the ground."
-    yield "Sides and base", f"{SIDES[given.fem.sides]} The base does not move."
-    yield "Sliding blocks", BLOCKS[flow_of(given.strata, given.fem.flow)]
-    if any(stratum.liquefies_in for stratum in given.strata):
+    yield "Sides and base", f"{SIDES[config.fem.sides]} The base does not move."
+    yield "Sliding blocks", BLOCKS[flow_of(config.section.strata, config.fem.flow)]
+    if config.section.liquefies:
         yield (
             "Liquefaction",
-            f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(given)} under "
-            f"{_driven(given)}. {LIQUEFIED}",
+            f"Which layers liquefy, and how far, is given and not found. They lose strength {_onset(config)} under "
+            f"{_driven(config)}. {LIQUEFIED}",
         )
         yield (
             "Discs",
@@ -58,44 +59,44 @@ def assumptions(given: Input) -> Iterator[tuple[str, str]]:
             + (
                 "Stiffness and strength of their contacts are those of the soil by element tests, with one factor on "
                 f"strength that brings them to the Kh of the finite elements. {DISCS}"
-                if given.dem.model == "soil"
+                if config.dem.model == "soil"
                 else "Their springs are calibrated to the Kh of the finite elements, and to nothing else: how stiff "
                 "they are after failure, and how they dilate, is their own."
             ),
         )
 
 
-def _onset(given: Input) -> str:
+def _onset(config: Config) -> str:
     """How fast layers liquefy."""
-    seconds = given.slide.onset_of(given.dem.model)
+    seconds = config.slide.onset_of(config.dem.model)
     return f"over {seconds:g} s" if seconds > 0.0 else "at once"
 
 
-def _water(given: Input) -> str:
+def _water(section: Section) -> str:
     """How water enters."""
-    if not given.water_pressure.present:
+    if not section.water_pressure.present:
         return "It enters by the densities and strengths given: there is no pore pressure, and none comes with strain."
-    head = "across the flow" if given.water_pressure.normal else "vertically"
+    head = "across the flow" if section.water_pressure.normal else "vertically"
     told = (
         f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "
         "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
         "of the saturated mass. No pore pressure comes with strain."
     )
-    if any(s.excess_pore_pressure_ratio for s in given.strata):
+    if any(s.excess_pore_pressure_ratio for s in section.strata):
         told += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
-    if given.water is not None and given.water.after_drawdown is not None:
+    if section.water is not None and section.water.after_drawdown is not None:
         told += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
     return told
 
 
-def _driven(given: Input) -> str:
+def _driven(config: Config) -> str:
     """What drives the slides, and how that differs from an earthquake."""
-    words = given.slide.shaking
-    if given.slide.accelerogram:
+    words = config.slide.shaking
+    if config.slide.accelerogram:
         return f"{words}, which moves the base and all that is fixed to it as one; then it is calm"
-    if given.slide.kh == 0.0:
+    if config.slide.kh == 0.0:
         return f"{words}, as if all shaking were over"
-    if given.slide.kh_cycles is not None:
+    if config.slide.kh_cycles is not None:
         return f"{words}: uniform cycles in the place of the irregular ones of an earthquake"
-    lasts = "" if given.slide.kh_seconds is not None else " that acts as long as they last"
+    lasts = "" if config.slide.kh_seconds is not None else " that acts as long as they last"
     return f"a constant {words}{lasts}, where an earthquake pushes both ways and ends"

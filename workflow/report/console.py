@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from meshes.section.cutting import spoken
+from workflow.config import Config
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.earthquake.site_response import TOO_LARGE
 from workflow.report import after
@@ -23,21 +24,20 @@ from workflow.results.slices import SlicesAnswer
 from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
-def mesh_sentences(given: Input, store: Store) -> Iterator[str]:
+def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     """How many cells, and how good."""
     from workflow.results.stored_mesh import stored_mesh
 
-    mesh = stored_mesh(given, store)
+    mesh = stored_mesh(config.section, store)
     quality = mesh.quality()
     yield (
         f"{quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method}). "
         f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
-    for notice in given.notices:
+    for notice in config.notices:
         yield f"Mind: {notice}."
 
 
@@ -162,13 +162,13 @@ def _asked(answer: CalibrationAnswer, target: float) -> str:
     return f"{low:.4f} to {high:.4f} asked" if low < target < high else f"{target:.4f} asked"
 
 
-def slide_sentences(given: Input, answer: CasesAnswer) -> Iterator[str]:
+def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
     """What the cases are, and how far each of them slides, from dem/cases.json."""
-    heads = [name for name, _ in case_heads(given)]
+    heads = [name for name, _ in case_heads(config)]
     told = []
-    for number, layers, *factors in case_rows(given):
+    for number, layers, *factors in case_rows(config):
         left = [f"{head} {factor}" for head, factor in zip(heads, factors, strict=True) if head != "name"]
-        told.append(f"{given.called(int(number))}, {layers}: {', '.join(left)}")
+        told.append(f"{config.called(int(number))}, {layers}: {', '.join(left)}")
     if told:
         yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
     for name, which, case in answer.each():
@@ -217,13 +217,13 @@ def stratum_sentence(stratum: StratumPart) -> str:
     return told + (f"; {rest} of its {stratum.tests} tests not judged ({stratum.reason})." if rest else ".")
 
 
-def mpm_sentences(given: Input, answer: PointSlidesAnswer) -> Iterator[str]:
+def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     """How far every case slides by the material point method, from mpm/slides.json."""
     for number, case in sorted(answer.cases.items()):
         low, high = f"{case.slide_max_low_m:.2g}", f"{case.slide_max_high_m:.2g}"
         interval = low if low == high else f"{low} to {high}"
         yield (
-            f"{given.called(number)}: by the material point method the surface slides at most {interval} m, the crest "
+            f"{config.called(number)}: by the material point method the surface slides at most {interval} m, the crest "
             f"settles {case.settlement_crest_m:.2g} m; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)
@@ -248,19 +248,19 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
 
 
-def sentences(name: str, given: Input, store: Store) -> Iterator[str]:
+def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
         "liquefied": lambda: after.sentences(LiquefiedAnswer.read(store)),
-        "mesh": lambda: mesh_sentences(given, store),
+        "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store)),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: slices_sentences(SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
-        "mpm": lambda: mpm_sentences(given, PointSlidesAnswer.read(store)),
-        "slide": lambda: slide_sentences(given, CasesAnswer.read(store)),
+        "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
+        "slide": lambda: slide_sentences(config, CasesAnswer.read(store)),
         "report": lambda: report_sentences(Summary.read(store)),
     }
     return of_stage[name]() if name in of_stage else iter(())

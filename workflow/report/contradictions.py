@@ -26,10 +26,10 @@ def contradictions(results: Results) -> Iterator[str]:
     if results.dem is not None:
         yield from of_curve(results.dem)
     yield from of_sides(cases)
-    strata = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
+    strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
     random = results.cases.random if results.cases is not None else None
-    given = {number: results.given.cases[number - 1] for number in cases if number <= len(results.given.cases)}
-    yield from of_order(given, _largest_slides(cases, random), strata)
+    config = {number: results.config.cases[number - 1] for number in cases if number <= len(results.config.cases)}
+    yield from of_order(config, _largest_slides(cases, random), strata)
     yield from of_settlement(cases)
 
 

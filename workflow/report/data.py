@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from meshes.section.section import Stratum
+from workflow.config import Config
 from workflow.run.plan import Decision
 from workflow.run.record import Record
 from workflow.run.stage import Job
-from workflow.settings import Input
 
 
 def told(data: Any, only_ascii: bool = False) -> str:
@@ -18,17 +18,17 @@ def told(data: Any, only_ascii: bool = False) -> str:
     return json.dumps(data, indent=1, ensure_ascii=only_ascii, allow_nan=False)
 
 
-def of_section(given: Input, picture: Path) -> dict[str, Any]:
+def of_section(config: Config, picture: Path) -> dict[str, Any]:
     """A section that was checked: its strata in SI units, and what has to be known of it."""
     strata = [
         {"name": stratum.name, "area_m2": float(area), **_parameters(stratum)}
-        for stratum, area in zip(given.strata, given.layering.areas(), strict=True)
+        for stratum, area in zip(config.section.strata, config.section.layering.areas(), strict=True)
     ]
     return {
-        "section": {"name": given.name, "title": given.title, "sha256": given.sha256()},
-        "reconstruction": given.reconstruction_note if given.reconstruction else None,
+        "section": {"name": config.section.name, "title": config.section.title, "sha256": config.section.sha256()},
+        "reconstruction": config.section.reconstruction_note if config.section.reconstruction else None,
         "strata": strata,
-        "notices": given.notices,
+        "notices": config.notices,
         "picture": str(picture),
     }
 
@@ -61,11 +61,11 @@ def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> d
         if stage.name == "mesh" and entry.outcome == "done":
             from workflow.results.stored_mesh import stored_mesh
 
-            mesh = stored_mesh(job.given, job.store)
+            mesh = stored_mesh(job.config.section, job.store)
             found[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
     return {
         "folder": str(job.store.folder),
         "mesh_options": dict(job.mesh_options or {}),
-        "warnings": [*warnings, *job.given.notices],
+        "warnings": [*warnings, *job.config.notices],
         "stages": found,
     }

@@ -29,7 +29,7 @@ def of_cases(numbers: Sequence[int]) -> str:
 
 
 def _doubts(results: Results) -> Iterator[str]:
-    given, fem, discs = results.given, results.fem, results.dem
+    config, fem, discs = results.config, results.fem, results.dem
     if fem is not None and fem.verdict == "undecided":
         yield f"the path of the finite elements ended undecided ({fem.reason})"
     for doubt in results.doubts:
@@ -38,7 +38,7 @@ def _doubts(results: Results) -> Iterator[str]:
     if results.response is not None and results.response.doubt:
         yield f"response of the layers to {results.response.record}: {results.response.doubt}"
     yield from _sides(results)
-    if given.reconstruction:
+    if config.section.reconstruction:
         yield "the ground is a reconstruction"
     yield from _doubts_of_calibration(results)
     like = results.like_discs
@@ -55,7 +55,7 @@ def _doubts(results: Results) -> Iterator[str]:
         yield f"discs have left the section in {of_cases(escaped)}"
     yield from joined({number: case.notes for number, case in cases.items()})
     if discs is not None:
-        yield from _elsewhere(discs.slip_surface, float(np.ptp(given.outline()[:, 1])))
+        yield from _elsewhere(discs.slip_surface, float(np.ptp(config.section.outline()[:, 1])))
     if discs is not None and discs.model.packing != "random":
         yield "the discs lie in rows, which must climb over each other to slide"
 
@@ -68,7 +68,7 @@ def _sides(results: Results) -> Iterator[str]:
     if fem is None or change is None or other is None or not fem.kc > 0.0:
         return
     if not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
-        longer = "a larger beyond" if results.given.beyond else 'beyond = "50 m"'
+        longer = "a larger beyond" if results.config.section.beyond else 'beyond = "50 m"'
         yield (
             f"with {change.change} the section fails at Kh of about {coefficient(other)}, and not "
             f"{coefficient(fem.kc)}: what is assumed at its ends decides, and {longer} takes them further away"

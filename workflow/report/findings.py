@@ -7,6 +7,7 @@ from typing import Any
 
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
+from workflow.config import Config
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.after import in_short
@@ -19,7 +20,6 @@ from workflow.report.tables import factor
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
-from workflow.settings import Input
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
@@ -64,13 +64,13 @@ def findings(results: Results) -> list[str]:
 
 
 def _asked(results: Results) -> Iterator[str]:
-    names = [spoken(stratum.name, quoted=False) for stratum in results.given.strata if stratum.liquefies_in]
+    names = [spoken(stratum.name, quoted=False) for stratum in results.config.section.strata if stratum.liquefies_in]
     question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
     if names:
         have = "has" if len(names) == 1 else "have"
-        under = results.given.slide.shaking
+        under = results.config.slide.shaking
         yield f"{question}, and how far it slides under {under} once {listed(names)} {have} liquefied."
-        yield from _cases_are(results.given)
+        yield from _cases_are(results.config)
     else:
         yield f"{question}. No layer is said to liquefy, so no slide was computed."
 
@@ -179,7 +179,7 @@ def _slides(results: Results) -> Iterator[str]:
     first, cases = results.case_set()
     if not cases:
         entry = results.no_answer("calibrate") or results.no_answer("slide")
-        if any(stratum.liquefies_in for stratum in results.given.strata):
+        if results.config.section.liquefies:
             why = entry.reason if entry is not None else "it has not been computed"
             yield f"How far the section slides is still open: {why}."
         return
@@ -269,11 +269,11 @@ APART = {
 }
 
 
-def _cases_are(given: Input) -> Iterator[str]:
+def _cases_are(config: Config) -> Iterator[str]:
     """What is left of the layers that liquefy in each case, where cases are spoken of for the first time."""
-    numbers = sorted({number for stratum in given.strata for number in stratum.liquefies_in})
-    cases = [{**dict(one := given.cases[number - 1]), "damping": one.damping_left} for number in numbers]
-    layers = [spoken(stratum.name, quoted=False) for stratum in given.strata if stratum.liquefies_in]
+    numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
+    cases = [{**dict(one := config.cases[number - 1]), "damping": one.damping_left} for number in numbers]
+    layers = [spoken(stratum.name, quoted=False) for stratum in config.section.strata if stratum.liquefies_in]
     told, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
@@ -287,7 +287,7 @@ def _cases_are(given: Input) -> Iterator[str]:
     called = [case["name"] for case in cases if case["name"]]
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
-    if given.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
+    if config.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the paper's own discs keep no residual strength"
     yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(told)}{nothing}."
 
@@ -316,8 +316,8 @@ def _interval(results: Results) -> str:
         return "No interval is known, since only one packing was computed; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
-    strata = [stratum.name for stratum in results.given.strata if stratum.liquefies_in]
-    weaker = all(is_weaker(after, before, strata) for before, after in pairwise(results.given.cases))
+    strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
+    weaker = all(is_weaker(after, before, strata) for before, after in pairwise(results.config.cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
         order = f" On {on} of them every case slides further than the one before."
@@ -362,7 +362,7 @@ def _disagreement(results: Results) -> Iterator[str]:
 def _measured(results: Results) -> Iterator[str]:
     """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
     _, cases = results.case_set()
-    for one in results.given.report.observed if cases else ():
+    for one in results.config.report.observed if cases else ():
         told = f"Measured were {one.displacement:.3g} m ({one.name})"
         there = results.slides_at(one.x)
         where = "at most" if there is None else f"there, at x = {one.x:g} m,"
@@ -372,7 +372,7 @@ def _measured(results: Results) -> Iterator[str]:
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
-    found = (one for one in estimates(results.given, results.kc, results.slip_surface) if one.kind == kind)
+    found = (one for one in estimates(results.config, results.kc, results.slip_surface) if one.kind == kind)
     return [one.displacement_m for one in found if one.displacement_m is not None]
 
 

@@ -30,7 +30,7 @@ from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
-from workflow.settings import ReportSettings
+from workflow.tables import ReportSettings
 
 # Parts of the page with a template of their own.
 MOST_TESTS = 60  # in a table
@@ -61,49 +61,49 @@ def page(results: Results, summary: Summary) -> str:
 
 def _content(results: Results, summary: Summary) -> dict[str, Any]:
     """All that the template shows."""
-    given = results.given
+    config = results.config
     return {
-        "given": given,
+        "config": config,
         "results": results,
         "summary": summary,
-        "title": given.title or given.name,
-        "head": _head(given.report),
-        "logo": _logo(given.report.logo),
+        "title": config.section.heading,
+        "head": _head(config.report),
+        "logo": _logo(config.report.logo),
         "written": datetime.now().isoformat(" ", "minutes"),
         "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
-        "strata": list(tables.strata_rows(given)),
-        "cases": list(tables.case_rows(given)),
-        "case_heads": tables.case_heads(given),
+        "strata": list(tables.strata_rows(config.section)),
+        "cases": list(tables.case_rows(config)),
+        "case_heads": tables.case_heads(config),
         "springs": springs_of(results),
-        "conditions": conditions(given, results.fem.element) if results.fem is not None else "",
+        "conditions": conditions(config, results.fem.element) if results.fem is not None else "",
         "in_one_line": critical_with_flow(results.fem, "{:.3f}".format) if results.fem is not None else "",
-        "flow": flow_of(given.strata, given.fem.flow),
-        "by_davis": not is_dilating_fully(given.strata),
+        "flow": flow_of(config.section.strata, config.fem.flow),
+        "by_davis": not is_dilating_fully(config.section.strata),
         "doubts": list(doubts(results)),
-        "assumptions": list(assumptions(given)),
+        "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "fail_alike": fail_alike(results),
         "slices_sentences": slices_sentences,
-        "on_surface_found": list(on_surface_found(given, results.fem)),
-        "estimates": estimates(given, results.kc, results.slip_surface),
+        "on_surface_found": list(on_surface_found(config, results.fem)),
+        "estimates": estimates(config, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),
-        "is_s13": is_s13(given),
+        "is_s13": is_s13(config.section),
         "pictures": _pictures(results),
-        "films": films(results) if given.figures.report_animations else [],
+        "films": films(results) if config.figures.report_animations else [],
         "Notes": Notes,
         "most_tests": MOST_TESTS,
-        "fonts": fonts.notice(tables.texts(given)),
+        "fonts": fonts.notice(tables.texts(config.section)),
         "lies_still": lies_still,
         "moved_lately": moved_lately,
         "stages": results.stages,
         "parts": PARTS,
         "versions": versions(),
         "machine": machine(),
-        "written_heads": [symbol for _, symbol, _ in tables.written_columns(given)],
-        "written_rows": list(tables.written_rows(given)),
-        "lines": list(tables.line_rows(given)),
-        "changed": list(tables.changed_settings(given)),
+        "written_heads": [symbol for _, symbol, _ in tables.written_columns(config.section)],
+        "written_rows": list(tables.written_rows(config.section)),
+        "lines": list(tables.line_rows(config.section)),
+        "changed": list(tables.changed_settings(config)),
     }
 
 
@@ -140,6 +140,6 @@ def _pictures(results: Results) -> dict[str, list[Any]]:
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}
-    for picture in collect(names, results.store.folder, results.given.figures.report_width):
+    for picture in collect(names, results.store.folder, results.config.figures.report_width):
         by_part.setdefault(picture.part if picture.main else "further", []).append(picture)
     return by_part

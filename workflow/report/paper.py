@@ -57,7 +57,7 @@ def is_s13(section: Section) -> bool:
 
 def rows(results: Results) -> list[Row]:
     """The paper against ours; empty for other sections."""
-    if not is_s13(results.given):
+    if not is_s13(results.config.section):
         return []
     found = [*_fem(results)]
     for which in _disc_sets(results):
@@ -86,7 +86,7 @@ def _fem(results: Results) -> Iterator[Row]:
     if results.fem is None or results.kc is None:
         yield from (at_02, kc, surface, at_03)
         return
-    conditions = f"sides {results.given.fem.sides}, {results.fem.element} elements"
+    conditions = f"sides {results.config.fem.sides}, {results.fem.element} elements"
     state = results.fem.state_at(0.2)
     yield at_02 if state is None else _stands(at_02, state)
     yield Row(
@@ -96,7 +96,7 @@ def _fem(results: Results) -> Iterator[Row]:
     )  # fmt: skip
     end = results.fem.last_in_equilibrium()
     if end is not None:
-        share = share_of_surface(results.given, end.slip_surface, ASD)
+        share = share_of_surface(results.config.section, end.slip_surface, ASD)
         yield Row(surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
                   f"{SECTION}; it is drawn where the shear strain is largest along x")  # fmt: skip
     state = results.fem.state_at(0.3)
@@ -123,13 +123,13 @@ def _shares(shares: dict[str, float]) -> str:
     return ", ".join(f"{100 * share:.0f} % of {name}" for name, share in shares.items())
 
 
-def share_of_surface(given: Section, line: Line, names: tuple[str, ...]) -> float:
+def share_of_surface(config: Section, line: Line, names: tuple[str, ...]) -> float:
     """The share of the points [x, z] of a slip surface that lie in the strata with these names."""
     if not line:
         return 0.0
     points = np.array(line)
-    inside = given.stratum_at(points[:, 0], points[:, 1])
-    wanted = [k for k, stratum in enumerate(given.strata) if stratum.name in names]
+    inside = config.stratum_at(points[:, 0], points[:, 1])
+    wanted = [k for k, stratum in enumerate(config.strata) if stratum.name in names]
     return float(np.isin(inside, wanted).mean())
 
 
@@ -193,7 +193,7 @@ def _slides(results: Results, name: str) -> Iterator[Row]:
 
     for number, metres in SETTLEMENT.items():
         yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", partial(_settles, metres))
-    yield row(1, "slide", "uphill half only", "Fig. 14", partial(_uphill_only, results.given))
+    yield row(1, "slide", "uphill half only", "Fig. 14", partial(_uphill_only, results.config.section))
     for number, metres in SLIDE.items():
         yield row(number, "largest slide", f"{metres:g} m", "Sec. 4(3)", partial(_slides_by, metres))
     yield row(3, "slide", "whole surface but for the right side", "Fig. 16", _almost_all)
@@ -217,8 +217,8 @@ def _almost_all(case: CaseAnswer) -> tuple[str, bool]:
     return f"{100 * share:.0f} % of the surface", share >= ALMOST_ALL
 
 
-def _uphill_only(given: Section, case: CaseAnswer) -> tuple[str, bool]:
-    left, right = given.extent
+def _uphill_only(config: Section, case: CaseAnswer) -> tuple[str, bool]:
+    left, right = config.extent
     middle = 0.5 * (left + right)
     at = case.slide_max_at_x_m
     told = f"{100 * case.slides_over_share:.0f} % of the surface, most at x = {at:.0f} m"

@@ -61,9 +61,7 @@ def _slides(results: Results) -> Iterator[Film]:
         files = list(frames(results.store, case_name(springs, number)).values())
         if len(files) > 1:
             states = [Frame.read(results.store.folder / file) for file in _thinned(files, results)]
-            title = name_of(results.given, springs, number).removeprefix(
-                f"{results.given.title or results.given.name}: "
-            )
+            title = name_of(results.config, springs, number).removeprefix(f"{results.config.section.heading}: ")
             yield _slide(results, title, states, histories.get((springs, number)))
 
 
@@ -93,7 +91,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
         "surface": _surface(first).tolist(),
         "far": float(last.scale().vmax or 1.0),
         "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
-        "soils": [soil_colour(k) for k in range(len(results.given.strata))],
+        "soils": [soil_colour(k) for k in range(len(results.config.section.strata))],
         "history": [
             [round(row.time_s, 2), round(row.slide_max_m, 3), round(row.settlement_uphill_m, 3)] for row in rows
         ],
@@ -115,7 +113,7 @@ def _path(results: Results) -> Iterator[Film]:
     """The path of Kh: the mesh, and displacement and mobilised strength of every state in equilibrium."""
     if results.kc is None or not results.store.has(COLLECTION):
         return
-    found = FemResults.load(results.given, results.store)
+    found = FemResults.load(results.config.section, results.store)
     states = [state for state in found.states if not state.past_equilibrium]
     path = [step for step in found.answer.curve if not step.at_rest]
     if not states or not path or len(found.mesh.cells) > MOST_CELLS:

@@ -11,8 +11,8 @@ from pydantic_core import PydanticUndefined
 
 from meshes.section.polyline import Line
 from meshes.section.quantity import Kind
+from workflow.config import Config
 from workflow.report.tables import plain
-from workflow.settings import Input
 
 BOUNDS = ((Ge, "ge", "from {:g}"), (Gt, "gt", "above {:g}"), (Le, "le", "to {:g}"), (Lt, "lt", "below {:g}"))
 COMMON = "section"  # what stands at the head of the file, before any table
@@ -32,13 +32,13 @@ class Key:
 
 def keys() -> list[Key]:
     """All keys: those at the head of a file, those of a stratum, then the tables of settings."""
-    heads = [name for name in Input.model_fields if name not in Input.tables()]
-    return [*_of_fields({name: Input.model_fields[name] for name in heads}, ""), *_of_tables()]
+    heads = [name for name in Config.model_fields if name not in Config.tables()]
+    return [*_of_fields({name: Config.model_fields[name] for name in heads}, ""), *_of_tables()]
 
 
 def _of_tables() -> Iterator[Key]:
-    for table in Input.tables():
-        model = type(Input.model_fields[table].default)
+    for table in Config.tables():
+        model = type(Config.model_fields[table].default)
         yield from _of_fields(model.model_fields, table)
 
 

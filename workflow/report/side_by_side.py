@@ -8,13 +8,13 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from meshes.errors import InputError
+from workflow.config import Config
 from workflow.report.captions import Picture, collect
 from workflow.report.numbers import metres, number
 from workflow.report.tables import plain
 from workflow.results.cases import CaseNumbers
 from workflow.results.summary import Summary
 from workflow.run.store import Store
-from workflow.settings import Input
 
 WIDTH = 900  # px of a picture: several stand beside each other
 
@@ -24,7 +24,7 @@ class Found:
     """A run as it is compared: its folder, its input and its summary."""
 
     folder: Path
-    given: Input
+    config: Config
     summary: Summary
 
 
@@ -33,7 +33,7 @@ def read(folders: Sequence[Path]) -> list[Found]:
     found, problems = [], []
     for folder in folders:
         try:
-            found.append(Found(folder, Input.load(folder / "section.toml"), Summary.read(Store(folder))))
+            found.append(Found(folder, Config.load(folder / "section.toml"), Summary.read(Store(folder))))
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]
     if problems:
@@ -43,7 +43,7 @@ def read(folders: Sequence[Path]) -> list[Found]:
 
 def differences(runs: Sequence[Found]) -> Iterator[tuple[str, list[str]]]:
     """The keys in which the inputs differ, with what each has."""
-    flat = [dict(_leaves(run.given.model_dump(mode="json"), "")) for run in runs]
+    flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for one in flat for key in one):
         values = [plain(one[key]) if key in one else "–" for one in flat]
         if len(set(values)) > 1:

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from workflow.config import Config
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slip_circles import surface_balance
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.slices import CirclePart, SlicesAnswer
-from workflow.settings import Input
 
 FEWEST_POINTS = 3  # of a slip surface
 
@@ -32,31 +32,31 @@ def _listed(circles: Sequence[CirclePart], digits: int) -> str:
     )
 
 
-def on_surface_found(given: Input, fem: FemAnswer | None) -> Iterator[str]:
+def on_surface_found(config: Config, fem: FemAnswer | None) -> Iterator[str]:
     """Spencer's numbers on the slip surfaces of the finite elements, which need not be circles."""
     if fem is None:
         return
     end = fem.last_in_equilibrium()
     if end is not None and fem.has_kc:
-        kh = _by_spencer(given, end.slip_surface, fem.towards, None)
+        kh = _by_spencer(config, end.slip_surface, fem.towards, None)
         if kh is not None:
             yield f"On the slip surface of the finite elements Spencer's method has a critical Kh of {kh:.3f}."
     for factor in fem.safety_factors:
-        if (found := factor_on_surface(given, factor)) is not None:
+        if (found := factor_on_surface(config, factor)) is not None:
             yield (
                 f"On the slip surface that the finite elements found at Kh = {factor.kh:g} Spencer's factor of safety "
                 f"is {found:.2f}."
             )
 
 
-def factor_on_surface(given: Input, factor: FactorOfSafety) -> float | None:
+def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
     """Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
-    found = [_by_spencer(given, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
+    found = [_by_spencer(config, factor.slip_surface, side, factor.kh) for side in ("left", "right")]
     return min((value for value in found if value is not None), default=None)
 
 
-def _by_spencer(given: Input, line: Sequence[tuple[float, float]], towards: str, kh: float | None) -> float | None:
+def _by_spencer(config: Config, line: Sequence[tuple[float, float]], towards: str, kh: float | None) -> float | None:
     if len(line) < FEWEST_POINTS:
         return None
     side = LEFT if towards == "left" else RIGHT
-    return surface_balance(given, np.array(line), side, kh, given.fem.vertical)
+    return surface_balance(config.section, np.array(line), side, kh, config.fem.vertical)

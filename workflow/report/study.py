@@ -5,13 +5,13 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
+from workflow.config import Config
 from workflow.estimates.estimate import flow_words
 from workflow.report.captions import collect
 from workflow.report.numbers import number
 from workflow.results.cases import Spread
 from workflow.results.study import WORDS, Result, StudyAnswer
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.settings import Method
 
@@ -28,7 +28,7 @@ RANDOM_FIELDS = (
 )
 
 
-def write_page(given: Input, answer: StudyAnswer, store: Store) -> Path:
+def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
     """Write study.html, one file with all pictures in it."""
     environment = Environment(
         loader=PackageLoader("workflow.report", "."),
@@ -36,26 +36,26 @@ def write_page(given: Input, answer: StudyAnswer, store: Store) -> Path:
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
     text = environment.get_template("study.html.jinja").render(
-        title=given.title or given.name,
-        given=given,
+        title=config.section.heading,
+        config=config,
         answer=answer,
-        sentences=list(sentences(given, answer)),
-        numbers=[(path, in_words(one)) for path, one in given.uncertain.numbers.items()],
+        sentences=list(sentences(config, answer)),
+        numbers=[(path, in_words(one)) for path, one in config.uncertain.numbers.items()],
         results=[_row(result) for result in answer.results],
         heads=("result", "samples with it", "mean", "95 % of the mean", "median", "5 %", "95 %", "standard deviation"),
-        pictures=collect(store.matching(["figures/study_*.png"]), store.folder, given.figures.report_width),
+        pictures=collect(store.matching(["figures/study_*.png"]), store.folder, config.figures.report_width),
         assumption=RANDOM_FIELDS,
     )
     return store.write_text(FILE, text)
 
 
-def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
+def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
     """What was found, in plain sentences."""
-    drawn = f"{answer.samples} samples of {len(given.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
+    drawn = f"{answer.samples} samples of {len(config.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
     without = f"; {answer.failed} have no answer or only a part of it" if answer.failed else ", all with an answer"
     yield f"{drawn}, seed {answer.seed}{without}."
     if any(result.title == WORDS["kc"] for result in answer.results):
-        yield f"The critical Kh, which blocks resist with as well, is {flow_words(given)}."
+        yield f"The critical Kh, which blocks resist with as well, is {flow_words(config)}."
     for result in answer.results:
         spread = result.spread
         if spread.median is None or result.is_detail:
@@ -66,7 +66,7 @@ def sentences(given: Input, answer: StudyAnswer) -> Iterator[str]:
             if group.samples:
                 told = _where(group.spread, group.samples)
                 yield f"{title} where {group.path} is {group.value} ({group.samples}): {told}."
-    yield from (f"{line}." for one in given.reach.values() for line in one.notice.splitlines())
+    yield from (f"{line}." for one in config.reach.values() for line in one.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 

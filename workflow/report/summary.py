@@ -29,14 +29,14 @@ from workflow.run.log import machine, versions
 
 def summary(results: Results, report_seconds: float) -> Summary:
     """What summary.json holds; ``report_seconds`` is the computing time of the report so far."""
-    given = results.given
+    config = results.config
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
     return Summary(
         in_short=tuple(findings(results)),
         doubtful=tuple(doubtful(results)),
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(config.section),
         mesh=_mesh(results),
         fem=_fem(results),
         fem_variants=_variants(results),
@@ -54,7 +54,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
         comparison=tuple(
-            EstimateSummary.model_validate(one) for one in estimates(given, results.kc, results.slip_surface)
+            EstimateSummary.model_validate(one) for one in estimates(config, results.kc, results.slip_surface)
         ),
         paper=paper or None,
         no_answer={
@@ -95,7 +95,7 @@ def _mesh(results: Results) -> MeshCount | None:
         return results.fem.mesh
     if "mesh" not in results.ends or results.no_answer("mesh"):
         return None
-    return MeshCount.of(stored_mesh(results.given, results.store))
+    return MeshCount.of(stored_mesh(results.config.section, results.store))
 
 
 def _fem(results: Results) -> FemSummary | None:

@@ -9,7 +9,7 @@ from pydantic import BaseModel
 from dem.settings import Case
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
-from workflow.settings import Input
+from workflow.config import Config
 
 STRATA_HEADS = (
     "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ ord/seis\nt/m³", "c\nkPa", "φ/ψ\ndeg",
@@ -66,23 +66,23 @@ def texts(section: Section) -> list[str]:
 OPTIONAL = ("name", "residual", "residual_strength", "volumetric_strain")
 
 
-def case_heads(given: Input) -> list[tuple[str, str]]:
+def case_heads(config: Config) -> list[tuple[str, str]]:
     """What the cases of liquefaction change: the name of each factor, and what it is a factor on."""
-    return [(name.replace("_", " "), str(Case.model_fields[name].description)) for name in _changed(given)]
+    return [(name.replace("_", " "), str(Case.model_fields[name].description)) for name in _changed(config)]
 
 
-def _changed(given: Input) -> list[str]:
+def _changed(config: Config) -> list[str]:
     """The fields of a case that are told."""
-    return [name for name in Case.model_fields if name not in OPTIONAL or any(getattr(c, name) for c in given.cases)]
+    return [name for name in Case.model_fields if name not in OPTIONAL or any(getattr(c, name) for c in config.cases)]
 
 
-def case_rows(given: Input) -> Iterator[list[str]]:
+def case_rows(config: Config) -> Iterator[list[str]]:
     """Every case in which a stratum liquefies: its number, the strata, and its factors."""
-    for number, case in enumerate(given.cases, start=1):
-        names = [stratum.name for stratum in given.strata if number in stratum.liquefies_in]
+    for number, case in enumerate(config.cases, start=1):
+        names = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
         if names:
             left = {"damping": case.damping_left}
-            factors = (factor(left.get(name, getattr(case, name)), name) for name in _changed(given))
+            factors = (factor(left.get(name, getattr(case, name)), name) for name in _changed(config))
             yield [str(number), ", ".join(names), *factors]
 
 
@@ -95,17 +95,17 @@ def factor(value: Any, name: str = "") -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value) or "–"
 
 
-def written_columns(given: Section) -> list[tuple[str, str, str]]:
+def written_columns(config: Section) -> list[tuple[str, str, str]]:
     """Field, symbol and SI unit of what was written of the strata of a section."""
-    return [*WRITTEN, *(column for column in WRITTEN_OF_WATER if any(getattr(s, column[0]) for s in given.strata))]
+    return [*WRITTEN, *(column for column in WRITTEN_OF_WATER if any(getattr(s, column[0]) for s in config.strata))]
 
 
-def written_rows(given: Section) -> Iterator[list[str]]:
+def written_rows(config: Section) -> Iterator[list[str]]:
     """The strata as the file gives them, with the units that were written there."""
-    for stratum in given.strata:
+    for stratum in config.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
-        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in written_columns(given)), cases]
+        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in written_columns(config)), cases]
 
 
 def _written(stratum: Stratum, field: str, unit: str) -> str:
@@ -118,27 +118,27 @@ def _written(stratum: Stratum, field: str, unit: str) -> str:
     return f"{written:g} {unit}".strip() if written else "0"
 
 
-def line_rows(given: Section) -> Iterator[tuple[str, str, str]]:
+def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
     """The lines of the section: what each is, whether elevation or depth is given, and its points (m)."""
-    yield "ground surface", "elevation", _points(given.surface)
-    for stratum in given.strata:
+    yield "ground surface", "elevation", _points(config.surface)
+    for stratum in config.strata:
         if stratum.bottom is not None:
             yield f"bottom of {stratum.name}", *_line(stratum.bottom)
-    yield "base", *_line(given.base)
-    if given.water_table is not None:
-        yield "water table", *_line(given.water_table)
-    if given.water is not None:
-        for name, line in (("water table", given.water.table), ("after a drawdown", given.water.after_drawdown)):
+    yield "base", *_line(config.base)
+    if config.water_table is not None:
+        yield "water table", *_line(config.water_table)
+    if config.water is not None:
+        for name, line in (("water table", config.water.table), ("after a drawdown", config.water.after_drawdown)):
             if line is not None:
                 yield name, *_line(line)
-    for stratum in given.strata:
+    for stratum in config.strata:
         if stratum.piezometric_level is not None:
             yield f"piezometric level of {stratum.name}", *_line(stratum.piezometric_level)
 
 
 def _line(line: Line) -> tuple[str, str]:
-    given = line.depth if line.elevation is None else line.elevation
-    return "depth" if line.elevation is None else "elevation", _points(given)
+    config = line.depth if line.elevation is None else line.elevation
+    return "depth" if line.elevation is None else "elevation", _points(config)
 
 
 def _points(points: Any) -> str:
@@ -148,10 +148,10 @@ def _points(points: Any) -> str:
     return "  ".join(f"({x:g}, {z:g})" for x, z in points)
 
 
-def changed_settings(given: Input) -> Iterator[tuple[str, str, str]]:
+def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
     """The settings that differ from their defaults: name, value, and what it is."""
-    for table in given.tables():
-        settings: BaseModel = getattr(given, table)
+    for table in config.tables():
+        settings: BaseModel = getattr(config, table)
         for key, field in type(settings).model_fields.items():
             value = getattr(settings, key)
             if value != field.get_default(call_default_factory=True) and table != "report":

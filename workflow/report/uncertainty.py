@@ -29,8 +29,8 @@ FLOWS: Mapping[Flow, str] = {
 
 def doubts(results: Results) -> Iterator[tuple[str, str]]:
     """Pairs of a heading and sentences."""
-    if results.given.notices:
-        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.given.notices)
+    if results.config.notices:
+        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.config.notices)
     if results.older:
         yield (
             "Version of the program",
@@ -101,7 +101,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     yield "Dilation", _dilation(fem), "dilation"
     yield (
         "Side condition",
-        f"{SIDES[results.given.fem.sides]}.",
+        f"{SIDES[results.config.fem.sides]}.",
         "sides",
     )
 

@@ -19,9 +19,9 @@ from pydantic import (
     model_serializer,
 )
 
+from meshes.section.section import Section
 from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
-from workflow.settings import Input
 
 Point = tuple[float, float]
 Line = tuple[Point, ...]
@@ -93,9 +93,9 @@ class SectionLabel(Part):
     reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
 
     @classmethod
-    def of(cls, given: Input) -> Self:
-        """The label of the section of an input."""
-        return cls(name=given.name, sha256=given.sha256(), reconstruction=given.reconstruction)
+    def of(cls, section: Section) -> Self:
+        """The label of a section."""
+        return cls(name=section.name, sha256=section.sha256(), reconstruction=section.reconstruction)
 
 
 def line(points: np.ndarray) -> Line:

@@ -7,10 +7,10 @@ import pyvista as pv
 
 from fem.continuum.fields import State
 from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
 from workflow.results.continuum import FemAnswer
 from workflow.results.stored_mesh import fem_mesh
 from workflow.run.store import Store
-from workflow.settings import Input
 
 COLLECTION = "fem/fields.pvd"
 
@@ -29,7 +29,7 @@ class FemResults:
     states: list[State]
 
     @classmethod
-    def load(cls, given: Input, store: Store) -> "FemResults":
+    def load(cls, section: Section, store: Store) -> "FemResults":
         """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
         answer = FemAnswer.read(store)
         states: list[State] = []
@@ -40,7 +40,7 @@ class FemResults:
             else:
                 grid = pv.read(store.folder / "fem" / fields_file(len(states)))
                 states.append(_state(grid, told.label, told.kh))
-        return cls(fem_mesh(given, store, answer.mesh.method), answer, states)
+        return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
 
     def slip_surface(self, state: State) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""

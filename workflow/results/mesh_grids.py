@@ -22,7 +22,7 @@ def unstructured(mesh: QuadMesh) -> pv.UnstructuredGrid:
 def grid_of(section: Section, mesh: QuadMesh) -> pv.UnstructuredGrid:
     """The mesh for VTK files, which say what section it is of, and that that is a reconstruction if it is one."""
     grid = unstructured(mesh)
-    add_texts(grid, "section", [section.title or section.name])
+    add_texts(grid, "section", [section.heading])
     if section.reconstruction:
         add_texts(grid, "reconstruction", [section.reconstruction_note])
     return grid

@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from workflow.config import Config
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -23,7 +24,6 @@ from workflow.run.plan import changes, is_of_this_input, made_from
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
 
 Found = TypeVar("Found", bound=Answer)
 # What is judged by bounds: what it is, its value, lower and upper bound, and whether these are of its own flow rule.
@@ -38,7 +38,7 @@ class Results:
     The answers are those of the files, None where a stage has left none: ``bounds`` has always both bounds.
     """
 
-    given: Input
+    config: Config
     store: Store
     ends: dict[str, Entry]
     missing: dict[str, str]
@@ -80,7 +80,7 @@ class Results:
 
         bounds = left("bounds", BoundsAnswer)
         return cls(
-            job.given,
+            job.config,
             job.store,
             ends,
             missing,

@@ -7,21 +7,21 @@ import numpy as np
 
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh, check, read
+from meshes.section.section import Section
 from workflow.run.store import Store
-from workflow.settings import Input
 
 # The mesh that the finite elements ended with: adapted to the mechanism, or the one that they were given.
 FEM_FILE = "fem/section.msh"
 GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
 
 
-def given_mesh(given: Input, path: Path) -> QuadMesh:
+def given_mesh(section: Section, path: Path) -> QuadMesh:
     """A mesh made elsewhere, its strata in the order of the section; raises InputError if its groups do not fit."""
     mesh = read(path)
-    names = [stratum.name for stratum in given.strata]
+    names = [stratum.name for stratum in section.strata]
     problems = [f'there is no surface group "{name}"' for name in names if name not in mesh.strata]
     problems += [
-        f'the surface group "{name}" is no stratum of {given.name}' for name in mesh.strata if name not in names
+        f'the surface group "{name}" is no stratum of {section.name}' for name in mesh.strata if name not in names
     ]
     if problems:
         raise InputError(str(path), problems)
@@ -31,15 +31,15 @@ def given_mesh(given: Input, path: Path) -> QuadMesh:
     return ordered
 
 
-def stored_mesh(given: Input, store: Store) -> QuadMesh:
+def stored_mesh(section: Section, store: Store) -> QuadMesh:
     """The mesh that the stage left; raises InputError if it is not there or not of this section."""
     import pyvista as pv
 
-    mesh = given_mesh(given, store.folder / GMSH_FILE)
+    mesh = given_mesh(section, store.folder / GMSH_FILE)
     method = pv.read(store.folder / VTK_FILE).field_data["method"][0]
     return replace(mesh, method=str(method))
 
 
-def fem_mesh(given: Input, store: Store, method: str) -> QuadMesh:
+def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
     """The mesh that the fields of the stage `fem` stand on; raises InputError as ``stored_mesh`` does."""
-    return replace(given_mesh(given, store.folder / FEM_FILE), method=method)
+    return replace(given_mesh(section, store.folder / FEM_FILE), method=method)

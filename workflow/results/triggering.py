@@ -5,9 +5,9 @@ from typing import ClassVar, Self
 from pydantic import Field
 
 from meshes.borings.boring import Cone, Sample
+from workflow.config import Config
 from workflow.earthquake.attenuation import GAL, Motion
 from workflow.results.answer import Answer, Known, Part, SectionLabel
-from workflow.settings import Input
 from workflow.triggering.assessment import Assessment, Judged, OfStratum
 from workflow.triggering.consequences import left, pore_pressures
 from workflow.triggering.potential import SOURCE, risk
@@ -168,30 +168,30 @@ class TriggeringAnswer(Answer):
     relations: tuple[RelationPart, ...] = Field(description="of residual strength, volumetric strain, pore pressure")
 
     @classmethod
-    def of(cls, given: Input, found: Assessment) -> Self:
+    def of(cls, config: Config, found: Assessment) -> Self:
         """An assessment as an answer holds it."""
-        pressures = pore_pressures(found, len(given.strata))
+        pressures = pore_pressures(found, len(config.section.strata))
         return cls(
-            section=SectionLabel.of(given),
+            section=SectionLabel.of(config.section),
             motion=MotionPart.of(found.motion),
             magnitude=found.magnitude,
             method=found.relation.title,
             source=found.relation.source,
             validity=found.relation.validity,
-            share=given.triggering.share,
+            share=config.triggering.share,
             strata=tuple(map(StratumPart.of, found.strata, pressures)),
             borings=tuple(
                 BoringPart(name=name, potential=value, risk=risk(value)) for name, value in found.potentials.items()
             ),
-            tests=tuple(TestPart.of(test, given.strata[test.where.stratum].name) for test in found.tests),
+            tests=tuple(TestPart.of(test, config.section.strata[test.where.stratum].name) for test in found.tests),
             left=tuple(
                 LeftPart(
-                    stratum=given.strata[one.stratum].name,
+                    stratum=config.section.strata[one.stratum].name,
                     residual=one.ratios,
                     strength_Pa=one.strengths,
                     volumetric_strain=one.volumetric_strain,
                 )
-                for one in left(found, given.triggering)
+                for one in left(found, config.triggering)
             ),
             relations=(
                 *(RelationPart.model_validate(relation) for relation in RELATIONS),

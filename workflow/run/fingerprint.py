@@ -7,8 +7,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 
 PROGRAM = "the program"
 TITLE = {"name", "title"}  # of a section: what pictures and the report say, and nothing is computed from
@@ -21,14 +22,14 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
 
     ``ignored`` are settings that change nothing in the results of the stage that needs it.
     """
-    ignored = ignored.union(stage.ignores(job.given))
-    prints = {"section": fingerprint_of(section_data(job.given)), PROGRAM: program()}
+    ignored = ignored.union(stage.ignores(job.config))
+    prints = {"section": fingerprint_of(section_data(job.config.section)), PROGRAM: program()}
     for name in stage.reads:
         if name not in ignored:
-            prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.given, ignored))
+            prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.config, ignored))
     if stage.of_all:
-        prints["title"] = title(job.given)
-    prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.given).items()}
+        prints["title"] = title(job.config.section)
+    prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.config).items()}
     for name, path in stage.files(job).items():
         prints[name] = fingerprint_of_file(path)
     for other in job.stages:
@@ -37,9 +38,9 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     return prints
 
 
-def title(given: Input) -> str:
+def title(section: Section) -> str:
     """A fingerprint of what the section is called."""
-    return fingerprint_of(given.model_dump(mode="json", include=TITLE))
+    return fingerprint_of(section.model_dump(mode="json", include=TITLE))
 
 
 @cache
@@ -56,15 +57,15 @@ def program() -> str:
     return total.hexdigest()
 
 
-def section_data(given: Input) -> dict[str, Any]:
-    """The section as it was written, without its title and the settings."""
-    return given.model_dump(mode="json", exclude={*given.tables(), *TITLE})
+def section_data(section: Section) -> dict[str, Any]:
+    """The section as it was written, without its title."""
+    return section.model_dump(mode="json", exclude=TITLE)
 
 
-def _settings(name: str, given: Input, ignored: frozenset[str]) -> dict[str, Any]:
+def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, Any]:
     """The settings of a "table", or one "table.key", without those that are ignored."""
     table, _, key = name.partition(".")
-    data: dict[str, Any] = getattr(given, table).model_dump(mode="json", include={key} if key else None)
+    data: dict[str, Any] = getattr(config, table).model_dump(mode="json", include={key} if key else None)
     return {key: value for key, value in data.items() if f"{table}.{key}" not in ignored}
 
 

@@ -11,6 +11,7 @@ from threading import RLock
 from typing import Protocol
 
 from meshes.executor import SERIAL, Tell, interruptible, then
+from workflow.config import Config
 from workflow.run import mesh_options
 from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import title
@@ -21,7 +22,6 @@ from workflow.run.progress import Progress, silent
 from workflow.run.record import Entry, Record, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
 class Listener(Protocol):
@@ -171,7 +171,7 @@ class Run:
         with self.one_at_a_time:
             entry = self.record.entries[stage.name]
             pictures = self._drawn(stage, before)
-            self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.given)))
+            self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
 
     def work_beside(self, decision: Decision) -> None:
         """Let a stage work in another process; how it ended is kept as soon as it has."""
@@ -217,11 +217,11 @@ class Run:
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
             [] if to_draw else self._drawn(stage, begun.before),
-            "" if to_draw else title(self.job.given),
+            "" if to_draw else title(self.job.config.section),
         )
         with self.one_at_a_time:
             if failure is None:
-                leave_input(self.job.given, store)
+                leave_input(self.job.config, store)
                 mesh_options.keep(store, self.job.mesh_options)
             else:
                 self.failures[stage.name] = failure
@@ -276,16 +276,16 @@ class Begun:
     start: float
 
 
-def leave_input(given: Input, store: Store) -> None:
+def leave_input(config: Config, store: Store) -> None:
     """Leave section.toml, the input as used, and beside it the files that it names."""
     left: dict[str, Path] = {}
-    for (table, key), file in given.named_files().items():
+    for (table, key), file in config.named_files().items():
         name = file.name if left.get(file.name, file) == file else f"{table}_{file.name}"  # another of the same name
         left[name] = file
         with store.writing(name) as path:
             path.write_bytes(file.read_bytes())
-        given = given.model_copy(update={table: getattr(given, table).model_copy(update={key: name})})
-    store.write_text("section.toml", given.to_toml())
+        config = config.model_copy(update={table: getattr(config, table).model_copy(update={key: name})})
+    store.write_text("section.toml", config.to_toml())
 
 
 def redraw_all(job: Job, listener: Listener) -> list[str]:

@@ -122,7 +122,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)
-    if not stage.wanted(job.given) and stage.name not in choice.asked:
+    if not stage.wanted(job.config) and stage.name not in choice.asked:
         return Decision(stage, "off" if why else "reuse", "not asked for")
     if stage.name in choice.forced:
         return Decision(stage, "run", "asked for")
@@ -133,7 +133,7 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     left = record.entries[stage.name]
     if stage.drawn_after and not left.title:
         return Decision(stage, "redraw", "it was stopped before its pictures were drawn")
-    if stage.draw is not None and left.pictures and left.title != title(job.given):
+    if stage.draw is not None and left.pictures and left.title != title(job.config.section):
         return Decision(stage, "redraw", "the title has changed")
     return Decision(stage, "reuse", "")
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from meshes.executor import SERIAL, Executor
+from workflow.config import Config
 from workflow.run.progress import Progress, silent
 from workflow.run.store import Store
-from workflow.settings import Input
 
 if TYPE_CHECKING:
     from workflow.run.ranks import Ranks
@@ -20,7 +20,7 @@ class Job:
 
     Attributes
     ----------
-    given: the section with the settings of all stages.
+    config: the section with the settings of all stages.
     store: the folder of the run.
     stages: all stages of a run, in their order.
     progress: who hears how far a stage is.
@@ -31,7 +31,7 @@ class Job:
     mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
     """
 
-    given: Input
+    config: Config
     store: Store
     stages: tuple["Stage", ...]
     progress: Progress = silent
@@ -81,14 +81,14 @@ class Stage:
     drawn_after: bool = False
     needs: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
-    ignores: Callable[[Input], Collection[str]] = lambda given: ()
-    takes: Callable[[Input], Mapping[str, Any]] = lambda given: {}
+    ignores: Callable[[Config], Collection[str]] = lambda config: ()
+    takes: Callable[[Config], Mapping[str, Any]] = lambda config: {}
     files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
     results: tuple[str, ...] = ()
     read: Callable[[Store], object] = lambda store: None
     pictures: tuple[str, ...] = ()
     leftovers: tuple[str, ...] = ()
-    wanted: Callable[[Input], bool] = lambda given: True
+    wanted: Callable[[Config], bool] = lambda config: True
     partial: Callable[[Job], bool] = lambda job: False
     beside: tuple[str, ...] | None = None
     of_all: bool = False

@@ -38,10 +38,10 @@ def __getattr__(name: str) -> Any:
 
 def stored_job(folder: Path) -> "Job":
     """What a folder's results were made from; raises InputError if it holds no run."""
+    from workflow.config import Config
     from workflow.run.record import Record
     from workflow.run.stage import Job
     from workflow.run.store import Store
-    from workflow.settings import Input
     from workflow.stages.mesh import GIVEN
 
     path = folder / "section.toml"
@@ -51,4 +51,4 @@ def stored_job(folder: Path) -> "Job":
     left = Record(store)["mesh"]
     given = left is not None and GIVEN in left.inputs
     found = globals().get("STAGES") or __getattr__("STAGES")
-    return Job(Input.load(path), store, found, mesh_file=folder / "mesh/section.msh" if given else None)
+    return Job(Config.load(path), store, found, mesh_file=folder / "mesh/section.msh" if given else None)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, assert_never
 
 from fem.errors import UnstableError
 from fem.settings import LEAST_KH, BoundsSettings
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import (
     BoundsAnswer,
@@ -22,7 +23,6 @@ from workflow.results.bounds import (
 )
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 
 if TYPE_CHECKING:
     from fem.limit.bounds import KhBounds
@@ -41,35 +41,35 @@ def work(job: Job) -> None:
     from fem.limit.bounds import kh_bounds
     from workflow.figures.bounds import draw_all
 
-    given, asked = job.given, job.given.bounds
+    config, asked = job.config, job.config.bounds
     started = time.perf_counter()
     job.progress("first mesh", None)
-    factors = tuple(_factors(job, given, asked)) if asked.safety_factor else ()
+    factors = tuple(_factors(job, config, asked)) if asked.safety_factor else ()
     left = asked.model_copy(update={"seconds": asked.seconds - sum(one.work for one in factors)})
     try:
-        found = kh_bounds(given, given.fem, left, lambda so_far: job.progress(in_words(so_far), None))
+        found = kh_bounds(config.section, config.fem, left, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
         if not factors:
             raise
         raise UnstableError(f"{error}; {'; '.join(one.words for one in factors)}") from None
-    answer = answer_of(given, found, asked, time.perf_counter() - started)
+    answer = answer_of(config, found, asked, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
-    draw_all(given, found, job.store)
+    draw_all(config, found, job.store)
     if answer.verdict == "no bracket":
         raise NoAnswerError(answer.reason, "allow more triangles: max_cells in the table [bounds]")
 
 
-def _factors(job: Job, given: Input, asked: BoundsSettings) -> Iterator[SafetyPart]:
+def _factors(job: Job, config: Config, asked: BoundsSettings) -> Iterator[SafetyPart]:
     """Factors of safety at every Kh at which one is wanted; without shaking sides that are not fixed are held, as the
     elements hold them."""
     from fem.limit.safety_bounds import safety_bounds
 
-    count = len(given.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
+    count = len(config.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
     share = asked.of_factors.model_copy(update={"seconds": asked.seconds / count})
-    for kh in given.fem.safety_factor_at:
+    for kh in config.fem.safety_factor_at:
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        found = safety_bounds(given, given.fem, share, kh, held=kh == 0.0)
+        found = safety_bounds(config.section, config.fem, share, kh, held=kh == 0.0)
         yield SafetyPart(
             kh=kh,
             lower=found.lower or None,
@@ -99,17 +99,17 @@ def _reason(found: "SafetyBounds", asked: BoundsSettings) -> str:
     return f"The factor of safety is bracketed less closely than to the {wanted} asked for: {why}."
 
 
-def answer_of(given: Input, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
+def answer_of(config: Config, found: "KhBounds", asked: BoundsSettings, seconds: float) -> BoundsAnswer:
     """The brackets of an input, how far each bound was checked, and every mesh; ``seconds`` it took to compute."""
     return BoundsAnswer(
         **vars(bracket_part(found, asked)),
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(config.section),
         flow="associated, ψ = φ",
         substitute=bracket_part(found.substitute, asked) if found.substitute else None,
         skins=tuple(SkinPart.model_validate(face) for face in found.skins),
-        least_depth=given.fem.least_depth,
-        sides=given.fem.sides,
-        vertical=given.fem.vertical,
+        least_depth=config.fem.least_depth,
+        sides=config.fem.sides,
+        vertical=config.fem.vertical,
         seconds=round(seconds, 2),
         settings=asked,
     )
@@ -214,10 +214,10 @@ STAGE = Stage(
     reads=(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",
     ),
-    ignores=lambda given: () if given.bounds.safety_factor else ("fem.safety_factor_at",),
+    ignores=lambda config: () if config.bounds.safety_factor else ("fem.safety_factor_at",),
     beside=("fem",),
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,
     pictures=("figures/bounds_*.png",),
-    wanted=lambda given: given.bounds.run is not False,
+    wanted=lambda config: config.bounds.run is not False,
 )  # fmt: skip

@@ -1,13 +1,13 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
 from fem.settings import WITHOUT_EFFECT
+from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 
 
 def work(job: Job) -> None:
@@ -20,19 +20,19 @@ def work(job: Job) -> None:
             f"the section does not fail ({fem.reason}), so there is no critical Kh to calibrate the discs to",
             "raise fem.kh_limit, or look at a weaker section",
         )
-    calibrate_stage(job.given, job.store, job.progress, job.executor)
+    calibrate_stage(job.config, job.store, job.progress, job.executor)
 
 
 def draw(job: Job) -> None:
     """Draw the discs by layer, and their states at every recorded Kh."""
     from workflow.stages.calibrated_discs import calibrate_pictures
 
-    calibrate_pictures(job.given, job.store, job.executor)
+    calibrate_pictures(job.config, job.store, job.executor)
 
 
-def ignored(given: Input) -> tuple[str, ...]:
+def ignored(config: Config) -> tuple[str, ...]:
     """The settings that change nothing in discs that are calibrated, whatever they do to other stages."""
-    return (*WITHOUT_EFFECT, *given.dem.without_effect)
+    return (*WITHOUT_EFFECT, *config.dem.without_effect)
 
 
 STAGE = Stage(

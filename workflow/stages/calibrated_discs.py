@@ -35,6 +35,7 @@ from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.recorded_kh import in_name
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
@@ -53,7 +54,6 @@ from workflow.results.journal import Journal
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.disc_states import FAILING, NO_LINE, Kept, Sets, Start, keep_states, state_file
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
 from workflow.stages.like_discs import like_discs
@@ -68,45 +68,45 @@ PUSHES, POINTS, TESTS = 3, 22, 30
 FIRST = 0.5  # of the time, what comes before these searches and tests
 
 
-def calibrate_stage(given: Input, store: Store, progress: Progress, executor: Executor) -> None:
+def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
     """Discs that fail where the finite elements do. Raises InputError, NoAnswerError, DemError."""
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
-    found, paper, layers = _searched(given, store, progress, executor)
-    discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: progress(what, None))
+    found, paper, layers = _searched(config, store, progress, executor)
+    discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
-        none = slip_surfaces(given, store, NO_LINE, NO_LINE, fem)
-        discs_answer(given, discs, (found.base, found.base), {}, Kept(), none).write(store)
-        CalibrationAnswer.not_asked_for(found.base, given.dem.tolerance).write(store)
+        none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
+        discs_answer(config, discs, (found.base, found.base), {}, Kept(), none).write(store)
+        CalibrationAnswer.not_asked_for(found.base, config.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {found.base.verdict}, {found.base.reason}",
             "other springs, or another packing in [dem], may have one",
         )
     progress("states of the discs at the recorded Kh", None)
-    continuum = continuum_for(given, store) if given.dem.model == "soil" else None
+    continuum = continuum_for(config, store) if config.dem.model == "soil" else None
     sets: Sets = {
-        "before": Start(discs.settled, discs.ground, found.base, given.dem, continuum),
-        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, given.dem, continuum),
+        "before": Start(discs.settled, discs.ground, found.base, config.dem, continuum),
+        "after": Start(DiscModel.load(store.folder / CALIBRATED), discs.ground, found.after, config.dem, continuum),
     }
     papers_own = None
     if paper is not None:
-        papers_own, sets["paper"] = _paper_answer(given, store, paper)
-    kept = keep_states(given, store, sets, executor)
+        papers_own, sets["paper"] = _paper_answer(config, store, paper)
+    kept = keep_states(config, store, sets, executor)
     progress("slip surfaces", None)
-    surfaces = slip_surfaces(given, store, kept.surface("before"), kept.surface("after"), fem)
-    answer = discs_answer(given, discs, (found.base, found.after), found.factor, kept, surfaces)
-    model = answer.model.model_copy(update=_off(given, discs.ground, sets["after"].settled))
+    surfaces = slip_surfaces(config, store, kept.surface("before"), kept.surface("after"), fem)
+    answer = discs_answer(config, discs, (found.base, found.after), found.factor, kept, surfaces)
+    model = answer.model.model_copy(update=_off(config, discs.ground, sets["after"].settled))
     answer.model_copy(update={"paper": papers_own, "model": model}).write(store)
-    calibration_told = calibration_answer(given, found, continuum).model_copy(update={"layers": layers})
+    calibration_told = calibration_answer(config, found, continuum).model_copy(update={"layers": layers})
     calibration_told.write(store)
-    if tests := _layer_tests(given, discs, found, progress, executor):
+    if tests := _layer_tests(config, discs, found, progress, executor):
         calibration_told.model_copy(update=tests).write(store)
-    calibrate_pictures(given, store, executor)
+    calibrate_pictures(config, store, executor)
     calibration = found.calibration
-    if given.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
+    if config.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
             calibration.reason,
-            f"take another packing, dem.seed = {given.dem.seed + 1}, since packings differ by a tenth, or more "
+            f"take another packing, dem.seed = {config.dem.seed + 1}, since packings differ by a tenth, or more "
             "discs where the ground that slides is but a few of them thick; widen dem.range, or set "
             'dem.out_of_reach = "go on" for the closest',
         )
@@ -131,13 +131,13 @@ class Searched:
 
 
 def _searched(
-    given: Input, store: Store, progress: Progress, executor: Executor
+    config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
     """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
     were asked for, and tests of the soil discs of every layer. What the discs are held against comes first, while they
     come to rest."""
-    if given.dem.model != "soil":
-        return _calibrated(given, store, lambda message: progress(*message), executor), None, ()
+    if config.dem.model != "soil":
+        return _calibrated(config, store, lambda message: progress(*message), executor), None, ()
     searched, ended = 0.0, 0
 
     def tell(words: str) -> None:
@@ -151,9 +151,11 @@ def _searched(
         searched = searched if share is None else share
         tell(words)
 
-    programme = Programme.of(soil_layers(given) if given.dem.element_tests else (), given.dem.mean_radius(given))
-    first: list[Piece] = [(like_discs, (given, store)), (_at_rest, (given, store))]
-    first += [(_paper, (given, store))] if given.dem.paper else []
+    programme = Programme.of(
+        soil_layers(config.section) if config.dem.element_tests else (), config.dem.mean_radius(config.section)
+    )
+    first: list[Piece] = [(like_discs, (config, store)), (_at_rest, (config, store))]
+    first += [(_paper, (config, store))] if config.dem.paper else []
     tests: list[Piece] = [(compressed, (patch,)) for patch in programme.patches]
 
     def one_more(place: int, _: Any) -> None:
@@ -163,9 +165,9 @@ def _searched(
             tell(f"element tests of the discs of every layer: {ended} of {len(tests)}")
 
     begun = executor.compute(_done, first, heard)
-    found, *tested = executor.compute(_done, [(_calibrated, (given, store)), *tests], heard, one_more)
+    found, *tested = executor.compute(_done, [(_calibrated, (config, store)), *tests], heard, one_more)
     layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(tested))
-    return found, begun[2] if given.dem.paper else None, layers
+    return found, begun[2] if config.dem.paper else None, layers
 
 
 Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
@@ -173,24 +175,24 @@ Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it 
 
 def _done(piece: Piece, tell: Tell) -> Any:
     """One piece of the work, by whoever does it."""
-    work, given = piece
-    return work(*given, tell)
+    work, config = piece
+    return work(*config, tell)
 
 
-def _at_rest(given: Input, store: Store, tell: Tell) -> None:
+def _at_rest(config: Config, store: Store, tell: Tell) -> None:
     """Leave the discs of the section at rest."""
-    discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
+    discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: tell((what, None)))
 
 
-def _calibrated(given: Input, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
+def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = SERIAL) -> Searched:
     """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
-    discs = discs_at_rest(given, store, given.dem, SETTLED, lambda what: tell((what, None)))
-    continuum = continuum_for(given, store)
-    calibrator = _calibrator(given, store, discs, continuum, tell, executor)
-    base = calibrator.search("", 1.0, given.dem.workers)
+    discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: tell((what, None)))
+    continuum = continuum_for(config, store)
+    calibrator = _calibrator(config, store, discs, continuum, tell, executor)
+    base = calibrator.search("", 1.0, config.dem.workers)
     if base.kc is None:
         return Searched(base)
-    found = Searched(base, _solve(given, calibrator, continuum))
+    found = Searched(base, _solve(config, calibrator, continuum))
     parameter, factor = next(iter(found.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
@@ -201,12 +203,12 @@ def _calibrated(given: Input, store: Store, tell: Tell, executor: Executor = SER
 
 
 def _calibrator(
-    given: Input, store: Store, discs: Discs, continuum: Continuum, tell: Tell, executor: Executor
+    config: Config, store: Store, discs: Discs, continuum: Continuum, tell: Tell, executor: Executor
 ) -> Calibrator:
     journal = Journal(store, JOURNAL)
-    soil = given.dem.model == "soil"
+    soil = config.dem.model == "soil"
     wanted = PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)
-    share_of = SearchShare(1 if given.dem.parameter == "none" else wanted, POINTS if soil else 8)
+    share_of = SearchShare(1 if config.dem.parameter == "none" else wanted, POINTS if soil else 8)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         share = share_of.after_trial(len(calibrator.searches))
@@ -216,7 +218,7 @@ def _calibrator(
         discs.ground,
         discs.layers,
         discs.settled,
-        given.dem,
+        config.dem,
         continuum=continuum,
         known=journal.known(),
         on_trial=on_trial,
@@ -226,22 +228,22 @@ def _calibrator(
     return calibrator
 
 
-def _solve(given: Input, calibrator: Calibrator, continuum: Continuum) -> Calibration | None:
-    if given.dem.parameter == "none":
+def _solve(config: Config, calibrator: Calibrator, continuum: Continuum) -> Calibration | None:
+    if config.dem.parameter == "none":
         return None
     # soil discs take one factor on strength, so there is nothing to choose from
-    soil = given.dem.model == "soil"
+    soil = config.dem.model == "soil"
     base = calibrator.search("", 1.0)
     table = [("", 1.0, base)] if soil else sensitivities(calibrator)
-    return best(calibrator, continuum.nearest(middle(base)), given.dem.parameter, table)
+    return best(calibrator, continuum.nearest(middle(base)), config.dem.parameter, table)
 
 
-def calibration_answer(given: Input, found: Searched, continuum: Continuum | None) -> CalibrationAnswer:
+def calibration_answer(config: Config, found: Searched, continuum: Continuum | None) -> CalibrationAnswer:
     """How the discs were brought to the critical Kh; of soil discs also what they had without a factor, beside that
     of the ``continuum``."""
     base, calibration = found.base, found.calibration
     if calibration is None:
-        return CalibrationAnswer.not_asked_for(base, given.dem.tolerance)
+        return CalibrationAnswer.not_asked_for(base, config.dem.tolerance)
     answer = CalibrationAnswer.of(calibration)
     if continuum is None or base.kc is None:
         return answer
@@ -250,10 +252,10 @@ def calibration_answer(given: Input, found: Searched, continuum: Continuum | Non
     return answer.model_copy(update={"continuum_kc": known, **predicted})
 
 
-def _paper(given: Input, store: Store, tell: Tell) -> Search:
+def _paper(config: Config, store: Store, tell: Tell) -> Search:
     """The paper's own discs, as the paper used them, and the Kh at which they fail."""
-    dem = given.dem.as_paper()
-    discs = discs_at_rest(given, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
+    dem = config.dem.as_paper()
+    discs = discs_at_rest(config.section, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
     journal = Journal(store, PAPER_JOURNAL)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
@@ -265,28 +267,28 @@ def _paper(given: Input, store: Store, tell: Tell) -> Search:
     return calibrator.search("", 1.0, dem.workers)
 
 
-def _paper_answer(given: Input, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
+def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, Start]:
     """What is told of the paper's own discs, and where they start from."""
-    dem = given.dem.as_paper()
-    discs = discs_at_rest(given, store, dem, PAPER, lambda _: None)
-    answer = PaperDiscs(model=_model_answer(given, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
+    dem = config.dem.as_paper()
+    discs = discs_at_rest(config.section, store, dem, PAPER, lambda _: None)
+    answer = PaperDiscs(model=_model_answer(config, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
     return answer, Start(discs.settled, discs.ground, search, dem)
 
 
 def _layer_tests(
-    given: Input, discs: Discs, found: Searched, progress: Progress, executor: Executor
+    config: Config, discs: Discs, found: Searched, progress: Progress, executor: Executor
 ) -> dict[str, tuple[LayerTest, ...]]:
     """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
-    if given.dem.model == "soil" or not given.dem.element_tests or found.calibration is None:
+    if config.dem.model == "soil" or not config.dem.element_tests or found.calibration is None:
         return {}
     progress("element tests of the discs of every layer", None)
     springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
-    tests = element_tests(given, springs, discs.ground.radius, seed=given.dem.seed, executor=executor)
+    tests = element_tests(config.section, springs, discs.ground.radius, seed=config.dem.seed, executor=executor)
     return {"element_tests": tuple(LayerTest.model_validate(test) for test in tests)}
 
 
 def discs_answer(
-    given: Input,
+    config: Config,
     discs: Discs,
     searches: tuple[Search, Search],
     factor: dict[str, float],
@@ -296,10 +298,10 @@ def discs_answer(
     """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""
     base, after = searches
     return DiscsAnswer(
-        section=SectionLabel.of(given),
-        model=_model_answer(given, given.dem, discs),
-        before=DiscSearch.of(base, _parameters(given.dem, {})),
-        after=DiscSearch.of(after, _parameters(given.dem, factor)),
+        section=SectionLabel.of(config.section),
+        model=_model_answer(config, config.dem, discs),
+        before=DiscSearch.of(base, _parameters(config.dem, {})),
+        after=DiscSearch.of(after, _parameters(config.dem, factor)),
         states=kept.states,
         slip_surface=surfaces,
     )
@@ -311,7 +313,7 @@ def _parameters(dem: DemSettings, factor: dict[str, float]) -> Parameters:
     return Parameters.model_validate({**chosen, **factor})
 
 
-def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
+def _model_answer(config: Config, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
     ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return DiscModelAnswer(
@@ -323,32 +325,32 @@ def _model_answer(given: Input, dem: DemSettings, discs: Discs) -> DiscModelAnsw
         boundary_elements=int((~packing.free).sum()),
         tilt_deg=float(np.degrees(ground.tilt)),
         seed=dem.seed if ground.kind == "random" else None,
-        porosity=1.0 - solid / float(given.layering.areas().sum()),
+        porosity=1.0 - solid / float(config.section.layering.areas().sum()),
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
         pore_springs=int((settled.pore_length != 0.0).sum()),
-        **_off(given, ground, settled),
+        **_off(config, ground, settled),
     )
 
 
-def _off(given: Input, ground: Ground, model: DiscModel) -> dict[str, float]:
+def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
     """How far the surface of discs at rest lies from the section's (m), as fields of the answer."""
     placed = copy(model)
     placed.x, placed.z = ground.to_section(model.x, model.z)
-    off = np.abs(misfit(given, placed, ground.radius))
+    off = np.abs(misfit(config.section, placed, ground.radius))
     return {"surface_off_mean_m": float(off.mean()), "surface_off_worst_m": float(off.max())} if len(off) else {}
 
 
-def calibrate_pictures(given: Input, store: Store, executor: Executor = SERIAL) -> None:
+def calibrate_pictures(config: Config, store: Store, executor: Executor = SERIAL) -> None:
     """Draw the discs by layer, and the states at every recorded Kh, from what is stored."""
-    executor.compute(_drawn, [StatePicture(given, store, state) for state in (None, *DiscsAnswer.read(store).states)])
+    executor.compute(_drawn, [StatePicture(config, store, state) for state in (None, *DiscsAnswer.read(store).states)])
 
 
 @dataclass(frozen=True)
 class StatePicture:
     """A state of the discs to be drawn; None for the discs by layer, at rest."""
 
-    given: Input
+    config: Config
     store: Store
     state: DiscState | None
 
@@ -356,10 +358,10 @@ class StatePicture:
         """The discs of a file, of one set of springs, where they lie in the section."""
         from workflow.figures.discs import in_section
 
-        given, store = self.given, self.store
+        config, store = self.config, self.store
         settled = DiscModel.load(store.folder / STARTS[which])
-        dem = given.dem.as_paper() if which == "paper" else given.dem
-        return in_section(DiscModel.load(store.folder / file), ground_for(given, store, dem, settled))
+        dem = config.dem.as_paper() if which == "paper" else config.dem
+        return in_section(DiscModel.load(store.folder / file), ground_for(config.section, store, dem, settled))
 
 
 STARTS: dict[SetOfSprings, str] = {"before": SETTLED, "after": CALIBRATED, "paper": PAPER}
@@ -370,7 +372,7 @@ def _drawn(wanted: StatePicture, _: Tell) -> None:
     from workflow.figures import discs as dem_figures
 
     store, state = wanted.store, wanted.state
-    name = wanted.given.title or wanted.given.name
+    name = wanted.config.section.title or wanted.config.section.name
     if state is None:
         with store.writing("figures/dem_model.png") as path:
             model = wanted.placed("before", SETTLED)

@@ -12,10 +12,10 @@ from dem.search.pushover import Continuum, pushed_over
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
 from meshes.executor import Executor, Tell
+from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.discs import DiscState, SetOfSprings
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.discs_at_rest import save
 
 NO_LINE = np.zeros((0, 2))
@@ -62,11 +62,11 @@ class Kept:
         return self.surfaces.get(which, NO_LINE)
 
 
-def keep_states(given: Input, store: Store, sets: Sets, executor: Executor) -> Kept:
+def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> Kept:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
-    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in given.dem.kh]
+    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [
         Goal(which, start, start.search.upper, FAILING, store)
         for which, start in sets.items()

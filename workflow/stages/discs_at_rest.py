@@ -12,10 +12,11 @@ from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.results.continuum import FemAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
-from workflow.settings import Input
 
 SETTLED = "dem/settled.h5"
 PAPER = "dem/paper_settled.h5"
@@ -39,14 +40,14 @@ class Discs:
     soil: tuple[SoilLayer, ...] = ()
 
 
-def discs_at_rest(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def discs_at_rest(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
     """Discs as some settings say. Raises InputError where they cannot be had, NotSettledError, DemError."""
-    return _soil(given, store, dem, file, tell) if dem.model == "soil" else _paper(given, store, dem, file, tell)
+    return _soil(section, store, dem, file, tell) if dem.model == "soil" else _paper(section, store, dem, file, tell)
 
 
-def ground_for(given: Input, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
+def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscModel) -> Ground:
     """The ground that discs at rest lie in, pushed to where it fails by the finite elements."""
-    ground = ground_at_rest(given, dem, settled) if dem.model == "soil" else ground_of(given, dem)
+    ground = ground_at_rest(section, dem, settled) if dem.model == "soil" else ground_of(section, dem)
     try:
         towards = FemAnswer.read(store).towards
     except InputError:  # they have not given: the ground falls to where it is lower
@@ -54,33 +55,33 @@ def ground_for(given: Input, store: Store, dem: DemSettings, settled: DiscModel)
     return replace(ground, downhill=1 if towards == "right" else -1)
 
 
-def continuum_for(given: Input, store: Store) -> Continuum:
+def continuum_for(config: Config, store: Store) -> Continuum:
     """What discs are held against; the paper's against the continuum with its own sides, as in the paper."""
-    if given.dem.model == "soil":
+    if config.dem.model == "soil":
         like = LikeDiscs.read(store)
         return Continuum(like.kc, like.yielding_m, like.kc_upper)
     fem = FemAnswer.read(store)
     return Continuum(fem.kc, LikeDiscs.of(fem).yielding_m)
 
 
-def _soil(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    soil = soil_layers(given)
+def _soil(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    soil = soil_layers(section)
     if not store.has(file):
         tell("soil discs are filled in, settle, are cut to the section and settle again")
-        found = deposit(given, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+        found = deposit(section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
         save(store, file, found.settled)
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(given, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
+    return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
 
 
-def _paper(given: Input, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
-    ground = ground_of(given, dem)
-    layers = springs_of(given, dem, ground.radius)
+def _paper(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+    ground = ground_of(section, dem)
+    layers = springs_of(section, dem, ground.radius)
     if not store.has(file):
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
         save(store, file, settle(ground, layers, dem))
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(given, store, dem, settled), layers, settled)
+    return Discs(ground_for(section, store, dem, settled), layers, settled)
 
 
 def save(store: Store, name: str, model: DiscModel) -> None:

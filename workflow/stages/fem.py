@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.continuum.strength import Flow
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
     Doubt,
@@ -24,7 +26,6 @@ from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.rigid_box import rigid_box_of
 
 if TYPE_CHECKING:
@@ -42,9 +43,9 @@ def work(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     ranks = job.ranks or Ranks()
-    mesh = stored_mesh(job.given, job.store)
+    mesh = stored_mesh(job.config.section, job.store)
     ranks.call()
-    fem_stage(job.given, mesh, job.store, ranks.comm, job.progress)
+    fem_stage(job.config, mesh, job.store, ranks.comm, job.progress)
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
@@ -52,7 +53,7 @@ def help_compute(job: Job, ranks: Ranks) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     if ranks.called():
-        fem_stage(job.given, stored_mesh(job.given, job.store), None, ranks.comm, silent)
+        fem_stage(job.config, stored_mesh(job.config.section, job.store), None, ranks.comm, silent)
 
 
 def draw(job: Job) -> None:
@@ -60,10 +61,10 @@ def draw(job: Job) -> None:
     from workflow.figures.fem import draw_all
     from workflow.results.fem_states import FemResults
 
-    draw_all(job.given, FemResults.load(job.given, job.store), job.store)
+    draw_all(job.config, FemResults.load(job.config.section, job.store), job.store)
 
 
-def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
+def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, progress: Progress) -> None:
     """Find the critical Kh to both sides, with ψ = φ and by Davis's estimate, and factors of safety; leaves fem/.
 
     Every rank computes; only the one with a store writes. Raises InputError, UnstableError, NoEquilibriumError, and,
@@ -84,19 +85,19 @@ def fem_stage(given: Input, mesh: "QuadMesh", store: Store | None, comm: Any, pr
         )
 
     progress("gravity", None)
-    found = assess(given, given.mesh, mesh, given.fem, comm, tell)
+    found = assess(config.section, config.mesh, mesh, config.fem, comm, tell)
     result = found.critical
     if store is not None:
         with store.writing(FEM_FILE) as path:
             save(found.mesh, path)
-        answer_of(given, found).write(store)
-        write_fields(given, found.mesh, result.states, store)
+        answer_of(config, found).write(store)
+        write_fields(config.section, found.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
-def answer_of(given: Input, found: "Assessment") -> FemAnswer:
+def answer_of(config: Config, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     from fem.search.checks import is_doubtful
     from fem.search.slip_surface import slip_surface
@@ -104,9 +105,9 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = line(slip_surface(mesh, result.mechanism))
-    angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in given.strata}
+    angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in config.section.strata}
     return FemAnswer(
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(config.section),
         kc=result.kc,
         kc_lower=result.lower,
         kc_upper=result.upper,
@@ -132,7 +133,7 @@ def answer_of(given: Input, found: "Assessment") -> FemAnswer:
         ),
         flow=result.flow,
         element=result.element,
-        settings=given.fem,
+        settings=config.fem,
         dilation_deg=angles,
         mesh=MeshCount.of(mesh),
         meshes=tuple(MeshStep(cells=one.cells, kc=one.value) for one in rounds),
@@ -203,14 +204,14 @@ def failed_shares(mesh: "QuadMesh", state: "State") -> dict[str, float]:
     return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
-def write_fields(given: Input, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
+def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], store: Store) -> None:
     """fem/fields.pvd with one .vtu for every state of equilibrium, and the last one of the path."""
     from workflow.results.fem_states import COLLECTION, fields_file
     from workflow.results.mesh_grids import add_texts, grid_of
 
     entries = []
     for number, state in enumerate(state for state in states if not state.past_equilibrium):
-        grid = grid_of(given, mesh)
+        grid = grid_of(section, mesh)
         grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
         grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
         grid.cell_data["mobilised_strength"] = state.mobilised
@@ -232,7 +233,7 @@ STAGE = Stage(
     drawn_after=True,
     needs=("mesh",),
     reads=("fem",),
-    ignores=lambda given: ("fem.threads",),
+    ignores=lambda config: ("fem.threads",),
     results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),

@@ -7,12 +7,13 @@ from fem.settings import YIELDED, FemSettings
 from meshes.errors import NoAnswerError
 from meshes.executor import Tell
 from meshes.quad_mesh import QuadMesh
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer, PathStep, displacement_at
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.rigid_box import rigid_box_of
 
 if TYPE_CHECKING:
@@ -32,13 +33,13 @@ class _TakesTooLongError(NoAnswerError):
     """The path is not worth any more time."""
 
 
-def like_discs(given: Input, store: Store, tell: Tell) -> None:
+def like_discs(config: Config, store: Store, tell: Tell) -> None:
     """Leave what soil discs are held against in the folder, unless a run that was stopped has done so."""
     if not store.has(LikeDiscs.FILE):
-        continuum_like_discs(given, store, tell).write(store)
+        continuum_like_discs(config, store, tell).write(store)
 
 
-def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
+def continuum_like_discs(config: Config, store: Store, tell: Tell) -> LikeDiscs:
     """The path with ψ as given, on the mesh that the search began with, since discs have the strength of the soil and
     hardly any dilation. A path that goes on to rise leaves open where it fails: above the last equilibrium that was
     found on it, but below what ground with ψ = φ bears. Davis's estimate, a low one, stands in where the path takes too
@@ -49,20 +50,20 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
 
     from fem.search.dem_counterpart import dilating_fully
 
-    fem = _in_the_box_of_discs(given, store, FemAnswer.read(store), tell)
+    fem = _in_the_box_of_discs(config, store, FemAnswer.read(store), tell)
     known = LikeDiscs.of(fem)
-    if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(given.strata):
+    if known.sides != "fixed" or known.flow == "section" or is_dilating_fully(config.section.strata):
         return known
-    mesh = stored_mesh(given, store)
-    depth = known.deeper_than_m or given.fem.least_depth
-    settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+    mesh = stored_mesh(config.section, store)
+    depth = known.deeper_than_m or config.fem.least_depth
+    settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
     davis = known.kc if known.flow == "davis" else 0.0
-    found = _with_psi_as_given(given, mesh, settings, davis, tell)
-    sharp = not isinstance(found, str) and found.upper <= found.kc + given.dem.tolerance
+    found = _with_psi_as_given(config.section, mesh, settings, davis, tell)
+    sharp = not isinstance(found, str) and found.upper <= found.kc + config.dem.tolerance
     most = known.kc_upper if isinstance(found, str) else found.upper
     if not sharp:
         try:
-            most = dilating_fully(given, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+            most = dilating_fully(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
             if isinstance(found, str):
                 found += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
@@ -78,30 +79,32 @@ def continuum_like_discs(given: Input, store: Store, tell: Tell) -> LikeDiscs:
     )  # fmt: skip
 
 
-def _in_the_box_of_discs(given: Input, store: Store, fem: FemAnswer, tell: Tell) -> FemAnswer:
+def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> FemAnswer:
     """The answer of the stage `fem` with a rigid box in which faces fail no less deep than discs can; as it is where no
     face fails before the ground, or where there is no answer below the faces."""
     from mpi4py import MPI
 
     from fem.search.assessment import box_below_faces
 
-    depth = DISCS_DEEP * given.dem.mean_radius(given)
-    if not given.fem.rigid_box or not fem.skins or depth <= given.fem.least_depth:
+    depth = DISCS_DEEP * config.dem.mean_radius(config.section)
+    if not config.fem.rigid_box or not fem.skins or depth <= config.fem.least_depth:
         return fem
-    settings = given.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
+    settings = config.fem.model_copy(update={"direction": fem.direction, "least_depth": depth})
 
     def told(what: str, path: "EquilibriumPath | None") -> None:
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        found = box_below_faces(given, given.mesh, stored_mesh(given, store), settings, MPI.COMM_SELF, told)
+        found = box_below_faces(
+            config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, told
+        )
     except NoAnswerError:
         return fem
     return fem.model_copy(update={"rigid_box": rigid_box_of(found, depth)})
 
 
 def _with_psi_as_given(
-    given: Input, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
+    section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "AsDiscs | str":
     """The path, or why Davis's estimate, which fails at Kh = ``davis``, has to stand in for it."""
     from mpi4py import MPI
@@ -109,7 +112,7 @@ def _with_psi_as_given(
     from fem.search.dem_counterpart import as_discs
 
     try:
-        found = as_discs(given, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
+        found = as_discs(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
     except NoAnswerError as error:
         return f"with ψ as given there is no answer: {error.reason}"
     if found.verdict == "no failure":

@@ -3,27 +3,27 @@
 from collections.abc import Collection
 from typing import Any
 
-from workflow.settings import Input
+from workflow.config import Config
 
 LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, what it does to the strength of strata
 
 
-def liquefying(given: Input) -> dict[int, list[int]]:
+def liquefying(config: Config) -> dict[int, list[int]]:
     """For every case the indices of the strata that liquefy in it; cases without any are left out."""
-    numbers = range(1, len(given.cases) + 1)
-    found = {n: [k for k, stratum in enumerate(given.strata) if n in stratum.liquefies_in] for n in numbers}
+    numbers = range(1, len(config.cases) + 1)
+    found = {n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers}
     return {n: strata for n, strata in found.items() if strata}
 
 
-def lowest_factors(given: Input) -> list[float | None]:
+def lowest_factors(config: Config) -> list[float | None]:
     """The smallest F_L of every stratum by its blow counts, None where it has none; empty without any borings."""
-    return [one.lowest for one in given.assessment().strata] if given.triggering.borings else []
+    return [one.lowest for one in config.assessment().strata] if config.triggering.borings else []
 
 
-def cases_as_data(given: Input, keys: Collection[str] | None = None) -> list[dict[str, Any]]:
+def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[dict[str, Any]]:
     """Every case in which strata liquefy, as JSON can hold it: its number, the strata, and its settings, or some."""
     wanted = None if keys is None else {"name", *keys}
     return [
-        {"number": n, "strata": strata, **given.cases[n - 1].model_dump(mode="json", include=wanted)}
-        for n, strata in liquefying(given).items()
+        {"number": n, "strata": strata, **config.cases[n - 1].model_dump(mode="json", include=wanted)}
+        for n, strata in liquefying(config).items()
     ]

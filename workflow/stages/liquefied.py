@@ -9,10 +9,10 @@ from fem.settings import WITHOUT_EFFECT
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.overburden import mean_effective_stress
 from meshes.section.section import Section
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum, Stands
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
@@ -32,23 +32,25 @@ def work(job: Job) -> None:
     """Factor of safety and critical Kh of every case that leaves another strength; leaves fem/liquefied.json."""
     from workflow.results.stored_mesh import stored_mesh
 
-    mesh = stored_mesh(job.given, job.store)
+    mesh = stored_mesh(job.config.section, job.store)
     found = []
-    for remains, numbers in _different(job.given).items():
+    for remains, numbers in _different(job.config).items():
         job.progress(f"case {', '.join(map(str, numbers))}", None)
-        found.append(_case(job.given, mesh, dict(remains), numbers))
-    LiquefiedAnswer(section=SectionLabel.of(job.given), sides=job.given.fem.sides, cases=tuple(found)).write(job.store)
+        found.append(_case(job.config, mesh, dict(remains), numbers))
+    LiquefiedAnswer(section=SectionLabel.of(job.config.section), sides=job.config.fem.sides, cases=tuple(found)).write(
+        job.store
+    )
 
 
-def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
+def _different(config: Config) -> dict[tuple[tuple[int, "Remains"], ...], list[int]]:
     """The numbers of the cases, by what is left of the strata that liquefy in them."""
     from fem.search.liquefied_ground import Remains
 
     found: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
-    for number, case in enumerate(given.cases, start=1):
+    for number, case in enumerate(config.cases, start=1):
         kept = tuple(
             (k, Remains(case.cohesion, case.friction, case.residual_of(stratum.name), case.strength_of(stratum.name)))
-            for k, stratum in enumerate(given.strata)
+            for k, stratum in enumerate(config.section.strata)
             if number in stratum.liquefies_in
         )
         if kept:
@@ -56,15 +58,15 @@ def _different(given: Input) -> dict[tuple[tuple[int, "Remains"], ...], list[int
     return found
 
 
-def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
+def _case(config: Config, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers: list[int]) -> LiquefiedCase:
     """What the ground bears in cases that leave the strata the same."""
     from fem.search.liquefied_ground import liquefied_section
 
-    section = liquefied_section(given, remains)
+    section = liquefied_section(config.section, remains)
     borne = _borne(
-        section, given, mesh, nothing=not any(one.friction or one.residual or one.strength for one in remains.values())
+        section, config, mesh, nothing=not any(one.friction or one.residual or one.strength for one in remains.values())
     )
-    cases = [given.cases[number - 1] for number in numbers]
+    cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase(
         cases=tuple(numbers),
         names=tuple(dict.fromkeys(case.name for case in cases if case.name)),
@@ -73,7 +75,7 @@ def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers
                 name=section.strata[k].name,
                 cohesion_kPa=section.strata[k].cohesion / 1e3,
                 friction_deg=math.degrees(section.strata[k].friction_angle),
-                over_effective=section.strata[k].cohesion / mean_effective_stress(given, k),
+                over_effective=section.strata[k].cohesion / mean_effective_stress(config.section, k),
             )
             for k in remains
         ),
@@ -81,7 +83,7 @@ def _case(given: Input, mesh: "QuadMesh", remains: dict[int, "Remains"], numbers
     )
 
 
-def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> dict[str, Any]:
+def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) -> dict[str, Any]:
     """What liquefied ground bears, as fields of the answer; of layers that keep ``nothing`` only whether it stands."""
     from mpi4py import MPI
 
@@ -93,15 +95,15 @@ def _borne(section: Section, given: Input, mesh: "QuadMesh", nothing: bool) -> d
     from fem.search.liquefied_ground import weight_borne
     from fem.search.strength_reduction import safety_factor
 
-    flow = flow_of(given.strata, given.fem.flow)
+    flow = flow_of(config.section.strata, config.fem.flow)
     change = {"kh": (), "rigid_box": False, "flow": flow, "max_cells": 0}  # the mesh of the stage, and no other
-    fem = given.fem.model_copy(update=change)
-    asked = given.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
+    fem = config.fem.model_copy(update=change)
+    asked = config.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []
     critical: AtOnce | CriticalResult | None = None
 
     def limit_load() -> "AtOnce":
-        return adapted_answer(section, given.mesh, mesh, fem, MPI.COMM_SELF, lambda _: None).result
+        return adapted_answer(section, config.mesh, mesh, fem, MPI.COMM_SELF, lambda _: None).result
 
     at_once = is_associated(section.strata, fem.flow)
     borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF)) if at_once else None
@@ -180,7 +182,7 @@ STAGE = Stage(
     work=work,
     needs=("mesh",),
     reads=("fem",),
-    ignores=lambda given: (
+    ignores=lambda config: (
         *WITHOUT_EFFECT,
         "fem.accuracy",
         "fem.kh",
@@ -189,9 +191,9 @@ STAGE = Stage(
         "bounds.max_cells",
         "bounds.gap",
     ),  # it has its own
-    takes=lambda given: {"what liquefies": cases_as_data(given, LOST)},
+    takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
     beside=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
-    wanted=lambda given: any(stratum.liquefies_in for stratum in given.strata),
+    wanted=lambda config: config.section.liquefies,
 )

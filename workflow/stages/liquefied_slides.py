@@ -12,6 +12,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.slide import Slide
 from meshes.executor import SERIAL, Executor, Tell
+from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer, RandomPackings
 from workflow.results.disc_grids import case_name, frames, write_collection
@@ -19,7 +20,6 @@ from workflow.results.history import SlideHistory, read_histories, write_histori
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
@@ -30,16 +30,16 @@ USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at res
 
 def slide_stage(job: Job) -> None:
     """Slides of the cases asked for, or of all."""
-    given, store = job.given, job.store
-    wanted = _wanted(given, job.cases)
-    starts = _starts(given, store)
-    tasks = _tasks(given, starts, wanted)
+    config, store = job.config, job.store
+    wanted = _wanted(config, job.cases)
+    starts = _starts(config, store)
+    tasks = _tasks(config, starts, wanted)
     others: RandomPackingsWanted | None = None
-    if given.slide.packings(given.dem.model) and wanted:
-        others = RandomPackingsWanted.of(given, store, wanted)
+    if config.slide.packings(config.dem.model) and wanted:
+        others = RandomPackingsWanted.of(config, store, wanted)
     packings = others.at_once() if others is not None else []  # these take longest, and so begin
-    pieces: list[Run | Packing] = [*packings, *(Run(given, store, each, frames=True) for each in tasks)]
-    hearer = Hearer(given, job.progress, pieces)
+    pieces: list[Run | Packing] = [*packings, *(Run(config, store, each, frames=True) for each in tasks)]
+    hearer = Hearer(config, job.progress, pieces)
     found = job.executor.compute(_computed, pieces, hearer, hearer.ended)
     slides: dict[Task, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
     random: RandomPackings | None = None
@@ -51,7 +51,7 @@ def slide_stage(job: Job) -> None:
     for each in tasks:
         write_collection(store, case_name(each.springs, each.number))
     job.progress("pictures of the slides", None)
-    slide_pictures(given, store, job.executor)
+    slide_pictures(config, store, job.executor)
 
 
 def _computed(piece: Run | Packing, tell: Tell) -> Any:
@@ -59,30 +59,30 @@ def _computed(piece: Run | Packing, tell: Tell) -> Any:
     return packed(piece, tell) if isinstance(piece, Packing) else slid(piece, tell)
 
 
-def _wanted(given: Input, cases: tuple[int, ...] | None) -> list[int]:
+def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
     """The numbers of the cases to compute."""
-    return [number for number in liquefying(given) if cases is None or number in cases]
+    return [number for number in liquefying(config) if cases is None or number in cases]
 
 
-def _starts(given: Input, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
+def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
     """Discs at rest to start from: the calibrated ones, and the paper's as printed where these were asked for."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.h5")
-    starts = {"calibrated": (calibrated, ground_for(given, store, given.dem, calibrated))}
+    starts = {"calibrated": (calibrated, ground_for(config.section, store, config.dem, calibrated))}
     paper = ""
-    if given.dem.model == "soil" and given.dem.paper:
+    if config.dem.model == "soil" and config.dem.paper:
         paper = PAPER
-    elif given.dem.model == "paper" and given.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
+    elif config.dem.model == "paper" and config.dem.springs == "table2" and CalibrationAnswer.read(store).value != 1.0:
         paper = SETTLED
     if paper:
         settled = DiscModel.load(store.folder / paper)
-        starts["table2"] = settled, ground_for(given, store, given.dem.as_paper(), settled)
+        starts["table2"] = settled, ground_for(config.section, store, config.dem.as_paper(), settled)
     return starts
 
 
-def _tasks(given: Input, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
+def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
     """The cases on every set of springs, and Kh alone: first those of the paper's discs, which take longest."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
-    return [task(given, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
+    return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
 
 def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
@@ -98,8 +98,8 @@ def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
 class Hearer:
     """Tells how far the slides are, from what each tells of itself."""
 
-    def __init__(self, given: Input, progress: Progress, pieces: Sequence[Run | Packing]) -> None:
-        self.given, self.progress, self.pieces = given, progress, pieces
+    def __init__(self, config: Config, progress: Progress, pieces: Sequence[Run | Packing]) -> None:
+        self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
 
     def __call__(self, place: int, message: Any) -> None:
@@ -109,7 +109,7 @@ class Hearer:
             told = piece.told(message)
         else:
             seconds, slide, settlement, speed = message
-            self.done[place] = _share(seconds / self.given.slide.duration)
+            self.done[place] = _share(seconds / self.config.slide.duration)
             told = (
                 f"{case_name(piece.task.springs, piece.task.number)}: {seconds:.1f} s, slide {slide:.2f} m, settlement "
                 f"{settlement:.2f} m, {speed:.2g} m/s"
@@ -127,27 +127,27 @@ def _share(of_duration: float) -> float:
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
 
 
-def slide_pictures(given: Input, store: Store, executor: Executor = SERIAL) -> None:
+def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) -> None:
     """Draw every case at its end, its animation, and the histories, from what is stored."""
     from workflow.figures import slides as slide_figures
 
     answer = CasesAnswer.read(store)
-    executor.compute(_drawn, [CasePictures(given, store, *each) for each in answer.each()])
+    executor.compute(_drawn, [CasePictures(config, store, *each) for each in answer.each()])
     if any(answer.sets.values()):
         with store.writing("figures/history.png") as path:
-            slide_figures.history(given, read_histories(store), path)
+            slide_figures.history(config, read_histories(store), path)
     found = answer.random.cases if answer.random is not None else {}
     bands = {number: case.profile for number, case in found.items() if case.profile is not None}
     if bands:
         with store.writing("figures/profiles.png") as path:
-            slide_figures.profiles(given, bands, max(len(case.slide_max_m.values) for case in found.values()), path)
+            slide_figures.profiles(config, bands, max(len(case.slide_max_m.values) for case in found.values()), path)
 
 
 @dataclass(frozen=True)
 class CasePictures:
     """A case to be drawn: the set of springs, its number, and what it came to."""
 
-    given: Input
+    config: Config
     store: Store
     springs: str
     number: int
@@ -158,11 +158,11 @@ def _drawn(wanted: CasePictures, _: Tell) -> None:
     """The picture of a case at its end, and its animation, from its frames."""
     from workflow.figures import slides as slide_figures
 
-    given, store, springs, number = wanted.given, wanted.store, wanted.springs, wanted.number
+    config, store, springs, number = wanted.config, wanted.store, wanted.springs, wanted.number
     name = case_name(springs, number)
     states = [store.folder / file for file in frames(store, name).values()]
     if states:
         with store.writing(f"figures/{name}.png") as path:
-            slide_figures.end(given, states[-1], wanted.case, springs, number, path)
+            slide_figures.end(config, states[-1], wanted.case, springs, number, path)
         with store.writing(f"figures/{name}.webp") as path:
-            slide_figures.animate(given, states, springs, number, path)
+            slide_figures.animate(config, states, springs, number, path)

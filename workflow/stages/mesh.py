@@ -19,11 +19,11 @@ def work(job: Job) -> None:
     job.progress("meshing", None)
     with job.store.writing(GMSH_FILE) as path:
         if job.mesh_file is None:
-            mesh = generate(job.given, job.given.mesh, path)
+            mesh = generate(job.config.section, job.config.mesh, path)
         else:
-            mesh = given_mesh(job.given, job.mesh_file)
+            mesh = given_mesh(job.config.section, job.mesh_file)
             shutil.copyfile(job.mesh_file, path)
-    grid = grid_of(job.given, mesh)
+    grid = grid_of(job.config.section, mesh)
     add_texts(grid, "method", [mesh.method])
     job.store.write_grid(VTK_FILE, grid)
     quality = mesh.quality()
@@ -38,11 +38,11 @@ def draw(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     with job.store.writing("figures/section.png") as path:
-        draw_section(job.given, path)
+        draw_section(job.config.section, path)
     with job.store.writing("figures/weights.png") as path:
-        draw_weights(job.given, path)
+        draw_weights(job.config.section, path)
     with job.store.writing("figures/mesh.png") as path:
-        draw_mesh(job.given, stored_mesh(job.given, job.store), path)
+        draw_mesh(job.config.section, stored_mesh(job.config.section, job.store), path)
 
 
 STAGE = Stage(

@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.section.section import Section
+from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 from workflow.stages.liquefaction import cases_as_data, liquefying, lowest_factors
 
 if TYPE_CHECKING:
@@ -25,12 +26,12 @@ def work(job: Job) -> None:
 
     Raises NoAnswerError for ground that bears loads.
     """
-    given, store = job.given, job.store
-    if given.surcharges:
+    config, store = job.config, job.store
+    if config.section.surcharges:
         raise NoAnswerError(
             "the material point method does not carry loads on the ground", "leave them out, or slide discs alone"
         )
-    wanted = [n for n in liquefying(given) if job.cases is None or n in job.cases]
+    wanted = [n for n in liquefying(config) if job.cases is None or n in job.cases]
     found: dict[int, PointCase] = {}
     about: tuple[int, float, float, tuple[str, ...]] = (0, 0.0, 0.0, ())
     for number in wanted:
@@ -41,7 +42,12 @@ def work(job: Job) -> None:
         found[number] = _answer(slides[0], slides[1], about[3])
     points, cell, far, softened = about
     PointSlidesAnswer(
-        section=SectionLabel.of(given), points=points, cell_m=cell, settled_by_m=far, softened=softened, cases=found
+        section=SectionLabel.of(config.section),
+        points=points,
+        cell_m=cell,
+        settled_by_m=far,
+        softened=softened,
+        cases=found,
     ).write(store)
     draw(job)
 
@@ -53,7 +59,7 @@ def draw(job: Job) -> None:
     answer = PointSlidesAnswer.read(job.store)
     if answer.cases:
         with job.store.writing("figures/mpm.png") as path:
-            profiles(job.given, answer, path)
+            profiles(job.config, answer, path)
 
 
 def _slid(
@@ -64,39 +70,39 @@ def _slid(
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    given = job.given
-    case = given.cases[number - 1]
-    strata = liquefying(given)[number]
-    ground = ground_of(given, given.slide.mpm_cells)
-    remains = {k: _remains(given, case, k) for k in strata}
-    slider = PointSlider(ground, downhill(given), remains, case.volumetric_strain, affine_flip=affine_flip)
+    config = job.config
+    case = config.cases[number - 1]
+    strata = liquefying(config)[number]
+    ground = ground_of(config.section, config.slide.mpm_cells)
+    remains = {k: _remains(config.section, case, k) for k in strata}
+    slider = PointSlider(ground, downhill(config.section), remains, case.volumetric_strain, affine_flip=affine_flip)
     far = slider.settle()
-    programme = programme_of(given, strata)
+    programme = programme_of(config, strata)
     name = "affine FLIP" if affine_flip else "APIC"
 
     def told(time: float, slide: np.ndarray) -> None:
         share = (done + 0.5 * ((not affine_flip) + min(time / programme.duration, 1.0))) / count
-        job.progress(f"{given.called(number)}, {name}: {time:.1f} s, slide {slide.max():.2f} m", share)
+        job.progress(f"{config.called(number)}, {name}: {time:.1f} s, slide {slide.max():.2f} m", share)
 
     found = slider.run(programme, told)
     return found, (len(ground.points.x), ground.grid.cell, far, ground.softened)
 
 
-def _remains(given: Input, case: "Case", stratum: int) -> "Remains":
+def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
     from fem.search.liquefied_ground import Remains
 
-    name = given.strata[stratum].name
+    name = section.strata[stratum].name
     return Remains(case.cohesion, case.friction, case.residual_of(name), case.strength_of(name))
 
 
-def programme_of(given: Input, strata: list[int]) -> "SlideProgramme":
+def programme_of(config: Config, strata: list[int]) -> "SlideProgramme":
     """What shakes the ground and when strata liquefy: Kh that is held, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
     from meshes.section.quantity import GRAVITY
     from workflow.stages.shaking import shaking_of
 
-    settings, onset = given.slide, given.slide.onset_of("soil")
-    shaking = shaking_of(given, strata)
+    settings, onset = config.slide, config.slide.onset_of("soil")
+    shaking = shaking_of(config, strata)
     if shaking is not None:
         time, push = shaking.time - shaking.time[0], shaking.push
         last = max([float(time[-1]), *(start + onset for start in shaking.onsets.values())])
@@ -157,10 +163,10 @@ def _line(points: np.ndarray) -> tuple[tuple[float, float], ...]:
     return tuple((float(x), float(z)) for x, z in points)
 
 
-def taken(given: Input) -> dict[str, object]:
+def taken(config: Config) -> dict[str, object]:
     """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = (given.slide.accelerogram or given.slide.kh_cycles) and given.slide.liquefies_at == "F_L"
-    return {"what liquefies": cases_as_data(given)} | ({"its F_L": lowest_factors(given)} if decides else {})
+    decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
+    return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})
 
 
 STAGE = Stage(
@@ -179,5 +185,5 @@ STAGE = Stage(
     read=PointSlidesAnswer.read,
     pictures=("figures/mpm.png",),
     partial=lambda job: job.cases is not None,
-    wanted=lambda given: "mpm" in given.slide.judges and any(stratum.liquefies_in for stratum in given.strata),
+    wanted=lambda config: "mpm" in config.slide.judges and config.section.liquefies,
 )  # fmt: skip

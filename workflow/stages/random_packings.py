@@ -10,13 +10,13 @@ from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.slides.slide import Slide
 from meshes.executor import Tell
+from workflow.config import Config
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
 from workflow.results.journal import Journal
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.discs_at_rest import continuum_for, discs_at_rest
 from workflow.stages.sliding import Run, slid, task
 
@@ -38,30 +38,30 @@ class RandomPackingsWanted:
     own : the packing of the run itself, where that is a random one.
     """
 
-    given: Input
+    config: Config
     store: Store
     continuum: Continuum
     numbers: tuple[int, ...]
     own: Seed | None
 
     @classmethod
-    def of(cls, given: Input, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
+    def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
         """Those of a run whose discs are calibrated."""
-        continuum = continuum_for(given, store)
-        return cls(given, store, continuum, tuple(numbers), _own_seed(given, CalibrationAnswer.read(store)))
+        continuum = continuum_for(config, store)
+        return cls(config, store, continuum, tuple(numbers), _own_seed(config, CalibrationAnswer.read(store)))
 
     @property
     def _chooses(self) -> bool:
-        return self.given.dem.model == "paper" and self.given.dem.parameter in ("auto", "none")
+        return self.config.dem.model == "paper" and self.config.dem.parameter in ("auto", "none")
 
     def _packings(self, parameter: str) -> list["Packing"]:
-        seeds = self.given.slide.packings(self.given.dem.model)
+        seeds = self.config.slide.packings(self.config.dem.model)
         others = [seed for seed in seeds if self.own is None or seed != self.own.seed]
-        return [Packing(self.given, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
+        return [Packing(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
 
     def at_once(self) -> list["Packing"]:
         """Those that can begin: all of them, or the one that chooses."""
-        parameter = self.given.dem.parameter
+        parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings
 
@@ -84,13 +84,13 @@ class RandomPackingsWanted:
         return RandomPackings(seeds=tuple(seeds), cases=cases)
 
 
-def _own_seed(given: Input, found: CalibrationAnswer) -> Seed | None:
+def _own_seed(config: Config, found: CalibrationAnswer) -> Seed | None:
     """The packing of the run itself; None where it is a lattice, or could not be calibrated."""
-    if given.dem.model == "paper" or found.verdict == "out of reach":
+    if config.dem.model == "paper" or found.verdict == "out of reach":
         return None
     before = found.predicted_kc if found.predicted_kc is not None else found.kc
     return Seed(
-        seed=given.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
+        seed=config.dem.seed, kc_before=before, parameter=found.parameter, value=found.value, kc=found.kc,
         verdict=found.verdict, reason=found.reason,
     )  # fmt: skip
 
@@ -99,7 +99,7 @@ def _own_seed(given: Input, found: CalibrationAnswer) -> Seed | None:
 class Packing:
     """One random packing to be calibrated and let slide, by its seed, in the folder of the run."""
 
-    given: Input
+    config: Config
     store: Store
     continuum: Continuum
     seed: int
@@ -113,10 +113,10 @@ class Packing:
 
 def packed(packing: Packing, tell: Tell) -> Packed:
     """How it was calibrated, and its slides by case; none where it is out of reach."""
-    given, store, parameter = packing.given, packing.store, packing.parameter
-    dem = given.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})
-    calibrator = _calibrator(given, store, dem, packing.continuum, tell)
-    if given.dem.model == "soil" and given.dem.parameter == "none":
+    config, store, parameter = packing.config, packing.store, packing.parameter
+    dem = config.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})
+    calibrator = _calibrator(config, store, dem, packing.continuum, tell)
+    if config.dem.model == "soil" and config.dem.parameter == "none":
         seed = _untouched(packing.seed)
     else:
         found = _calibrated(calibrator, packing.continuum, parameter)
@@ -126,15 +126,15 @@ def packed(packing: Packing, tell: Tell) -> Packed:
         return seed, {}
     tell("slides")
     start = calibrator.settled_with(parameter, seed.value)
-    tasks = [task(given, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
-    return seed, {each.number: slid(Run(given, store, each), lambda _: None) for each in tasks}
+    tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
+    return seed, {each.number: slid(Run(config, store, each), lambda _: None) for each in tasks}
 
 
 def _calibrator(
-    given: Input, store: Store, dem: DemSettings, continuum: Continuum, tell: Callable[[str], None]
+    config: Config, store: Store, dem: DemSettings, continuum: Continuum, tell: Callable[[str], None]
 ) -> Calibrator:
     """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
-    discs = discs_at_rest(given, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
+    discs = discs_at_rest(config.section, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
 
     def on_trial(trial: Trial, _model: DiscModel) -> None:
         tell(f"Kh = {trial.kh:.4f} {trial.verdict}")

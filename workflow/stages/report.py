@@ -4,9 +4,9 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from workflow.config import FILES, Config
 from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
-from workflow.settings import FILES, Input
 
 REPORT, PDF = "report.html", "report.pdf"
 
@@ -40,7 +40,7 @@ def draw(job: Job) -> None:
 
 def named(job: Job) -> Mapping[str, Path]:
     """The files that the input names: what they hold counts, not where they lie."""
-    return job.given.files()
+    return job.config.files()
 
 
 STAGE = Stage(
@@ -49,8 +49,8 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "mpm", "calibrate", "slide"),
-    reads=tuple(Input.tables()),  # it tells of every setting that is not the default
-    ignores=lambda given: [f"{table}.{key}" for table, key in FILES],
+    reads=tuple(Config.tables()),  # it tells of every setting that is not the default
+    ignores=lambda config: [f"{table}.{key}" for table, key in FILES],
     files=named,
     results=(Summary.FILE, REPORT),
     read=Summary.read,

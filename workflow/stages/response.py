@@ -5,20 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
+from meshes.section.section import Section
 from workflow.earthquake.attenuation import GAL
 from workflow.earthquake.column import MAKDISI, Column, column_of
 from workflow.earthquake.site_response import SOURCE
 from workflow.results.answer import SectionLabel
 from workflow.results.site_response import ResponseLayer, SiteResponseAnswer
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 
 PICTURE = "figures/site_response.png"
 
 
 def work(job: Job) -> None:
     """Equivalent linear layers under the record; leaves site_response.json. Raises InputError."""
-    answer_of(job.given, column_of(job.given, job.given.site_response)).write(job.store)
+    answer_of(job.config.section, column_of(job.config.section, job.config.site_response)).write(job.store)
 
 
 def draw(job: Job) -> None:
@@ -26,10 +26,10 @@ def draw(job: Job) -> None:
     from workflow.figures.site_response import draw as draw_response
 
     with job.store.writing(PICTURE) as path:
-        draw_response(job.given, SiteResponseAnswer.read(job.store), path)
+        draw_response(job.config.section, SiteResponseAnswer.read(job.store), path)
 
 
-def answer_of(given: Input, column: Column) -> SiteResponseAnswer:
+def answer_of(section: Section, column: Column) -> SiteResponseAnswer:
     """A response as an answer holds it."""
     found = column.response
     layers = tuple(
@@ -48,7 +48,7 @@ def answer_of(given: Input, column: Column) -> SiteResponseAnswer:
         for j, layer in enumerate(found.layers)
     )
     return SiteResponseAnswer(
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(section),
         x_m=column.x,
         record=column.record,
         peak_rock_gal=float(np.abs(column.outcrop).max()) / GAL,
@@ -64,7 +64,7 @@ def answer_of(given: Input, column: Column) -> SiteResponseAnswer:
 
 def files(job: Job) -> Mapping[str, Path]:
     """The record that the input names: what it holds counts, not where it lies."""
-    record = job.given.site_response.record
+    record = job.config.site_response.record
     return {"site_response, record": Path(record)} if record else {}
 
 
@@ -75,10 +75,10 @@ STAGE = Stage(
     draw=draw,
     drawn_after=True,
     reads=("site_response",),
-    ignores=lambda given: ("site_response.record", "site_response.slip_depth"),
+    ignores=lambda config: ("site_response.record", "site_response.slip_depth"),
     files=files,
     results=(SiteResponseAnswer.FILE,),
     read=SiteResponseAnswer.read,
     pictures=(PICTURE,),
-    wanted=lambda given: bool(given.site_response.record),
+    wanted=lambda config: bool(config.site_response.record),
 )

@@ -8,16 +8,16 @@ import numpy as np
 from dem.settings import AVERAGE
 from dem.slides.cycles import cyclic_acceleration
 from dem.slides.drive import Shaking
+from workflow.config import Config
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
 from workflow.earthquake.equivalent_kh import POWER
-from workflow.settings import Input
 from workflow.stages.liquefaction import lowest_factors
 
 APART = 1e-6  # s between the two ends of a step of a record
 
 
-def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
+def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
     """What shakes the discs, with the times at which strata begin to liquefy; None where Kh is held.
 
     That is a record of the base, or the average acceleration of all above the slip surface in time (Makdisi & Seed
@@ -26,27 +26,27 @@ def shaking_of(given: Input, strata: Sequence[int]) -> Shaking | None:
     F_L is strength over stress, and the stress goes with the peak acceleration: ground with F_L = 0.6 is brought to
     liquefaction by a record of 0.6 of the peak, so it liquefies once that is reached. Raises InputError.
     """
-    settings = given.slide
+    settings = config.slide
     if not settings.accelerogram:
-        return _cycles(given, strata) if settings.kh_cycles is not None and settings.kh > 0.0 else None
-    time, push = _average(given) if settings.accelerogram == AVERAGE else _record(given)
+        return _cycles(config, strata) if settings.kh_cycles is not None and settings.kh > 0.0 else None
+    time, push = _average(config) if settings.accelerogram == AVERAGE else _record(config)
     push = settings.scale * push
     if settings.liquefies_at != "F_L":
         return Shaking(time, push, dict.fromkeys(strata, settings.liquefies_at))
-    lowest = lowest_factors(given)
+    lowest = lowest_factors(config)
     factors = {k: min(1.0, lowest[k] or 1.0) if k < len(lowest) else 1.0 for k in strata}
     size = np.abs(push)
     reached = {k: int(np.argmax(size >= factor * size.max())) for k, factor in factors.items()}
     return Shaking(time, push, {k: float(time[place] - time[0]) for k, place in reached.items()})
 
 
-def _cycles(given: Input, strata: Sequence[int]) -> Shaking:
+def _cycles(config: Config, strata: Sequence[int]) -> Shaking:
     """Cycles of Kh, after a calm as long as an onset: a layer has liquefied in full when its own cycles have passed.
 
     Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that F_L is reached after F_L^(1/
     0.34) of them: a layer with 0.5 has an eighth of the shaking behind it. Layers without blow counts liquefy at once.
     """
-    settings = given.slide
+    settings = config.slide
     cycles, period, onset = (
         float(settings.kh_cycles or 0.0),
         float(settings.kh_period or 0.0),
@@ -56,19 +56,19 @@ def _cycles(given: Input, strata: Sequence[int]) -> Shaking:
     time, push = np.append(0.0, time + onset + APART), np.append(0.0, push)
     if settings.liquefies_at != "F_L":
         return Shaking(time, push, dict.fromkeys(strata, onset + settings.liquefies_at))
-    lowest = lowest_factors(given)
+    lowest = lowest_factors(config)
     factors = {k: min(1.0, lowest[k] or 0.0) if k < len(lowest) else 0.0 for k in strata}
     return Shaking(time, push, {k: cycles * period * factor ** (1.0 / POWER) for k, factor in factors.items()})
 
 
-def _record(given: Input) -> tuple[np.ndarray, np.ndarray]:
+def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:
     """Times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
-    record = accelerogram.read(Path(given.slide.accelerogram), given.slide.unit, given.slide.component)
+    record = accelerogram.read(Path(config.slide.accelerogram), config.slide.unit, config.slide.component)
     return record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
 
 
-def _average(given: Input) -> tuple[np.ndarray, np.ndarray]:
+def _average(config: Config) -> tuple[np.ndarray, np.ndarray]:
     """The same of all above the slip surface, under the record of [site_response]."""
-    column = column_of(given, given.site_response)
-    average = column.average_above(float(given.site_response.slip_depth or 0.0))
+    column = column_of(config.section, config.site_response)
+    average = column.average_above(float(config.site_response.slip_depth or 0.0))
     return column.step * np.arange(len(average)), average

@@ -17,18 +17,18 @@ def work(job: Job) -> None:
     """Find the critical circles; leaves fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.slip_circles import critical_circles
 
-    section, fem = job.given, job.given.fem
+    section, fem = job.config, job.config.fem
     factors = []
     for kh in dict.fromkeys((0.0, *fem.safety_factor_at)):
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        circles = critical_circles(section, kh, fem.least_depth, fem.vertical)
+        circles = critical_circles(section.section, kh, fem.least_depth, fem.vertical)
         factors.append(FactorCircles(kh=kh, circles=_parts(circles)))
     job.progress("critical Kh", None)
-    critical = _parts(critical_circles(section, None, fem.least_depth, fem.vertical))
+    critical = _parts(critical_circles(section.section, None, fem.least_depth, fem.vertical))
     found = critical or any(one.circles for one in factors)
     reason = "" if found else "no circle slides: the ground is level, or every circle is too shallow or too steep"
     SlicesAnswer(
-        section=SectionLabel.of(job.given),
+        section=SectionLabel.of(job.config.section),
         factors=tuple(factors),
         critical=critical,
         least_depth=fem.least_depth,
@@ -46,7 +46,7 @@ def draw(job: Job) -> None:
     answer = SlicesAnswer.read(job.store)
     if not answer.reason:
         with job.store.writing(PICTURE) as path:
-            draw_circles(job.given, answer, path)
+            draw_circles(job.config.section, answer, path)
 
 
 def _parts(circles: "tuple[SlipCircle, ...]") -> tuple[CirclePart, ...]:

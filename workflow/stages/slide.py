@@ -6,9 +6,9 @@ from typing import Any
 
 from dem.settings import AVERAGE
 from fem.settings import WITHOUT_EFFECT
+from workflow.config import Config
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
-from workflow.settings import Input
 from workflow.stages.liquefaction import cases_as_data, lowest_factors
 
 
@@ -23,30 +23,30 @@ def draw(job: Job) -> None:
     """Draw every case at its end, its animation, and the histories."""
     from workflow.stages.liquefied_slides import slide_pictures
 
-    slide_pictures(job.given, job.store, job.executor)
+    slide_pictures(job.config, job.store, job.executor)
 
 
 def files(job: Job) -> Mapping[str, Path]:
     """The record that shakes the discs: that of the base, or that of the rock where its response does."""
-    average = job.given.slide.accelerogram == AVERAGE
-    shakes = job.given.files("site_response" if average else "slide")
+    average = job.config.slide.accelerogram == AVERAGE
+    shakes = job.config.files("site_response" if average else "slide")
     return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
 
 
-def ignored(given: Input) -> tuple[str, ...]:
+def ignored(config: Config) -> tuple[str, ...]:
     """Files, whose content counts and not where they lie; cases, which are taken as they come to; what is of the
     response of the layers, unless it shakes the discs; and what only calibration tells of."""
-    unused = () if given.slide.accelerogram == AVERAGE else ("site_response",)
+    unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
     return (
         "slide.accelerogram", "site_response.record", "slide.cases", "slide.judges", "slide.mpm_cells", "dem.kh",
-        "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *given.dem.without_effect, *unused,
+        "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect, *unused,
     )  # fmt: skip
 
 
-def taken(given: Input) -> dict[str, Any]:
+def taken(config: Config) -> dict[str, Any]:
     """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = (given.slide.accelerogram or given.slide.kh_cycles) and given.slide.liquefies_at == "F_L"
-    return {"what liquefies": cases_as_data(given)} | ({"its F_L": lowest_factors(given)} if decides else {})
+    decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
+    return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})
 
 
 STAGE = Stage(

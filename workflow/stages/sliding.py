@@ -9,9 +9,9 @@ from dem.slides.liquefaction import Slider
 from dem.slides.row import Row
 from dem.slides.slide import Slide
 from meshes.executor import Tell
+from workflow.config import Config
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.shaking import shaking_of
 
@@ -45,17 +45,17 @@ class Task:
         return f"dem/slide_{self.springs}_{self.number}"
 
 
-def task(given: Input, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
+def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
     """A case of the input by its number, or `ALONE`, from some discs at rest."""
-    case = None if number == ALONE else given.cases[number - 1]
-    return Task(springs, number, start, ground, liquefying(given).get(number, []), case)
+    case = None if number == ALONE else config.cases[number - 1]
+    return Task(springs, number, start, ground, liquefying(config).get(number, []), case)
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """A slide to be computed: the input and the folder of the run, and whether its frames are kept."""
 
-    given: Input
+    config: Config
     store: Store
     task: Task
     frames: bool = False
@@ -68,8 +68,8 @@ def slid(run: Run, tell: Tell) -> Slide:
     """
     task, store = run.task, run.store
     folder = store.folder / task.folder
-    shaking = shaking_of(run.given, task.strata)
-    slider = Slider(task.start, task.ground, task.strata, task.case, run.given.slide, folder, shaking)
+    shaking = shaking_of(run.config, task.strata)
+    slider = Slider(task.start, task.ground, task.strata, task.case, run.config.slide, folder, shaking)
     name = case_name(task.springs, task.number)
 
     def frame() -> int:

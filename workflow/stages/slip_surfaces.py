@@ -4,24 +4,24 @@ import numpy as np
 
 from dem.slides.slip import compare
 from meshes.errors import NoAnswerError
+from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import SlipSurfaces
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import fem_mesh
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
-def slip_surfaces(given: Input, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
+def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.ndarray, fem: FemAnswer) -> SlipSurfaces:
     """Those of the discs ``before`` and ``after`` calibration, both (k, 2), points [x, elevation] in m, and that of the
     continuum: the one that soil discs are held against, else the last state of its path that has one.
     """
-    soil = given.dem.model == "soil"
+    soil = config.dem.model == "soil"
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]
     found = LikeDiscs.read(store).slip_surface if soil else of_fem[-1] if of_fem else ()
     continuum = np.array(found).reshape(-1, 2)
-    agreement = compare(given, after, continuum)
+    agreement = compare(config.section, after, continuum)
     deeper = agreement is not None and agreement.mean_height_m > 0.0
     return SlipSurfaces(
         dem=line(after),
@@ -30,22 +30,26 @@ def slip_surfaces(given: Input, store: Store, before: np.ndarray, after: np.ndar
         mean_distance_m=agreement.mean_distance_m if agreement else None,
         same_stratum_share=agreement.same_stratum_share if agreement else None,
         columns=agreement.columns if agreement else None,
-        excess_above=_excess_above(given, store, after, fem) if deeper else None,
+        excess_above=_excess_above(config, store, after, fem) if deeper else None,
     )
 
 
-def _excess_above(given: Input, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
+def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
     """By which share the continuum bears more Kh where it may fail no deeper than the line; None without an answer."""
     from mpi4py import MPI
 
     from fem.search.prescribed_surface import critical_above
 
-    mesh = fem_mesh(given, store, fem.mesh.method)
-    like = LikeDiscs.read(store) if given.dem.model == "soil" else LikeDiscs.of(fem)
-    wish = {"sides": like.sides, "direction": fem.direction, "least_depth": like.deeper_than_m or given.fem.least_depth}
-    settings = given.fem.model_copy(update=wish)
+    mesh = fem_mesh(config.section, store, fem.mesh.method)
+    like = LikeDiscs.read(store) if config.dem.model == "soil" else LikeDiscs.of(fem)
+    wish = {
+        "sides": like.sides,
+        "direction": fem.direction,
+        "least_depth": like.deeper_than_m or config.fem.least_depth,
+    }
+    settings = config.fem.model_copy(update=wish)
     try:
-        excess = critical_above(given, mesh, settings, line, MPI.COMM_SELF).excess
+        excess = critical_above(config.section, mesh, settings, line, MPI.COMM_SELF).excess
     except NoAnswerError:
         return None
     return excess if np.isfinite(excess) else None

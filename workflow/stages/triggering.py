@@ -8,7 +8,7 @@ PICTURE = "figures/triggering.png"
 
 def work(job: Job) -> None:
     """F_L at every blow count; leaves triggering.json. Raises InputError."""
-    TriggeringAnswer.of(job.given, job.given.assessment()).write(job.store)
+    TriggeringAnswer.of(job.config, job.config.assessment()).write(job.store)
 
 
 def draw(job: Job) -> None:
@@ -16,7 +16,7 @@ def draw(job: Job) -> None:
     from workflow.figures.triggering import draw as draw_borings
 
     with job.store.writing(PICTURE) as path:
-        draw_borings(job.given, TriggeringAnswer.read(job.store), path)
+        draw_borings(job.config.section, TriggeringAnswer.read(job.store), path)
 
 
 STAGE = Stage(
@@ -26,10 +26,10 @@ STAGE = Stage(
     draw=draw,
     drawn_after=True,
     reads=("earthquake", "triggering"),
-    ignores=lambda given: ("earthquake.record",),
-    files=lambda job: job.given.files("earthquake"),
+    ignores=lambda config: ("earthquake.record",),
+    files=lambda job: job.config.files("earthquake"),
     results=(TriggeringAnswer.FILE,),
     read=TriggeringAnswer.read,
     pictures=(PICTURE,),
-    wanted=lambda given: bool(given.triggering.borings),
+    wanted=lambda config: bool(config.triggering.borings),
 )

@@ -9,11 +9,11 @@ from fem.continuum.strength import Flow, flow_of, is_dilating_fully
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError
 from meshes.executor import Tell
+from workflow.config import Config
 from workflow.results.continuum import FemAnswer
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.settings import Input
 
 if TYPE_CHECKING:
     from fem.limit_load.limit_load import AtOnce
@@ -36,13 +36,13 @@ def work(job: Job) -> None:
     """Leave fem/variants.json: for every change that was asked for what it is, and the critical Kh with it."""
     from workflow.results.stored_mesh import fem_mesh
 
-    given, store, progress = job.given, job.store, job.progress
+    config, store, progress = job.config, job.store, job.progress
     answer = FemAnswer.read(store)
-    one_way = _with(given, "fem", direction=answer.direction)
-    last = fem_mesh(given, store, answer.mesh.method)
+    one_way = _with(config, "fem", direction=answer.direction)
+    last = fem_mesh(config.section, store, answer.mesh.method)
     asked = [
-        on_a_mesh(change, given, store, answer, last)
-        for name in given.variants.which
+        on_a_mesh(change, config, store, answer, last)
+        for name in config.variants.which
         if (change := changed(one_way, name, answer.element))
     ]
     ended: list[Variant] = []
@@ -69,14 +69,14 @@ class Change:
 
     name: str
     words: str
-    given: Input
+    config: Config
     mesh: "QuadMesh"
     halved: bool
     kc_without: float | None = None
 
 
 def on_a_mesh(
-    change: tuple[str, str, Input], given: Input, store: Store, answer: FemAnswer, last: "QuadMesh"
+    change: tuple[str, str, Config], config: Config, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
     """The change on the ``last`` mesh, that of the answer, or where it has too many cells for a path on the first."""
     from fem.limit_load.limit_load import is_unique
@@ -84,43 +84,43 @@ def on_a_mesh(
 
     name, words, with_it = change
     first = answer.meshes[0] if answer.meshes else None
-    many = answer.mesh.quadrilaterals > PATH_CELLS and not is_unique(with_it, with_it.fem)
+    many = answer.mesh.quadrilaterals > PATH_CELLS and not is_unique(with_it.section, with_it.fem)
     if first is None or not many:
-        halved = with_it.mesh != given.mesh
+        halved = with_it.mesh != config.mesh
         return Change(name, words, with_it, last, halved)
     words = f"{words}, on the first mesh of {first.cells} cells"
-    return Change(name, words, with_it, stored_mesh(given, store), False, first.kc)
+    return Change(name, words, with_it, stored_mesh(config.section, store), False, first.kc)
 
 
-def changed(given: Input, name: str, element: str) -> tuple[str, str, Input] | None:
+def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:
     """A variant by its name, in words, and its input; None where it would change nothing.
 
     ``element`` is the one that the answer was found with.
     """
     from fem.limit_load.limit_load import is_unique
 
-    fem = given.fem
+    fem = config.fem
     if name == "mesh":
-        return name, "cells of half the size", _with(given, "mesh", refine=2 * given.mesh.refine)
+        return name, "cells of half the size", _with(config, "mesh", refine=2 * config.mesh.refine)
     if name == "element":
         other = "quadratic" if element != "quadratic" else "bilinear"
-        return name, f"{other} element instead of {element}", _with(given, "fem", element=other)
-    if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(given, fem):
+        return name, f"{other} element instead of {element}", _with(config, "fem", element=other)
+    if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(config.section, fem):
         step = min(2.0 * fem.first_step, LARGEST_STEP)
-        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(given, "fem", first_step=step)
+        return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(config, "fem", first_step=step)
     if name == "sides" and fem.sides != "tied":
         sides = "fixed" if fem.sides == "roller" else "roller"
-        return name, f"sides {sides} instead of {fem.sides}", _with(given, "fem", sides=sides)
-    if name == "dilation" and not is_dilating_fully(given.strata):
-        own = flow_of(given.strata, fem.flow)
+        return name, f"sides {sides} instead of {fem.sides}", _with(config, "fem", sides=sides)
+    if name == "dilation" and not is_dilating_fully(config.section.strata):
+        own = flow_of(config.section.strata, fem.flow)
         flow: Flow = "davis" if own == "section" else "section"
-        return name, f"{FLOWS[flow]} instead of {FLOWS[own]}", _with(given, "fem", flow=flow)
+        return name, f"{FLOWS[flow]} instead of {FLOWS[own]}", _with(config, "fem", flow=flow)
     return None
 
 
-def _with(given: Input, table: str, **values: Any) -> Input:
-    settings = getattr(given, table).model_copy(update=values)
-    return given.model_copy(update={table: settings})
+def _with(config: Config, table: str, **values: Any) -> Config:
+    settings = getattr(config, table).model_copy(update=values)
+    return config.model_copy(update={table: settings})
 
 
 def variant(change: Change, tell: Tell) -> Variant:
@@ -157,11 +157,11 @@ def _found(change: Change, tell: Tell) -> "AtOnce | CriticalResult":
     def step(path: "EquilibriumPath") -> None:
         tell(f"step {len(path.steps)}, Kh = {path.factor:.4f}")
 
-    mesh, settings = divided(change.mesh) if change.halved else change.mesh, change.given.fem
-    if is_unique(change.given, settings):
+    mesh, settings = divided(change.mesh) if change.halved else change.mesh, change.config.fem
+    if is_unique(change.config.section, settings):
         tell(f"limit load of {len(mesh.cells)} cells")
-        return critical_at_once(change.given, mesh, settings, MPI.COMM_SELF)
-    return critical_coefficient(change.given, mesh, settings, MPI.COMM_SELF, step)
+        return critical_at_once(change.config.section, mesh, settings, MPI.COMM_SELF)
+    return critical_coefficient(change.config.section, mesh, settings, MPI.COMM_SELF, step)
 
 
 STAGE = Stage(
@@ -170,9 +170,9 @@ STAGE = Stage(
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),
-    ignores=lambda given: (*WITHOUT_EFFECT, "fem.rigid_box"),
+    ignores=lambda config: (*WITHOUT_EFFECT, "fem.rigid_box"),
     beside=("fem",),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
-    wanted=lambda given: bool(given.variants.which),
+    wanted=lambda config: bool(config.variants.which),
 )

@@ -32,11 +32,11 @@ def study(
 
     The same command goes on where it was stopped, and computes only what is new.
     """
+    from workflow.config import Config, merged
     from workflow.ensemble.ensemble import Ensemble
     from workflow.report.study import sentences, write_page
     from workflow.request import dotted
     from workflow.run.store import Store
-    from workflow.settings import Input, merged
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
     from workflow.study.watch import Counted
@@ -45,19 +45,19 @@ def study(
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
     changed = dotted(settings or [])
-    given = Input.load(section, merged(changed, asked))
-    store = Store(folder or Path("runs") / f"{given.name}_study")
+    config = Config.load(section, merged(changed, asked))
+    store = Store(folder or Path("runs") / f"{config.section.name}_study")
     parts = only or ["fem", "block"]
     warnings = warn(_unread(changed, "study", parts), Voice.of(quiet, False, json))
     with Counted(silent=quiet or json) as counted:
-        found = run(given, store, parts, Ensemble(store.folder, workers or given.dem.workers, scheduler), counted)
-    draw_all(given, found.table, found.answer, store)
+        found = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
+    draw_all(config.section, found.table, found.answer, store)
     answer = found.answer
-    page = write_page(given, answer, store)
+    page = write_page(config, answer, store)
     if json:
         say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     elif not quiet:
-        for sentence in sentences(given, answer):
+        for sentence in sentences(config, answer):
             say(sentence)
         say(f"Page: {page}; samples: {store.folder / 'samples.csv'}")
     found.refuse_parts_without_answer()
@@ -80,24 +80,24 @@ def converge(
 
     The same command goes on where it was stopped.
     """
+    from workflow.config import Config
     from workflow.ensemble.ensemble import Ensemble
     from workflow.figures.convergence import draw
     from workflow.request import dotted
     from workflow.run.store import Store
-    from workflow.settings import Input
     from workflow.study.converge import run
     from workflow.study.watch import Counted
     from workflow.terminal import Voice, say, say_data, warn
 
     changed = dotted(settings or [])
-    given = Input.load(section, changed)
-    store = Store(folder or Path("runs") / f"{given.name}_converge")
+    config = Config.load(section, changed)
+    store = Store(folder or Path("runs") / f"{config.section.name}_converge")
     warnings = warn(_unread(changed, "converge", ["slide"]), Voice.of(quiet, False, json))
-    ensemble = Ensemble(store.folder, workers or given.dem.workers, scheduler)
+    ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
-        answer = run(given, store, within / 100.0, ensemble, counted)
+        answer = run(config, store, within / 100.0, ensemble, counted)
     with store.writing("figures/converge.png") as path:
-        draw(answer.series, f"{given.title or given.name}: convergence of the slides", path)
+        draw(answer.series, f"{config.section.heading}: convergence of the slides", path)
     if json:
         return say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     if not quiet:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from fem.errors import UnstableError
 from meshes.errors import NoAnswerError
-from workflow.settings import Input
+from workflow.config import Config
 from workflow.study.sample import Numbers, Sample
 
 if TYPE_CHECKING:
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
 
 
-def continuum(given: Sample) -> Numbers:
+def continuum(sample: Sample) -> Numbers:
     """The critical Kh by finite elements; 0 for ground that does not stand without shaking.
 
     It is with ψ = φ or by Davis's estimate, as ``fem.flow`` says. Where the flow is associated, as both are, it is the
@@ -21,10 +21,10 @@ def continuum(given: Sample) -> Numbers:
     """
     from meshes.gmsh_model import generate
 
-    read = Input.parse(given.data)
-    first = generate(read, read.mesh)
+    config = Config.parse(sample.data)
+    first = generate(config.section, config.mesh)
     try:
-        found, used = _critical(read, first)
+        found, used = _critical(config, first)
     except UnstableError:
         return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
     if found.verdict == "undecided":
@@ -33,32 +33,32 @@ def continuum(given: Sample) -> Numbers:
     return Numbers(numbers={"kc": found.kc, "cells": len(used.cells)}, words=words)
 
 
-def _critical(read: Input, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
+def _critical(config: Config, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
     from mpi4py import MPI
 
     from fem.continuum.strength import is_associated
     from fem.search.adaptive import adapted_answer
     from fem.search.critical import critical_coefficient
 
-    if is_associated(read.strata, read.fem.flow):
+    if is_associated(config.section.strata, config.fem.flow):
         try:
-            found = adapted_answer(read, read.mesh, first, read.fem, MPI.COMM_SELF, lambda words: None)
+            found = adapted_answer(config.section, config.mesh, first, config.fem, MPI.COMM_SELF, lambda words: None)
             return found.result, found.mesh
         except UnstableError:
             raise
         except NoAnswerError:  # the solver left none: a path has to do
             pass
-    return critical_coefficient(read, first, read.fem, MPI.COMM_SELF), first
+    return critical_coefficient(config.section, first, config.fem, MPI.COMM_SELF), first
 
 
-def bounds(given: Sample) -> Numbers:
+def bounds(sample: Sample) -> Numbers:
     """Strict lower and upper bound of the critical Kh, ψ = φ."""
     from fem.limit.bounds import kh_bounds
 
-    read = Input.parse(given.data)
-    asked = read.bounds.model_copy(update={"davis": False})
+    config = Config.parse(sample.data)
+    asked = config.bounds.model_copy(update={"davis": False})
     try:
-        found = kh_bounds(read, read.fem, asked)
+        found = kh_bounds(config.section, config.fem, asked)
     except UnstableError:
         return Numbers(numbers={"kc_lower_bound": 0.0, "kc_upper_bound": 0.0})
     return Numbers(numbers={

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 
 from meshes.errors import InputError, NoAnswerError
+from workflow.config import Config
 from workflow.ensemble.ensemble import Ensemble, OnRow, Row
 from workflow.results.answer import SectionLabel
 from workflow.results.convergence import ConvergenceAnswer, Series
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.study.convergence import RADII, STEPS, fit
 from workflow.study.parts import PARTS
 from workflow.study.sample import Numbers
@@ -18,18 +18,20 @@ SLIDES = next(part for part in PARTS if part.name == "slide")
 
 
 def run(
-    given: Input, store: Store, within: float, ensemble: Ensemble, on_row: OnRow | None = None
+    config: Config, store: Store, within: float, ensemble: Ensemble, on_row: OnRow | None = None
 ) -> ConvergenceAnswer:
     """Compute what is missing, and leave section.toml and converge.json.
 
     Raises InputError where nothing liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
     """
-    if not any(stratum.liquefies_in for stratum in given.strata):
-        raise InputError(given.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"])
-    store.write_text("section.toml", given.to_toml())
-    radius, step = given.dem.mean_radius(given), given.slide.step_of(given.dem.model)
-    finer = [_with(given, radius=radius * share, step=step) for share in RADII]
-    slower = [_with(given, radius=radius, step=step * share) for share in STEPS]
+    if not config.section.liquefies:
+        raise InputError(
+            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]
+        )
+    store.write_text("section.toml", config.to_toml())
+    radius, step = config.dem.mean_radius(config.section), config.slide.step_of(config.dem.model)
+    finer = [_with(config, radius=radius * share, step=step) for share in RADII]
+    slower = [_with(config, radius=radius, step=step * share) for share in STEPS]
     rows = ensemble.rows([task_of(one, SLIDES, store) for one in (*finer, *slower)], on_row)
     over_radius = [radius * share for share in RADII], rows[: len(finer)]
     over_step = [step * share for share in STEPS], rows[len(finer) :]
@@ -38,7 +40,7 @@ def run(
     if not series:
         raise NoAnswerError("; ".join(missing), "look at one run of this section first: noshiro run")
     answer = ConvergenceAnswer(
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(config.section),
         within=within,
         converged=not missing and all(one.converged for one in series),
         missing=missing,
@@ -48,9 +50,9 @@ def run(
     return answer
 
 
-def _with(given: Input, radius: float, step: float) -> Input:
-    dem = given.dem.model_copy(update={"radius": radius})
-    return given.model_copy(update={"dem": dem, "slide": given.slide.model_copy(update={"step": step})})
+def _with(config: Config, radius: float, step: float) -> Config:
+    dem = config.dem.model_copy(update={"radius": radius})
+    return config.model_copy(update={"dem": dem, "slide": config.slide.model_copy(update={"step": step})})
 
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[Row[Numbers]], within: float) -> Iterator[Series]:

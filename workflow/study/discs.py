@@ -4,6 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from meshes.errors import InputError
+from workflow.config import Config
 from workflow.results.cases import QUANTITIES, CasesAnswer
 from workflow.run import pipeline
 from workflow.run.plan import Choice, Decision
@@ -11,24 +12,25 @@ from workflow.run.progress import Progress, silent
 from workflow.run.record import Entry
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages import calibrate, fem, mesh, slide
 from workflow.study.sample import Numbers, Sample
 
 STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
 
 
-def discs(given: Sample) -> Numbers:
+def discs(sample: Sample) -> Numbers:
     """How far every case slides: all stages of a run up to `slide`, in a folder that goes once the numbers are known.
 
     Raises NoAnswerError where the discs cannot be calibrated.
     """
-    read = Input.parse(given.data)
-    if not any(stratum.liquefies_in for stratum in read.strata):
-        raise InputError(read.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"])
+    config = Config.parse(sample.data)
+    if not config.section.liquefies:
+        raise InputError(
+            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]
+        )
     with TemporaryDirectory(prefix="noshiro-") as beside:
-        store = Store(Path(given.folder or beside))
-        job = Job(read, store, STAGES)
+        store = Store(Path(sample.folder or beside))
+        job = Job(config, store, STAGES)
         pipeline.execute(job, Choice(tuple(stage.name for stage in job.stages)), _Silence(), "noshiro study")
         answer = CasesAnswer.read(store)
         found = _numbers(answer)

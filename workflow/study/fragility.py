@@ -7,11 +7,11 @@ import numpy as np
 
 from dem.settings import AVERAGE
 from meshes.section.quantity import GRAVITY
+from workflow.config import Config
 from workflow.earthquake.accelerogram import Accelerogram, read
 from workflow.estimates.comparison import block_drive, constant_kh
 from workflow.estimates.sliding_block import newmark
 from workflow.results.study import Curve
-from workflow.settings import Input
 from workflow.study.lognormal_fragility import curve
 from workflow.study.statistics import probability
 from workflow.study.table import Table
@@ -31,58 +31,58 @@ def failure(table: Table) -> Curve | None:
     return probability("kc < Kh", over, kc[:, None] < over)
 
 
-def fragility(given: Input, table: Table) -> Iterator[Curve]:
+def fragility(config: Config, table: Table) -> Iterator[Curve]:
     """P(slide > d): of the rigid block over Kh, over the peak acceleration of the record where there is one; and of the
     discs over d, and over what shakes them where that is drawn.
     """
     kc = _known(table, "kc")
     if len(kc) >= 2:
-        yield from _blocks(given, np.maximum(kc, LEAST))
+        yield from _blocks(config, np.maximum(kc, LEAST))
     for name in table.names:
         if name.endswith("slide_max_m"):
-            yield from _discs(given, table, name)
+            yield from _discs(config, table, name)
 
 
-def _discs(given: Input, table: Table, name: str) -> Iterator[Curve]:
+def _discs(config: Config, table: Table, name: str) -> Iterator[Curve]:
     slides, case = _known(table, name), name.split("_")[0].replace("case", "case ")
     if not len(slides):
         return
-    over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(given.study.exceeds)), POINTS)
-    levels = _levels(given, table)
-    driven = "shaken as drawn" if levels else given.slide.shaking
+    over = np.linspace(0.0, 1.1 * max(slides.max(initial=0.0), max(config.study.exceeds)), POINTS)
+    levels = _levels(config, table)
+    driven = "shaken as drawn" if levels else config.slide.shaking
     yield probability(f"discs, over d: {case}, {driven}", over, slides[:, None] > over)
     for word, drawn in levels.items():
         known = drawn[np.isfinite(table.column(name))]
         fits = (curve(f"discs, {case}, over {word}: slide > {far:g} m", known, slides > far)
-                for far in given.study.exceeds)  # fmt: skip
+                for far in config.study.exceeds)  # fmt: skip
         yield from (fit for fit in fits if fit is not None)
 
 
-def _levels(given: Input, table: Table) -> dict[str, np.ndarray]:
+def _levels(config: Config, table: Table) -> dict[str, np.ndarray]:
     """What shakes the discs in every sample, where it is drawn: Kh, or the peak of their record over g."""
-    record = given.slide.accelerogram
+    record = config.slide.accelerogram
     path = SCALE if record else KH
-    drawn = given.uncertain.numbers.get(path)
+    drawn = config.uncertain.numbers.get(path)
     if drawn is None or drawn.does != "value" or record == AVERAGE:
         return {}
     values = np.array(table.drawn(path), dtype=float)
     if not record:
         return {"Kh": values}
-    return {"PGA / g": np.abs(values) * read(Path(record), given.slide.unit, given.slide.component).peak / GRAVITY}
+    return {"PGA / g": np.abs(values) * read(Path(record), config.slide.unit, config.slide.component).peak / GRAVITY}
 
 
-def _blocks(given: Input, kc: np.ndarray) -> Iterator[Curve]:
-    drive = block_drive(given)
+def _blocks(config: Config, kc: np.ndarray) -> Iterator[Curve]:
+    drive = block_drive(config)
     over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
     slides = np.array([[drive.slide(own, kh) for kh in over] for own in kc])
-    for far in given.study.exceeds:
+    for far in config.study.exceeds:
         yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
-    if not given.sliding_block.accelerogram:
+    if not config.sliding_block.accelerogram:
         return
-    record = given.sliding_block.in_use()
+    record = config.sliding_block.in_use()
     peaks = np.linspace(0.0, 4.0 * float(np.median(kc)), POINTS)
     slides = np.array([[_under(record, peak, own) for peak in peaks] for own in kc])
-    for far in given.study.exceeds:
+    for far in config.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
 
 
@@ -94,13 +94,13 @@ def _under(record: Accelerogram, peak: float, kc: float) -> float:
     return max(newmark(record.time, sign * pushed, kc).permanent for sign in (1.0, -1.0))
 
 
-def block(given: Input, kc: float | None) -> float | None:
+def block(config: Config, kc: float | None) -> float | None:
     """The slide (m) of the rigid block of one sample, under its record or its constant Kh; None without kc."""
     if kc is None:
         return None
-    if not given.sliding_block.accelerogram:
-        return block_drive(given).slide(max(kc, LEAST), constant_kh(given))
-    record = given.sliding_block.in_use()
+    if not config.sliding_block.accelerogram:
+        return block_drive(config).slide(max(kc, LEAST), constant_kh(config))
+    record = config.sliding_block.in_use()
     return _under(record, record.peak / GRAVITY, max(kc, LEAST))
 
 

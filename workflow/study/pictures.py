@@ -2,17 +2,17 @@
 
 import numpy as np
 
+from meshes.section.section import Section
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.study.table import Table
 
 
-def draw_all(given: Input, table: Table, answer: StudyAnswer, store: Store) -> None:
+def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) -> None:
     """Leave figures/study_*.png; those of which there is nothing to show are left out."""
     from workflow.figures import study as figures
 
-    title = given.title or given.name
+    title = section.heading
     store.remove(["figures/study_*.png"])
     if answer.fails is not None:
         kc = table.column("kc")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
+from workflow.config import Config
 from workflow.ensemble.ensemble import Ensemble, OnRow, Row
 from workflow.ensemble.task import Task
 from workflow.results.answer import SectionLabel
@@ -17,7 +18,6 @@ from workflow.results.study import Failure, Group, Result, StudyAnswer
 from workflow.run.fingerprint import fingerprint_of_file
 from workflow.run.pipeline import leave_input
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.study.fragility import block, failure, fragility
 from workflow.study.parts import PARTS, Part
 from workflow.study.sample import Numbers, Sample
@@ -53,59 +53,60 @@ def parts_of(only: Sequence[str]) -> tuple[list[Part], bool]:
     return [part for part in PARTS if part.name in wanted], BLOCK in only
 
 
-def run(given: Input, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
+def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
     """Compute what is missing of a study, and leave section.toml, samples.csv and study.json in its folder.
 
     Raises InputError where nothing is uncertain, and for an unknown part.
     """
-    if not given.uncertain.numbers:
-        raise InputError(given.name, ['[uncertain]: expected a number at least, such as "strata.1.friction_angle"'])
+    if not config.uncertain.numbers:
+        raise InputError(
+            config.section.name, ['[uncertain]: expected a number at least, such as "strata.1.friction_angle"']
+        )
     parts, with_block = parts_of(only)
-    leave_input(given, store)
-    table = computed(given, store, parts, with_block, ensemble, on_row)
+    leave_input(config, store)
+    table = computed(config, store, parts, with_block, ensemble, on_row)
     store.write_text(FILE, table.text())
-    answer = told(given, table, only)
+    answer = told(config, table, only)
     answer.write(store)
     return Study(table, answer)
 
 
 def computed(
-    given: Input, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
+    config: Config, store: Store, parts: Sequence[Part], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> Table:
     """The table of all samples, of those that fail with the reason."""
-    drawn = samples(given.uncertain, given.study, given.reach)
-    inputs = [_input(given, one) for one in drawn]
-    sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Input)]
+    drawn = samples(config.uncertain, config.study, config.reach)
+    inputs = [_input(config, one) for one in drawn]
+    sound = [(place, one) for place, one in enumerate(inputs) if isinstance(one, Config)]
     # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
     wanted = [(place, part) for place, _ in sound for part in parts]
     tasks = [task_of(one, part, store) for _, one in sound for part in parts]
     found: dict[int, list[tuple[Part, Row[Numbers]]]] = {place: [] for place in range(len(drawn))}
     for (place, part), row in zip(wanted, ensemble.rows(tasks, on_row), strict=True):
         found[place].append((part, row))
-    units = {path: distribution.unit for path, distribution in given.uncertain.numbers.items()}
+    units = {path: distribution.unit for path, distribution in config.uncertain.numbers.items()}
     rows = [_row(drawn[place], inputs[place], found[place], with_block) for place in range(len(drawn))]
     return Table(units, rows)
 
 
-def _input(given: Input, drawn: Mapping[str, Any]) -> Input | str:
+def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
     """The input of a sample, or why there is none."""
     try:
-        return given.with_drawn(drawn)
+        return config.with_drawn(drawn)
     except InputError as error:
         return "; ".join(error.problems)
 
 
-def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
+def task_of(read: Config, part: Part, store: Store) -> Task[Sample, Numbers]:
     """The task of one part of an input: it knows the section, and those settings only that matter to it.
 
     Borings and earthquake go with a part that reads them. To the others it is all one which strata liquefy; a pore
     pressure that follows from blow counts stands in the strata by then.
     """
-    others = set(read.tables()) - set(part.tables)
-    data = read.model_dump(mode="json", exclude_none=True, by_alias=True, exclude=others)
+    data = read.to_data(part.tables)
     for table, key in (name.split(".") for name in part.ignores):
         data[table].pop(key, None)
-    if "triggering" in others:
+    if "triggering" not in part.tables:
         data["strata"] = [{**stratum, "liquefies_in": []} for stratum in data["strata"]]
     files = {name: fingerprint_of_file(path) for name, path in read.files(*part.tables).items()}
     task = Task(part.function, Sample(data={**data, "name": "sample", "title": ""}, files=files))
@@ -116,7 +117,7 @@ def task_of(read: Input, part: Part, store: Store) -> Task[Sample, Numbers]:
 
 
 def _row(
-    drawn: dict[str, Any], read: Input | str, found: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
+    drawn: dict[str, Any], read: Config | str, found: Sequence[tuple[Part, Row[Numbers]]], with_block: bool
 ) -> SampleRow:
     if isinstance(read, str):
         return SampleRow(drawn, Numbers(numbers={}), read)
@@ -134,19 +135,19 @@ def _row(
     return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
 
 
-def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
+def told(config: Config, table: Table, only: Sequence[str]) -> StudyAnswer:
     """What the samples say together."""
-    words = [path for path, distribution in given.uncertain.numbers.items() if distribution.is_words]
-    indices = given.study.method == "saltelli"
+    words = [path for path, distribution in config.uncertain.numbers.items() if distribution.is_words]
+    indices = config.study.method == "saltelli"
     names = [name for name in table.names if name != "cells"]
     reasons = [row.reason for row in table.rows if row.reason]
     counts = Counter(map(_without_digits, reasons))
     first = {_without_digits(reason): reason for reason in reversed(reasons)}
     return StudyAnswer(
-        section=SectionLabel.of(given),
+        section=SectionLabel.of(config.section),
         parts=tuple(only),
-        method=given.study.method,
-        seed=given.study.seed,
+        method=config.study.method,
+        seed=config.study.seed,
         samples=len(table.rows),
         failed=table.failed,
         failures=tuple(Failure(reason=first[kind], samples=count) for kind, count in counts.most_common()),
@@ -162,7 +163,7 @@ def told(given: Input, table: Table, only: Sequence[str]) -> StudyAnswer:
             for name in names
         ),
         fails=failure(table),
-        fragility=tuple(fragility(given, table)),
+        fragility=tuple(fragility(config, table)),
     )
 
 

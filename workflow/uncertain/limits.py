@@ -1,6 +1,6 @@
 """How far a distribution may reach: what its number can be, as the field of the input says (a strength: 0 or more)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -15,6 +15,7 @@ FIRST, LAST = 2.0**-54, 1.0 - 2.0**-53  # the chances furthest from the median t
 HALVINGS = 60
 TOLD = 1e-4  # share that is cut off from which a person hears of it
 
+Models = Sequence[type[BaseModel]]  # whose fields stand side by side in an input
 Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty where nothing is
 
 
@@ -39,13 +40,13 @@ class Reach:
         return self.low + chance * (self.high - self.low)
 
 
-def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model: type[BaseModel]) -> dict[str, Reach]:
-    """How far each distribution reaches, by its path in ``data``, an input of a ``model``.
+def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models) -> dict[str, Reach]:
+    """How far each distribution reaches, by its path in ``data``, an input of ``models``.
 
     Tails of normal and lognormal distributions are cut off where the field of the number refuses it. Ends that are
     written down (uniform, triangular, list, between) and refused are a problem.
     """
-    return {path: _reach(path, one, _check(data, path, one, model)) for path, one in numbers.items()}
+    return {path: _reach(path, one, _check(data, path, one, models)) for path, one in numbers.items()}
 
 
 def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
@@ -72,12 +73,14 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
     return Reach(low, high, "\n".join(told))
 
 
-def _check(data: Mapping[str, Any], path: str, distribution: Distribution, model: type[BaseModel]) -> Check:
+def _check(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:
     """What the fields that a path names say of a number that is drawn."""
     fields = []
     try:
         for place in places(data, path):
-            here = model_at(place, model)
+            here = next(
+                model_at(place, one) for one in models if str(place[0]) in one.model_fields or one is models[-1]
+            )
             field = here.model_fields.get(str(place[-1])) if here is not None else None
             if field is not None:
                 fields.append((value_at(data, place), _adapter(field)))

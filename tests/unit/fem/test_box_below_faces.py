@@ -5,22 +5,22 @@ from mpi4py import MPI
 from fem.search.assessment import assess, box_below_faces
 from meshes.gmsh_model import generate
 from tests.support.sections import layer
-from workflow.settings import Input
+from workflow.config import Config
 
 
 def test_below_a_face_of_sand_the_box_bears_more() -> None:
     """Sand of 32° at 26.6°: its face rolls down at tan 5.4° = 0.095; 2 m deeper the clay and the toe hold more."""
-    given = Input.parse({
+    given = Config.parse({
         "name": "face", "surface": [[0.0, 8.0], [12.0, 8.0], [24.0, 2.0], [36.0, 2.0]], "base": {"elevation": 0.0},
         "strata": [layer("sand", cohesion="0 kPa", friction_angle="32 deg")],
         "mesh": {"size": 1.5}, "fem": {"accuracy": 0.0, "direction": "downhill", "safety_factor_at": []},
     })  # fmt: skip
-    mesh = generate(given, given.mesh)
-    found = assess(given, given.mesh, mesh, given.fem, MPI.COMM_SELF, lambda *_: None)
+    mesh = generate(given.section, given.mesh)
+    found = assess(given.section, given.mesh, mesh, given.fem, MPI.COMM_SELF, lambda *_: None)
     assert found.critical.skins
     assert found.critical.skins[0].kh < 0.1
     deeper = given.fem.model_copy(update={"least_depth": 2.0})
-    box = box_below_faces(given, given.mesh, mesh, deeper, MPI.COMM_SELF, lambda *_: None)
+    box = box_below_faces(given.section, given.mesh, mesh, deeper, MPI.COMM_SELF, lambda *_: None)
     assert found.rigid_box is not None
     assert box.result.kc > found.critical.skins[0].kh
     assert box.result.kc >= found.rigid_box.result.kc - 0.01

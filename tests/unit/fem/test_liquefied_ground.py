@@ -13,28 +13,28 @@ from meshes.section.overburden import mean_effective_stress
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.borings import bored
-from workflow.settings import Input
+from workflow.config import Config
 
 
 def test_what_is_left_of_a_stratum() -> None:
     """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa."""
-    section = Input.parse(bored())
-    stress = mean_effective_stress(section, 0)
+    section = Config.parse(bored())
+    stress = mean_effective_stress(section.section, 0)
     assert stress == pytest.approx(GRAVITY * (3.0 * 1900.0 - 2.0 * 1000.0))
-    kept = liquefied_section(section, {0: Remains(0.0, 0.0, 0.1)}).strata[0]
+    kept = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)}).strata[0]
     assert (kept.cohesion, kept.friction_angle, kept.poissons_ratio) == (pytest.approx(0.1 * stress), 0.0, 0.49)
-    half = liquefied_section(section, {0: Remains(1.0, 0.5, 0.0)}).strata[0]
+    half = liquefied_section(section.section, {0: Remains(1.0, 0.5, 0.0)}).strata[0]
     assert math.tan(half.friction_angle) == pytest.approx(0.5 * math.tan(math.radians(32.0)))
-    nothing = liquefied_section(section, {0: Remains(0.0, 0.0, 0.0)}).strata
+    nothing = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.0)}).strata
     assert nothing[0].cohesion == pytest.approx(LEAST * stress)
-    assert nothing[1] == section.strata[1]
+    assert nothing[1] == section.section.strata[1]
 
 
 def test_what_is_borne_does_not_hang_on_rounding() -> None:
     """S-13 without any strength in its liquefied layers, next to rock: some factorisations break down, whichever."""
-    given = Input.load(SECTIONS / "s13.toml")
-    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(given.strata) if s.liquefies_in}
-    ground = liquefied_section(given, gone)
+    given = Config.load(SECTIONS / "s13.toml")
+    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(given.section.strata) if s.liquefies_in}
+    ground = liquefied_section(given.section, gone)
     mesh, rng = generate(ground, given.mesh), np.random.default_rng(0)
     shaken = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]
     borne = [weight_borne(ground, replace(mesh, points=points), given.fem, MPI.COMM_SELF) for points in shaken]

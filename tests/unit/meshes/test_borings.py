@@ -16,7 +16,7 @@ from meshes.errors import InputError
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
 from tests.support import SECTIONS, command_line
-from workflow.settings import Input
+from workflow.config import Config
 
 HEAD = "boring,x (m),ground_level (m),top (m),bottom (m),layer,N,fines,unit_weight (kN/m3),water_level"
 LINES = """\
@@ -79,13 +79,13 @@ def problems(folder: Path, text: str) -> str:
 def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> None:
     """Fill is 1.5 m thick at x = 40 m and gone at 70 m; silt begins at 20 m. The gravel below B-3 is that of B-2."""
     logs = read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs
-    given = Input.parse(tomllib.loads(text_of(connected(logs), "made")))
-    plain = {s.name.split(",")[0]: s for s in given.strata}
+    given = Config.parse(tomllib.loads(text_of(connected(logs), "made")))
+    plain = {s.name.split(",")[0]: s for s in given.section.strata}
     assert list(plain) == ["fill", "silt", "sand", "gravel"]
     x = np.array([0.0, 20.0, 40.0, 70.0, 100.0])
     levels = {}
-    for k, stratum in enumerate(given.strata):  # strata are cut at the water
-        levels[stratum.name.split(",")[0]] = given.layering.interfaces(x)[:, k + 1]
+    for k, stratum in enumerate(given.section.strata):  # strata are cut at the water
+        levels[stratum.name.split(",")[0]] = given.section.layering.interfaces(x)[:, k + 1]
     np.testing.assert_allclose(levels["fill"], [8.0, 7.25, 6.5, 6.5, 5.0], atol=1e-6)
     np.testing.assert_allclose(levels["silt"], [8.0, 7.25, 5.0, 3.75, 2.5], atol=1e-6)
     np.testing.assert_allclose(levels["sand"], [4.0, 2.5, 1.0, 1.0, -1.0], atol=2.1)
@@ -260,7 +260,7 @@ def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert [(c.depth, c.qc, c.fs) for c in log.cones] == [(1.0, 2.5e6, 20e3), (1.1, 2.6e6, 21e3)]
     cones = tmp_path / "cones.csv"
     assert command_line.run("section", borings, cones, "-o", tmp_path / "made.toml") == 0
-    assert Input.load(tmp_path / "made.toml").triggering.borings[1].cpt == log.cones
+    assert Config.load(tmp_path / "made.toml").triggering.borings[1].cpt == log.cones
     assert "It is sound" in capsys.readouterr().out
     told = problems(tmp_path, text + "C-1,20,1.05,-1,21\nC-1,20,1.0,2,20\n")
     assert "line 4, qc = '-1 MPa'" in told
@@ -286,25 +286,29 @@ def test_what_was_not_measured_has_to_be_given(tmp_path: Path, capsys: pytest.Ca
 @pytest.mark.parametrize("name", ["s13", "natural_slope"])
 def test_from_a_section_to_a_drawing_and_back(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Strata in the same order with the same areas, and the same ground; the soils have to be given again."""
-    given = Input.load(SECTIONS / f"{name}.toml")
+    given = Config.load(SECTIONS / f"{name}.toml")
     assert command_line.run("section", SECTIONS / f"{name}.toml", "-o", tmp_path / "drawn.dxf") == 0
     assert command_line.run("section", tmp_path / "drawn.dxf", "-o", tmp_path / "again.toml") == 0
     assert "youngs_modulus: missing" in capsys.readouterr().out
     data = tomllib.loads((tmp_path / "again.toml").read_text(encoding="utf-8"))
     data.pop("water", None)
-    soils = {stratum.name: stratum for stratum in given.strata}
+    soils = {stratum.name: stratum for stratum in given.section.strata}
     for stratum in data["strata"]:
         soil = soils[stratum["name"]].model_dump(mode="json", exclude={"name", "bottom", "description", "liquefies_in"})
         stratum |= {key: value for key, value in soil.items() if value is not None}
     again = Section.parse(data)
     areas = dict(zip([s.name for s in again.strata], again.layering.areas(), strict=True))
     expected: dict[str, float] = {}
-    for one, area in zip(given.strata, given.layering.areas(), strict=True):  # water cuts some, drawings do not
+    for one, area in zip(
+        given.section.strata, given.section.layering.areas(), strict=True
+    ):  # water cuts some, drawings do not
         whole = one.name.removesuffix(BELOW_WATER)
         expected[whole] = expected.get(whole, 0.0) + area
     assert areas == {key: pytest.approx(value, rel=1e-6) for key, value in expected.items()}
-    x = np.linspace(*given.extent, 50)
-    np.testing.assert_allclose(again.layering.interfaces(x)[:, 0], given.layering.interfaces(x)[:, 0], atol=1e-6)
+    x = np.linspace(*given.section.extent, 50)
+    np.testing.assert_allclose(
+        again.layering.interfaces(x)[:, 0], given.section.layering.interfaces(x)[:, 0], atol=1e-6
+    )
 
 
 def test_a_drawing_without_strata(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes.gmsh_model import generate
 from meshes.section.dense_lines import thinned_lines
 from meshes.section.section import Section
-from workflow.settings import Input
+from workflow.config import Config
 
 SOIL = {"density": "18 kN/m^3", "density_saturated": "20 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3,
         "cohesion": "10 kPa", "friction_angle": "30 deg"}  # fmt: skip
@@ -28,11 +28,11 @@ def scanned(noise: float, count: int = 5001, **more: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("noise", [0.0, 0.03, 0.1])
 def test_a_scanned_ground_has_the_cells_of_a_drawn_one(noise: float) -> None:
     """23,867 cells with corners of 1.2 degrees before; 8 m by 20 m keep their area within the noise."""
-    made = Input.parse(scanned(noise, water={"table": [[0, 6], [100, 3]]}))
-    assert len(made.surface) < 20
-    assert made.layering.areas().sum() == pytest.approx(1400.0, abs=3.0)
-    assert f"{len(made.surface)} of 5001 of the ground" in made.notices[0]
-    quality = generate(made, made.mesh).quality()
+    made = Config.parse(scanned(noise, water={"table": [[0, 6], [100, 3]]}))
+    assert len(made.section.surface) < 20
+    assert made.section.layering.areas().sum() == pytest.approx(1400.0, abs=3.0)
+    assert f"{len(made.section.surface)} of 5001 of the ground" in made.notices[0]
+    quality = generate(made.section, made.mesh).quality()
     assert quality.quadrilaterals < 2000
     assert abs(quality.worst_angle - 90.0) < 75.0
 

@@ -7,7 +7,7 @@ import pytest
 
 from meshes.gmsh_model import generate
 from meshes.quality import corner_angles
-from workflow.settings import Input
+from workflow.config import Config
 
 SOIL = {"density": "18 kN/m^3", "density_saturated": "20 kN/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3,
         "cohesion": "10 kPa", "friction_angle": "30 deg"}  # fmt: skip
@@ -15,9 +15,9 @@ BANK = [[0, 12], [40, 12], [60, 4], [100, 4]]
 DIP = [[0, 12], [40, 12], [52, 2.04], [54, 2.04], [60, 4], [100, 4]]
 
 
-def bank(bottom: Any, table: Any, surface: Any = BANK) -> Input:
+def bank(bottom: Any, table: Any, surface: Any = BANK) -> Config:
     strata = [{"name": "Sand", "bottom": {"elevation": bottom}, **SOIL}, {"name": "Clay", **SOIL}]
-    return Input.parse({"name": "bank", "surface": surface, "base": {"elevation": -6.0}, "strata": strata,
+    return Config.parse({"name": "bank", "surface": surface, "base": {"elevation": -6.0}, "strata": strata,
                         "water": {"table": table}})  # fmt: skip
 
 
@@ -37,7 +37,7 @@ def bank(bottom: Any, table: Any, surface: Any = BANK) -> Input:
 )
 def test_no_cell_is_a_sliver(bottom: Any, table: Any, surface: Any) -> None:
     given = bank(bottom, table, surface)
-    mesh = generate(given, given.mesh)
+    mesh = generate(given.section, given.mesh)
     angles = corner_angles(mesh.points, mesh.cells)
     assert np.abs(angles - 90.0).max() < 75.0
 
@@ -45,8 +45,8 @@ def test_no_cell_is_a_sliver(bottom: Any, table: Any, surface: Any) -> None:
 def test_pockets_that_water_cuts_off_are_of_the_other_half_and_weigh_next_to_nothing() -> None:
     """7 cm of dry clay over 19 m; the water table, and with it every pore pressure, stays where it was."""
     given = bank([[0, 0.84], [50, 1.21], [100, 0.14]], [[0, 7.77], [33.5, 1.01], [100, 1.56]])
-    assert [stratum.name for stratum in given.strata] == ["Sand", "Sand, below water", "Clay"]
-    assert given.strata[2].density_seismic == pytest.approx(20e3 / 9.80665)
-    assert given.water_points()[1].tolist() == [33.5, 1.01]
+    assert [stratum.name for stratum in given.section.strata] == ["Sand", "Sand, below water", "Clay"]
+    assert given.section.strata[2].density_seismic == pytest.approx(20e3 / 9.80665)
+    assert given.section.water_points()[1].tolist() == [33.5, 1.01]
     thin = bank([[0, 2.0], [100, 2.0]], [[0, 11.85], [40, 11.85], [60, 3.85], [100, 3.85]])  # 15 cm all over stay dry
-    assert [stratum.name for stratum in thin.strata][:2] == ["Sand", "Sand, below water"]
+    assert [stratum.name for stratum in thin.section.strata][:2] == ["Sand", "Sand, below water"]

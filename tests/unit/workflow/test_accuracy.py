@@ -6,13 +6,13 @@ from hypothesis import strategies as st
 
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error, of_meshes, rounded_up
 from workflow.report.findings import findings
 from workflow.results.continuum import FemAnswer, MeshStep
 from workflow.results.variants import VariantsAnswer
-from workflow.settings import Input
 
-RUN = Input.parse(slope())
+RUN = Config.parse(slope())
 
 
 def sequence(*values: float, limit: float) -> FemAnswer:

@@ -13,6 +13,7 @@ from dem.slides.row import Row
 from meshes.errors import InputError
 from tests.support import dem_fixture
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import PathStep, displacement_at
@@ -21,7 +22,6 @@ from workflow.results.history import SlideHistory, read_histories, write_histori
 from workflow.results.journal import Journal
 from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def cases(count: int = 3) -> CasesAnswer:
 
 
 def test_an_answer_is_read_as_it_was_written(store: Store) -> None:
-    run = Input.parse(slope())
+    run = Config.parse(slope())
     for answer in (dem_fixture.critical(run, 0.24), dem_fixture.calibration(0.24, True), cases()):
         answer.write(store)
         assert type(answer).read(store) == answer

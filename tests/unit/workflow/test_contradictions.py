@@ -10,6 +10,7 @@ from dem.settings import Case, SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.report.console import safety_sentence, slide_sentences
 from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_order, of_settlement, of_sides
 from workflow.report.doubtful import doubtful
@@ -17,29 +18,28 @@ from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherWay
 from workflow.results.discs import DiscsAnswer
-from workflow.settings import Input
 
 LEVEE = ({"name": "median", "residual_strength": "9 kPa"}, {"name": "low strength", "residual_strength": "6 kPa"})
 
 
 @pytest.fixture
-def run() -> Input:
+def run() -> Config:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2]
-    return Input.parse(data)
+    return Config.parse(data)
 
 
-def slides(run: Input, *lengths: float, **more: Any) -> CasesAnswer:
+def slides(run: Config, *lengths: float, **more: Any) -> CasesAnswer:
     """Cases of the levee, which slid so far (m)."""
     cases = {k: dem_fixture.case(0.1, slide).model_copy(update=more) for k, slide in enumerate(lengths, start=1)}
     return CasesAnswer(sets={"calibrated": cases}, random=None)
 
 
-def with_cases(run: Input, *cases: dict[str, Any]) -> Input:
+def with_cases(run: Config, *cases: dict[str, Any]) -> Config:
     return run.model_copy(update={"slide": SlideSettings.model_validate({"cases": cases})})
 
 
-def test_low_strength_that_slides_less_than_median_is_found(run: Input) -> None:
+def test_low_strength_that_slides_less_than_median_is_found(run: Config) -> None:
     """The levee: 48 m with the median strength, 45 m with the low one."""
     levee = with_cases(run, *LEVEE)
     [told] = doubtful(results(levee, cases=slides(levee, 48.0, 45.0)))
@@ -53,7 +53,7 @@ def test_low_strength_that_slides_less_than_median_is_found(run: Input) -> None:
     )
 
 
-def test_the_order_of_cases_goes_by_the_mean_of_packings_where_there_are_several(run: Input) -> None:
+def test_the_order_of_cases_goes_by_the_mean_of_packings_where_there_are_several(run: Config) -> None:
     def one(*values: float) -> RandomCase:
         spread = Spread.of(values)
         return RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
@@ -83,7 +83,7 @@ def test_a_ratio_and_a_strength_are_not_compared() -> None:
     assert is_weaker(strength, Case.model_validate({"residual_strength": {"upper": "9 kPa"}}), ["upper"])
 
 
-def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Input) -> None:
+def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
     held = slides(run, 48.0, 45.0, stopped_by="right")
     [told] = of_sides(held.sets["calibrated"])
     assert told.startswith(
@@ -94,7 +94,7 @@ def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Input) -> None:
     assert any("no rest" in one for one in doubtful(results(run, cases=held)))
 
 
-def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(run: Input) -> None:
+def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(run: Config) -> None:
     """0.24 m on average over the uphill third of a levee whose crest, in the middle, lost 5 m."""
     before = ((0.0, 2.0), (40.0, 2.0), (50.0, 7.0), (60.0, 2.0), (100.0, 2.0))
     after = ((0.0, 1.9), (40.0, 2.0), (50.0, 2.0), (60.0, 2.5), (100.0, 2.1))
@@ -112,7 +112,7 @@ def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(r
     assert list(of_settlement({1: case.model_copy(update={"surface_after": ()})})) == []
 
 
-def pushed(run: Input, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
+def pushed(run: Config, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
     """Soil discs whose push took these Kh at these displacements (m)."""
     answer = dem_fixture.critical(run, kc)
     trials = tuple(answer.after.trials[0].model_copy(update={"displacement_m": u, "kh": kh}) for u, kh in curve)
@@ -121,7 +121,7 @@ def pushed(run: Input, kc: float, *curve: tuple[float, float]) -> DiscsAnswer:
     return answer.model_copy(update={"model": model, "after": search, "states": ()})
 
 
-def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Input) -> None:
+def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Config) -> None:
     """0.148 told, of discs that bore 0.13 before and fell to 0.08."""
     falls = pushed(run, 0.148, (0.0, 0.0), (0.02, 0.13), (0.03, 0.08), (0.05, 0.15), (0.07, 0.02))
     assert deepest_fall(falls.after, soil=True) == (0.13, 0.08)
@@ -133,7 +133,7 @@ def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Input) -> None:
     assert any("falls from 0.13 to 0.08" in one for one in doubtful(results(run, dem=falls)))
 
 
-def told_by_bounds(run: Input, **more: Any) -> list[str]:
+def told_by_bounds(run: Config, **more: Any) -> list[str]:
     """What bounds of 0.2799 to 0.2815 (S-13, psi = phi) say to a critical Kh of 0.237 by Davis's estimate and more."""
     other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
@@ -141,7 +141,7 @@ def told_by_bounds(run: Input, **more: Any) -> list[str]:
     return [f"{doubt.what} {doubt.remedy}" for doubt in results(run, fem=answer, bounds=strict).doubts]
 
 
-def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Input) -> None:
+def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Config) -> None:
     """S-13: 0.2844 beside 0.2815; found for other sides or the other direction, too."""
     [told] = told_by_bounds(run)
     assert told.startswith("The critical Kh with ψ = φ of 0.284 lies 1 % above the strict upper bound, 0.281.")
@@ -156,13 +156,13 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     ))  # fmt: skip
 
 
-def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Input) -> None:
+def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Config) -> None:
     factor = FactorOfSafety(kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), skin=None)
     told = safety_sentence(factor, fem(run))
     assert told == "Factor of safety at Kh = 0: above 20, as far as it was looked for."
 
 
-def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Input) -> None:
+def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) -> None:
     """A face of sand after a seepage fault: 1.15 told, whose grains' own factor is 1.08."""
     factor = FactorOfSafety(kh=0.0, factor=1.15, upper=1.15, verdict="plateau", reason="", curve=(), skin=None)
     part = SafetyPart(kh=0.0, lower=1.07, upper=1.09, cells=100)

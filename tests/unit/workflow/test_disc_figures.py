@@ -15,10 +15,10 @@ from dem.packing import lattice_box
 from dem.settings import Case
 from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
+from workflow.config import Config
 from workflow.figures import discs as dem_figures
 from workflow.figures.slides import left_by, profiles
 from workflow.results.cases import Profile
-from workflow.settings import Input
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def test_discs_in_the_section_push_each_other_as_before(model: DiscModel) -> Non
 def test_profiles_are_drawn_for_any_number_of_cases(tmp_path: Path) -> None:
     flat = (0.0, 50.0, 100.0), (10.0, 9.0, 8.0)
     profile = Profile(x=flat[0], before=flat[1], after=flat[1], after_low=(9.0, 8.0, 7.0), after_high=(11.0, 10.0, 9.0))
-    profiles(Input.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36, tmp_path / "p.png")
+    profiles(Config.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36, tmp_path / "p.png")
     assert imread(tmp_path / "p.png").shape[1] > 1000
 
 

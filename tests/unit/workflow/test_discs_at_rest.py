@@ -7,8 +7,8 @@ import pytest
 
 from tests.support.sections import slope
 from tests.unit.workflow.test_paper import fem
+from workflow.config import Config
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages import discs_at_rest
 
 
@@ -25,7 +25,7 @@ def test_discs_go_where_the_ground_fails(
 ) -> None:
     """Without an answer of the finite elements, to where the surface ends lower."""
     monkeypatch.setattr(discs_at_rest, "ground_of", lambda run, dem: Ground())
-    run, store = Input.parse(slope()), Store(tmp_path)
+    run, store = Config.parse(slope()), Store(tmp_path)
     if towards is not None:
         fem(run).model_copy(update={"towards": towards}).write(store)
     ground = discs_at_rest.ground_for(run, store, run.dem.as_paper(), None)  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ from dem.settings import SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.report.doubtful import doubtful, joined
 from workflow.report.findings import fail_alike, findings, springs_of
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
@@ -17,14 +18,13 @@ from workflow.results.results import Results
 from workflow.results.variants import VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
-from workflow.settings import Input
 
 
 @pytest.fixture
-def run() -> Input:
+def run() -> Config:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2, 3]
-    return Input.parse(data)
+    return Config.parse(data)
 
 
 def text(found: Results) -> str:
@@ -35,7 +35,7 @@ def moving(slide: float) -> CaseAnswer:
     return dem_fixture.case(0.1, slide).model_copy(update={"settled": False, "seconds_simulated": 60.2})
 
 
-def test_before_anything_was_computed_all_is_open(run: Input) -> None:
+def test_before_anything_was_computed_all_is_open(run: Config) -> None:
     told = text(results(run))
     assert "under Kh = 0.1 once upper has liquefied." in told
     assert "The first question is still open" in told
@@ -43,12 +43,12 @@ def test_before_anything_was_computed_all_is_open(run: Input) -> None:
 
 
 def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
-    told = text(results(Input.parse(slope())))
+    told = text(results(Config.parse(slope())))
     assert "No layer is said to liquefy, so no slide was computed." in told
     assert "How far the section slides" not in told
 
 
-def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
+def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
     variants = VariantsAnswer(
         variants=(
             variant("element", "bilinear element instead of quadratic", 0.268),
@@ -69,13 +69,13 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Input) -> None:
     assert sides.endswith('decides, and beyond = "50 m" takes them further away.')
 
 
-def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: Input) -> None:
+def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: Config) -> None:
     more = variant("dilation", "the non-associated path with ψ as given instead of ψ = φ", 0.30)
     told = text(results(run, fem=fem(run), variants=VariantsAnswer(variants=(more,)), bounds=bounds(run, 0.27, 0.28)))
     assert "ψ = φ (more than ground with ψ = φ bears: the mesh is too coarse for it)." in told
 
 
-def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Input) -> None:
+def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:
     same = variant("sides", "sides fixed instead of roller", 0.2331)
     answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
     found = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
@@ -85,7 +85,7 @@ def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Input) -> 
     assert "With other assumptions: kc = 0.23 with sides fixed instead of roller." in told
 
 
-def test_what_stands_beside_the_critical_kh(run: Input) -> None:
+def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     """The other direction, what ψ = φ would give, faces without cohesion, and what contradicts the answer."""
     other = OtherWay(kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",))
     skin = SkinFailure(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
@@ -104,13 +104,13 @@ def test_what_stands_beside_the_critical_kh(run: Input) -> None:
     assert "Pushed uphill it stands up to Kh = 1.50 at least." in text(results(run, fem=stands))
 
 
-def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Input) -> None:
+def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -> None:
     """The river bank's path rises almost straight to 0.95 of what its elements bear."""
     assert fem(run, 0.1096).ended == "plateau"
     assert fem(run, 0.1096).model_copy(update={"kc_lower": 0.1041}).ended == "limit load"
 
 
-def test_a_slope_that_stands_and_one_that_does_not(run: Input) -> None:
+def test_a_slope_that_stands_and_one_that_does_not(run: Config) -> None:
     stands = text(results(run, fem=fem(run, 1.5, "no failure")))
     assert "so it does under every Kh up to 1.50, where the search ended" in stands
     ended = Entry({}, "no answer", reason="the section fails under its own weight")
@@ -118,7 +118,7 @@ def test_a_slope_that_stands_and_one_that_does_not(run: Input) -> None:
     assert "There is no answer to the first question: the section fails under its own weight." in falls
 
 
-def test_slides_that_end_and_slides_that_do_not(run: Input) -> None:
+def test_slides_that_end_and_slides_that_do_not(run: Config) -> None:
     sets = {
         "calibrated": {1: dem_fixture.case(0.1, 0.02), 2: dem_fixture.case(0.02, 3.23), 3: moving(39.5)},
         "table2": {1: dem_fixture.case(0.1, 0.33)},
@@ -133,7 +133,7 @@ def test_slides_that_end_and_slides_that_do_not(run: Input) -> None:
     )
 
 
-def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Input) -> None:
+def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Config) -> None:
     """And one that needs no shaking is called a flow failure, however far it slides with it."""
     stopped = {"stopped_by": "right", "flows": True, "slide_by_weight_m": 9.9, "settled": True}
     first = dem_fixture.case(0.1, 47.2).model_copy(update=stopped)
@@ -151,7 +151,7 @@ def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Input) -> None:
     assert "In cases 1 and 2 it is a flow failure: without any shaking it slides about 10 and 13 m in 20 s." in told
 
 
-def test_an_interval_where_there_are_several_packings(run: Input) -> None:
+def test_an_interval_where_there_are_several_packings(run: Config) -> None:
     spread = Spread.of([2.1, 3.0, 4.8])
     case = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)
     random = RandomPackings(seeds=(), cases={2: case})
@@ -166,7 +166,7 @@ def test_an_interval_where_there_are_several_packings(run: Input) -> None:
     )
 
 
-def test_where_the_continuum_leaves_its_kh_open_the_packings_are_told_to_lie_within(run: Input) -> None:
+def test_where_the_continuum_leaves_its_kh_open_the_packings_are_told_to_lie_within(run: Config) -> None:
     open_end = dem_fixture.calibration(0.24, True).model_copy(update={"continuum_kc": (0.16, 0.2), "tolerance": 0.005})
     assert fail_alike(results(run, calibration=open_end)) == "that fail within what the finite elements leave open"
     met = open_end.model_copy(update={"continuum_kc": (0.16, 0.164)})
@@ -198,7 +198,7 @@ def test_the_order_of_cases_goes_by_packings() -> None:
     ],
 )
 def test_the_order_of_cases_is_told_where_each_leaves_less(
-    run: Input, cases: list[dict[str, object]], told: bool
+    run: Config, cases: list[dict[str, object]], told: bool
 ) -> None:
     def rising(first: float) -> RandomCase:
         spread = Spread.of([first, first + 0.1, first + 0.2])
@@ -211,7 +211,7 @@ def test_the_order_of_cases_is_told_where_each_leaves_less(
     assert ("every case slides further than the one before" in words) is told
 
 
-def test_methods_that_disagree_are_told_to(run: Input) -> None:
+def test_methods_that_disagree_are_told_to(run: Config) -> None:
     """Hamada gives 3.2 m for this slope, and the block does not move at Kh = 0.1 with kc = 0.24."""
     far = text(results(run, fem=fem(run), cases=CasesAnswer(sets={"calibrated": {3: moving(39.5)}}, random=None)))
     assert "disagree by more than a factor of three: the discs slide about 40 m, the regression over observed " in far
@@ -227,7 +227,7 @@ def test_what_was_measured_stands_beside_the_discs() -> None:
     data["strata"][0]["liquefies_in"] = [1, 2]
     data["slide"] = {"kh": 0}
     places = ({"name": "SI-5", "displacement": "0.2 m", "x": 35.0}, {"name": "SI-2", "displacement": "0.45 m"})
-    measured = Input.parse({**data, "report": {"observed": list(places)}})
+    measured = Config.parse({**data, "report": {"observed": list(places)}})
     told = text(results(measured))
     assert "under its weight alone once upper has liquefied" in told
     assert "Measured were" not in told  # stands beside slides alone, and there are none yet
@@ -238,7 +238,7 @@ def test_what_was_measured_stands_beside_the_discs() -> None:
     assert "0.45 m (SI-2); the discs slide at most 0.6 m and 0.9 m in cases 1 and 2." in told
 
 
-def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_prediction(run: Input) -> None:
+def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_prediction(run: Config) -> None:
     noted = {number: dem_fixture.case(0.1, 3.0).model_copy(update={"notes": ("discs overlap",)}) for number in (1, 3)}
     cases = CasesAnswer(sets={"calibrated": {**noted, 2: dem_fixture.case(0.1, 3.0)}}, random=None)
     predicted = {"predicted_kc": 0.213, "predicted_ratio": 0.86}
@@ -249,8 +249,8 @@ def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_predict
     assert "Made from the soil alone they fail at Kh of about 0.21, 0.86 times that of the finite elements" in told
 
 
-def test_what_is_doubtful_is_told(run: Input) -> None:
-    guessed = Input.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
+def test_what_is_doubtful_is_told(run: Config) -> None:
+    guessed = Config.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
     calibration = dem_fixture.calibration(0.24, True)
     discs = dem_fixture.critical(guessed, 0.24)
     told = doubtful(results(guessed, dem=discs, calibration=calibration))
@@ -287,7 +287,7 @@ def test_notes_that_say_the_same_of_cases_are_one_doubt() -> None:
     ]
 
 
-def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Input) -> None:
+def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
     """Where the path of the continuum went on far above its last equilibrium."""
     step = PathStep(
         length=1.0, displacement=0.02, factor=0.16, iterations=3, residual=0.0, plastic_share=0.3, cutbacks=0,
@@ -301,14 +301,14 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Input) -> None:
     assert "held against (roller sides, ψ as given) fail at Kh of 0.16 to 0.23; discs that fail between" in told[0]
 
 
-def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Input) -> None:
+def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> None:
     discs = dem_fixture.critical(run, 0.16)
 
     def told(**slip: object) -> list[str]:
         surfaces = discs.slip_surface.model_copy(update=slip)
         return doubtful(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
 
-    height = float(run.outline()[:, 1].max() - run.outline()[:, 1].min())
+    height = float(run.section.outline()[:, 1].max() - run.section.outline()[:, 1].min())
     assert any("m apart on average" in doubt for doubt in told(mean_distance_m=0.3 * height))
     assert not any("m apart on average" in doubt for doubt in told(mean_distance_m=0.2 * height))
     beside = told(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
@@ -316,7 +316,7 @@ def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Input) -> No
     assert not any("elsewhere" in doubt for doubt in told(mean_distance_m=None, fem=()))
 
 
-def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Input) -> None:
+def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: Config) -> None:
     """Those of the fixture fail at 0.3."""
     assert "calibrated discs fail where Kh = 0.3 is held, though they bear 0.36 when" in " ".join(
         doubtful(results(run, dem=dem_fixture.critical(run, 0.36)))
@@ -361,7 +361,7 @@ def test_packings_by_their_seeds_or_by_their_number() -> None:
         SlideSettings(seeds=0)
 
 
-def test_what_is_said_of_a_packing_is_of_its_kind(run: Input) -> None:
+def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     """Rows climb over each other on a lattice alone, and only random packings have another seed."""
     spread = Spread.of([2.1, 3.0])
     case = RandomCase(slide_max_m=spread, settlement_uphill_m=spread, settlement_middle_m=spread)

@@ -8,12 +8,12 @@ from dem.settings import Case
 from meshes.errors import InputError
 from meshes.section.cutting import by_stratum, in_file, spoken
 from tests.support.sections import layer
+from workflow.config import Config
 from workflow.earthquake.column import _layers
 from workflow.report.findings import _cases_are
-from workflow.settings import Input
 
 
-def cut(**settings: Any) -> Input:
+def cut(**settings: Any) -> Config:
     """Sand to -6 m, with water at -2 m, on clay: cut into "sand" and "sand, below water"."""
     soil = {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
     strata = [
@@ -22,14 +22,14 @@ def cut(**settings: Any) -> Input:
     ]
     for stratum in strata:
         del stratum["density_ordinary"], stratum["density_seismic"]
-    return Input.parse({
+    return Config.parse({
         "name": "cut", "surface": [[0.0, 0.0], [40.0, 0.0]], "base": {"elevation": -12.0},
         "water": {"table": {"elevation": -2.0}}, "strata": strata, **settings,
     })  # fmt: skip
 
 
 def test_how_strata_are_called() -> None:
-    names = [stratum.name for stratum in cut().strata]
+    names = [stratum.name for stratum in cut().section.strata]
     assert names == ["sand", "sand, below water", "clay"]
     assert [in_file(names, k) for k in range(3)] == [
         'strata 1 "sand"',
@@ -52,13 +52,15 @@ def test_what_a_case_leaves_of_a_stratum_holds_below_water(key: str) -> None:
 
 def test_sizes_of_cells_hold_on_both_sides_of_the_water() -> None:
     given = cut(mesh={"size": 3.0, "sizes": {"sand": 1.0}, "towards": {"sand": 0.5}})
-    assert given.mesh.sizes_in(given) == {"sand": 1.0, "sand, below water": 1.0}
-    assert given.mesh.towards_in(given) == {"sand, below water": 0.5}  # the water table is no interface of the soil
+    assert given.mesh.sizes_in(given.section) == {"sand": 1.0, "sand, below water": 1.0}
+    assert given.mesh.towards_in(given.section) == {
+        "sand, below water": 0.5
+    }  # the water table is no interface of the soil
 
 
 def test_measured_velocities_hold_below_water() -> None:
     given = cut(site_response={"velocities": {"sand": 150.0, "clay": 200.0}, "plasticity": {"sand": 10.0}})
-    layers, strata = _layers(given, given.site_response, 20.0)
+    layers, strata = _layers(given.section, given.site_response, 20.0)
     found = {(name, layer.velocity, layer.plasticity) for name, layer in zip(strata, layers, strict=True)}
     assert found == {("sand", 150.0, 10.0), ("sand, below water", 150.0, 10.0), ("clay", 200.0, 0.0)}
 
@@ -71,11 +73,11 @@ def test_notices_name_strata_as_the_file_does() -> None:
     ]
     for stratum in strata:
         del stratum["density_ordinary"], stratum["density_seismic"]
-    given = Input.parse({
+    given = Config.parse({
         "name": "cut", "surface": [[0.0, 0.0], [40.0, 0.0]], "base": {"elevation": -12.0}, "mesh": {"method": "free"},
         "water": {"table": {"elevation": -2.0}}, "strata": strata,
     })  # fmt: skip
-    assert len(given.strata) == 4
+    assert len(given.section.strata) == 4
     told = " ".join(given.notices)
     assert 'strata 2 "clay" below water: its cohesion grows with depth' in told
     assert 'stratum "sand" below water thins out' in told

@@ -12,19 +12,19 @@ from meshes.errors import InputError
 from tests.support import SECTIONS, TOP, dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.report.page import page
 from workflow.report.summary import summary
 from workflow.results.cases import CasesAnswer
 from workflow.results.results import Results
 from workflow.results.variants import VariantsAnswer
-from workflow.settings import Input
 
 
 def html(found: Results) -> str:
     return page(found, summary(found, 0.0))
 
 
-def whole(run: Input) -> Results:
+def whole(run: Config) -> Results:
     """All stages have an answer; one element test could not be done, and there are eleven cases."""
     cases = {number: dem_fixture.case(0.1, 0.5 * number) for number in range(1, 12)}
     return results(
@@ -37,18 +37,18 @@ def whole(run: Input) -> Results:
 
 
 @pytest.fixture(scope="module")
-def s13() -> Input:
-    return Input.load(SECTIONS / "s13.toml")
+def s13() -> Config:
+    return Config.load(SECTIONS / "s13.toml")
 
 
 @pytest.mark.parametrize("answers", [{}, {"fem": True}])
-def test_a_report_without_answers(answers: dict[str, Any], s13: Input) -> None:
+def test_a_report_without_answers(answers: dict[str, Any], s13: Config) -> None:
     text = html(results(s13, fem=fem(s13)) if answers else results(s13))
     assert "How far the section slides is still open" in text
     assert_refers_to_what_is_there(text)
 
 
-def test_all_that_is_referred_to_is_there_and_numbered_in_order(s13: Input) -> None:
+def test_all_that_is_referred_to_is_there_and_numbered_in_order(s13: Config) -> None:
     text = html(whole(s13))
     assert_refers_to_what_is_there(text)
     tables = [int(number) for number in re.findall(r"<caption[^>]*><b>Table (\d+)\.</b>", text)]
@@ -66,11 +66,11 @@ def assert_refers_to_what_is_there(text: str) -> None:
     assert set(re.findall(r'href="#([^"]+)"', text)) <= set(there)
 
 
-def test_an_element_test_that_could_not_be_done_says_why(s13: Input) -> None:
+def test_an_element_test_that_could_not_be_done_says_why(s13: Config) -> None:
     assert "not tested: did not come to rest" in html(whole(s13))
 
 
-def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Input) -> None:
+def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Config) -> None:
     text = html(whole(s13))
     rows = re.findall(r"<tr><td>(\d+)</td><td class=\"n\"><b>", text)
     assert rows == [str(number) for number in range(1, 12)] * 2
@@ -79,7 +79,7 @@ def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Input)
     assert text.index("4 Asd, 6 As1") < text.index("largest slide</th>")
 
 
-def test_the_input_is_a_table_strata_first(s13: Input) -> None:
+def test_the_input_is_a_table_strata_first(s13: Config) -> None:
     text = html(results(s13))
     assert text.index("The strata as given.") < text.index("The lines of the section")
     assert "<td>1560 tf/m^2</td>" in text.replace(' class="n"', "")
@@ -91,13 +91,13 @@ def test_the_input_is_a_table_strata_first(s13: Input) -> None:
 def test_the_head_is_the_users(tmp_path: Path) -> None:
     Image.new("RGB", (4, 4)).save(tmp_path / "logo.png")
     head = {"project": "Dam <7>", "client": "能代市", "logo": str(tmp_path / "logo.png")}
-    text = html(results(Input.parse({**slope(), "report": head})))
+    text = html(results(Config.parse({**slope(), "report": head})))
     assert "<td>Dam &lt;7&gt;</td>" in text
     assert "<td>能代市</td>" in text
     assert "<th>author</th>" not in text
     assert '<img class="logo" src="data:image/png;base64,' in text
     assert str(tmp_path) not in text
-    wrong = Input.parse({**slope(), "report": {"logo": "logo.tiff"}})
+    wrong = Config.parse({**slope(), "report": {"logo": "logo.tiff"}})
     with pytest.raises(InputError, match="expected a picture"):
         html(results(wrong))
 
@@ -106,7 +106,7 @@ def test_a_logo_that_is_not_there_is_told_when_the_input_is_read(tmp_path: Path)
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps({**slope(), "report": {"logo": "none.png"}}))
     with pytest.raises(InputError, match=r"report, logo = .*none\.png: there is no such file"):
-        Input.load(path)
+        Config.load(path)
 
 
 def test_no_markup_of_a_template_stands_raw_in_a_page() -> None:

@@ -5,6 +5,7 @@ import pytest
 from tests.support import SECTIONS, dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.report.paper import Row, is_s13, rows
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CasesAnswer
@@ -12,7 +13,6 @@ from workflow.results.results import Results
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
-from workflow.settings import Input
 
 S13 = SECTIONS / "s13.toml"
 
@@ -22,31 +22,31 @@ def table(found: Results) -> dict[str, Row]:
 
 
 @pytest.fixture(scope="module")
-def s13() -> Input:
-    return Input.load(S13)
+def s13() -> Config:
+    return Config.load(S13)
 
 
-def test_only_the_papers_section_is_compared(s13: Input) -> None:
-    other = Input.parse({**slope(), "name": "s13"})
-    assert is_s13(s13)
-    assert not is_s13(other)
+def test_only_the_papers_section_is_compared(s13: Config) -> None:
+    other = Config.parse({**slope(), "name": "s13"})
+    assert is_s13(s13.section)
+    assert not is_s13(other.section)
     assert rows(results(other, fem=fem(other))) == []
 
 
-def test_before_anything_is_computed_only_the_smooth_block_agrees(s13: Input) -> None:
+def test_before_anything_is_computed_only_the_smooth_block_agrees(s13: Config) -> None:
     found = table(results(s13))
     assert {row.agrees for name, row in found.items() if "smooth" not in name} == {None}
     assert found["block on a smooth plane of 2.6°"].agrees is True
 
 
-def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Input) -> None:
+def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Config) -> None:
     for kc, agrees in ((0.24, True), (0.2749, True), (0.2751, False), (0.2, False)):
         row = table(results(s13, fem=fem(s13, kc)))["FEM: critical Kh"]
         assert row.agrees is agrees
         assert bool(row.why) is not agrees
 
 
-def test_the_continuum(s13: Input) -> None:
+def test_the_continuum(s13: Config) -> None:
     found = table(results(s13, fem=fem(s13)))
     assert found["FEM: stands at Kh = 0.2, Asd layers below water at failure"].agrees is True
     assert found["FEM: failure surface in the Asd layers"].ours == "100 % of its length"
@@ -57,13 +57,13 @@ def test_the_continuum(s13: Input) -> None:
     assert row.ours.startswith("stands")
 
 
-def test_an_undecided_path_is_no_critical_kh(s13: Input) -> None:
+def test_an_undecided_path_is_no_critical_kh(s13: Config) -> None:
     found = results(s13, fem=fem(s13, verdict="undecided"))
     assert found.kc is None
     assert table(found)["FEM: critical Kh"].agrees is None
 
 
-def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
+def test_slides_and_settlements_within_thirty_percent(s13: Config) -> None:
     """The hand-made cases: settlements 0.1, 0.5, 1.0 m; slides 0.6, 3.0, 4.8 m, over 10, 51, 81 % of the surface."""
     cases = CasesAnswer(sets={"calibrated": dem_fixture.CASES}, random=None)
     found = table(results(s13, fem=fem(s13), cases=cases))
@@ -81,7 +81,7 @@ def test_slides_and_settlements_within_thirty_percent(s13: Input) -> None:
     assert "docs/theory/paper.md" in found[f"largest slide, case 2{springs}"].why
 
 
-def test_states_of_the_discs(s13: Input) -> None:
+def test_states_of_the_discs(s13: Config) -> None:
     critical = dem_fixture.critical(s13, 0.24)
     found = table(results(s13, fem=fem(s13), dem=critical))
     for springs in (", before calibration", ", calibrated"):
@@ -109,13 +109,13 @@ def test_upper_bounds_judge_every_smaller_dilation_and_lower_ones_their_own(
     lower: float, upper: float, flow: str, words: str
 ) -> None:
     """The critical Kh is 0.24; the bounds are those of ψ = φ."""
-    run = Input.parse({**slope(), "fem": {"flow": flow}})
+    run = Config.parse({**slope(), "fem": {"flow": flow}})
     answer = fem(run).model_copy(update={"flow": flow})
     told = dict(doubts(results(run, fem=answer, bounds=bounds(run, lower, upper))))
     assert words in told["Strict bounds"]
 
 
-def test_variants_stand_beside_what_they_show(s13: Input) -> None:
+def test_variants_stand_beside_what_they_show(s13: Config) -> None:
     change = "sides fixed instead of roller"
     found = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
     told = dict(doubts(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(found,)))))
@@ -125,7 +125,7 @@ def test_variants_stand_beside_what_they_show(s13: Input) -> None:
     assert "undecided, slow" in silent["Side condition"]
 
 
-def test_no_answer_is_told_as_such(s13: Input) -> None:
+def test_no_answer_is_told_as_such(s13: Config) -> None:
     ended = Entry({}, "no answer", reason="it fails under its own weight")
     found = Results(s13, Store("nowhere"), {"fem": ended}, {})
     assert table(found)["FEM: critical Kh"].ours == "no answer: it fails under its own weight"

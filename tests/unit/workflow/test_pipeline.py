@@ -74,7 +74,7 @@ def test_missing_pictures_are_drawn_without_computing(toys: Toys, tmp_path: Path
 
 def test_pictures_have_the_new_title_without_computing(toys: Toys, tmp_path: Path) -> None:
     def draw(job: Job) -> None:
-        job.store.write_text("mesh.png", job.given.title)
+        job.store.write_text("mesh.png", job.config.section.title)
 
     toys.change("mesh", work=leaves("mesh.txt"), draw=draw, drawn_after=True)
     toys.go(tmp_path, title="Before")
@@ -86,7 +86,7 @@ def test_pictures_have_the_new_title_without_computing(toys: Toys, tmp_path: Pat
 
 def test_pictures_of_other_inputs_go(toys: Toys, tmp_path: Path) -> None:
     def work(job: Job) -> None:
-        for kh in job.given.fem.kh:
+        for kh in job.config.fem.kh:
             job.store.write_text(f"fem_kh_{kh}.png", "picture")
 
     toys.change("fem", work=work, draw=work, leftovers=("dem/*",))  # goes on where it was stopped

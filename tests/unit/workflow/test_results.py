@@ -8,20 +8,20 @@ import pytest
 from tests.support import dem_fixture
 from tests.support.sections import slope
 from tests.support.toy_stages import Toys
+from workflow.config import Config
 from workflow.results.cases import CasesAnswer
 from workflow.results.results import Results
 from workflow.run.plan import Choice, changes, made_from, plan
 from workflow.run.record import Entry, Outcome, Record, sizes
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages import STAGES
 
 SLIDE = next(stage for stage in STAGES if stage.name == "slide")
 
 
 def job(folder: Path, kh: float = 0.1) -> Job:
-    return Job(Input.parse({**slope(), "slide": {"kh": kh}}), Store(folder), STAGES)
+    return Job(Config.parse({**slope(), "slide": {"kh": kh}}), Store(folder), STAGES)
 
 
 def slid(folder: Path, outcome: Outcome) -> None:

@@ -14,9 +14,9 @@ from scipy import stats
 from meshes.errors import InputError, NoAnswerError
 from tests.support.borings import bored
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.study.parts import PARTS
 from workflow.study.sample import Numbers
 from workflow.study.study import Study, task_of, told
@@ -76,23 +76,25 @@ KINDS = (plain, water, cones, residual, shaken)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
 def test_a_sample_is_the_same_input_where_it_is_computed(kind: Any, part: Any, tmp_path: Path) -> None:
-    read = Input.parse({**kind(tmp_path), "uncertain": FRICTION, "study": {"samples": 4}})
+    read = Config.parse({**kind(tmp_path), "uncertain": FRICTION, "study": {"samples": 4}})
     for drawn in samples(read.uncertain, read.study, read.reach):
         sample = read.with_drawn(drawn)
-        there = Input.parse(task_of(sample, part, Store(tmp_path)).given.data)
-        assert kind is plain or any(stratum.liquefiable for stratum in sample.strata)
+        there = Config.parse(task_of(sample, part, Store(tmp_path)).given.data)
+        assert kind is plain or any(stratum.liquefiable for stratum in sample.section.strata)
         if part.name == "slide":
             assert there.cases == sample.cases
-            assert [one.liquefies_in for one in there.strata] == [one.liquefies_in for one in sample.strata]
+            assert [one.liquefies_in for one in there.section.strata] == [
+                one.liquefies_in for one in sample.section.strata
+            ]
             assert there.slide.kh == sample.slide.kh
-        for here, own in zip(there.strata, sample.strata, strict=True):
-            loose = {"liquefies_in": sample.strata[0].liquefies_in}
+        for here, own in zip(there.section.strata, sample.section.strata, strict=True):
+            loose = {"liquefies_in": sample.section.strata[0].liquefies_in}
             assert here.model_copy(update=loose) == own.model_copy(update=loose)
 
 
 def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path: Path) -> None:
     def prints(data: dict[str, Any]) -> dict[str, str]:
-        read = Input.parse(data)
+        read = Config.parse(data)
         return {part.name: task_of(read, part, Store(tmp_path)).fingerprint for part in PARTS}
 
     before, after = prints(water(tmp_path)), prints({**water(tmp_path), "earthquake": {"magnitude": 6.5,
@@ -102,14 +104,14 @@ def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path:
 
 def test_the_mean_acceleration_of_a_sample_is_that_of_its_own_ground(tmp_path: Path) -> None:
     stiffness = {"strata.*.youngs_modulus": {"uniform": [0.5, 2.0], "does": "factor"}}
-    read = Input.parse({**shaken(tmp_path), "uncertain": stiffness})
+    read = Config.parse({**shaken(tmp_path), "uncertain": stiffness})
     soft, stiff = (read.with_drawn({"strata.*.youngs_modulus": factor}) for factor in (0.5, 2.0))
     assert soft.slide.kh != stiff.slide.kh
 
 
 @pytest.mark.parametrize(("mean", "deviation"), [(5.0, 3.0), (10.0, 5.0)])
 def test_a_normal_strength_is_cut_off_at_zero_and_a_person_hears_how_much_of_it(mean: float, deviation: float) -> None:
-    read = Input.parse({
+    read = Config.parse({
         **slope(), "uncertain": {"strata.upper.cohesion": {"normal": [f"{mean} kPa", f"{deviation} kPa"]}},
         "study": {"samples": 64},
     })  # fmt: skip
@@ -135,7 +137,7 @@ def test_an_end_that_was_written_down_and_cannot_be_is_refused(
     path: str, distribution: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        Input.parse({**slope(), "uncertain": {path: distribution}})
+        Config.parse({**slope(), "uncertain": {path: distribution}})
     assert len(caught.value.problems) == 1
     assert words in caught.value.problems[0]
     assert caught.value.problems[0].startswith(f'uncertain, "{path}": ')
@@ -160,7 +162,7 @@ def test_whatever_is_drawn_is_an_input(data: st.DataObject, path: str, spread: f
     low, high, unit = PATHS[path]
     mean = data.draw(st.floats(max(low, SMALLEST.get(path, 0.05 * high)), high))
     law = {"normal": [f"{mean}{unit}" if unit else mean, f"{spread * mean}{unit}" if unit else spread * mean]}
-    read = Input.parse({**bored(), "uncertain": {path: law}, "study": {"samples": 16}})
+    read = Config.parse({**bored(), "uncertain": {path: law}, "study": {"samples": 16}})
     for drawn in samples(read.uncertain, read.study, read.reach):
         read.with_drawn(drawn)
 
@@ -168,18 +170,18 @@ def test_whatever_is_drawn_is_an_input(data: st.DataObject, path: str, spread: f
 def test_what_is_drawn_is_not_judged_as_what_a_person_writes() -> None:
     data = copy.deepcopy(slope())
     data["uncertain"] = {"strata.upper.cohesion": {"uniform": ["0 kPa", "6 kPa"]}}
-    read = Input.parse(data)
-    assert read.with_drawn({"strata.upper.cohesion": 0.0415}).strata[0].cohesion == pytest.approx(41.5)
+    read = Config.parse(data)
+    assert read.with_drawn({"strata.upper.cohesion": 0.0415}).section.strata[0].cohesion == pytest.approx(41.5)
     data["strata"][0]["cohesion"] = "0.0415 kPa"
     with pytest.raises(InputError, match="beyond what there is"):
-        Input.parse(data)
+        Config.parse(data)
     data["uncertain"] = {"strata.upper.cohesion": {"uniform": ["0.03 kPa", "0.05 kPa"]}}  # its median is a person's
     with pytest.raises(InputError, match="beyond what there is"):
-        Input.parse(data)
+        Config.parse(data)
 
 
 def answer_of(rows: list[SampleRow], parts: tuple[str, ...]) -> StudyAnswer:
-    read = Input.parse({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
+    read = Config.parse({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
     return told(read, Table({"strata.upper.cohesion": "kPa"}, rows), parts)
 
 

@@ -12,9 +12,9 @@ from meshes.errors import InputError
 from meshes.section.recorded_kh import in_name
 from tests.support import SECTIONS
 from tests.support.sections import slope
+from workflow.config import Config, merged
 from workflow.example import example
 from workflow.request import Request, dotted
-from workflow.settings import Input, merged
 
 
 @pytest.mark.parametrize(
@@ -55,13 +55,13 @@ def test_what_is_no_setting(text: str) -> None:
 def test_the_command_line_stands_above_the_file(tmp_path: Path) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps({**slope(), "fem": {"sides": "fixed", "vertical": 0.1}, "mesh": {"columns": 30}}))
-    run = Input.load(path, dotted(["fem.sides=tied", "mesh.size=2 m"]))
+    run = Config.load(path, dotted(["fem.sides=tied", "mesh.size=2 m"]))
     assert (run.fem.sides, run.fem.vertical) == ("tied", 0.1)
     assert run.mesh.columns is None  # a size takes its place
     with pytest.raises(InputError, match='fem, sidez: unknown key; did you mean "sides"'):
-        Input.load(path, dotted(["fem.sidez=tied"]))
+        Config.load(path, dotted(["fem.sidez=tied"]))
     with pytest.raises(InputError, match="figures, report_width = 10"):
-        Input.load(path, dotted(["figures.report_width=10"]))
+        Config.load(path, dotted(["figures.report_width=10"]))
 
 
 def test_merging_leaves_its_parts_alone() -> None:
@@ -71,9 +71,9 @@ def test_merging_leaves_its_parts_alone() -> None:
 
 
 def test_the_fingerprint_of_the_section_knows_neither_settings_nor_title() -> None:
-    plain, other = Input.parse(slope()), Input.parse({**slope(), "fem": {"sides": "fixed"}, "title": "another"})
-    assert plain.sha256() == other.sha256()
-    assert plain.sha256() != Input.parse({**slope(), "beyond": "10 m"}).sha256()
+    plain, other = Config.parse(slope()), Config.parse({**slope(), "fem": {"sides": "fixed"}, "title": "another"})
+    assert plain.section.sha256() == other.section.sha256()
+    assert plain.section.sha256() != Config.parse({**slope(), "beyond": "10 m"}).section.sha256()
 
 
 def test_a_record_is_looked_for_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,12 +81,12 @@ def test_a_record_is_looked_for_beside_the_file(tmp_path: Path, monkeypatch: pyt
     path.parent.mkdir()
     path.write_text(tomli_w.dumps({**slope(), "sliding_block": {"accelerogram": "quake.csv"}}))
     with pytest.raises(InputError, match=r"sliding_block, accelerogram = .*quake\.csv: there is no such file"):
-        Input.load(path)
+        Config.load(path)
     for folder in (tmp_path, tmp_path / "a"):
         (folder / "quake.csv").touch()
-    assert Input.load(path).sliding_block.accelerogram == str(tmp_path / "a/quake.csv")
+    assert Config.load(path).sliding_block.accelerogram == str(tmp_path / "a/quake.csv")
     monkeypatch.chdir(tmp_path)
-    run = Input.load(path, dotted(["sliding_block.accelerogram=quake.csv"]))
+    run = Config.load(path, dotted(["sliding_block.accelerogram=quake.csv"]))
     assert run.sliding_block.accelerogram == str(tmp_path / "quake.csv")
 
 
@@ -96,8 +96,8 @@ def test_the_commented_settings_of_the_example_exist() -> None:
     section, settings = text[: text.index("[mesh]")], text[text.index("[mesh]") :]
     other = "(?!kh_cycles|kh_period)"  # which would take the place of kh_seconds
     settings = re.sub(rf"(?m)^# {other}(\w+ = |\[\[)", r"\1", settings)
-    run = Input.parse(tomllib.loads(section + settings))
-    plain = Input.parse(tomllib.loads(text))
+    run = Config.parse(tomllib.loads(section + settings))
+    plain = Config.parse(tomllib.loads(text))
     assert run.mesh.size == 2.0
     assert run.fem.safety_factor_at == (0.0, 0.1)
     assert run.fem.kh == (0.2, 0.25)
@@ -118,10 +118,10 @@ def test_the_commented_settings_of_the_example_exist() -> None:
 )
 def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: list[float], told: str) -> None:
     with pytest.raises(InputError) as caught:
-        Input.parse({**slope(), table: {"kh": kh}})
+        Config.parse({**slope(), table: {"kh": kh}})
     assert f"{table}, kh" in str(caught.value)
     assert told in str(caught.value)
-    assert Input.parse({**slope(), table: {"kh": [0.2, 0.3, 0.255]}})
+    assert Config.parse({**slope(), table: {"kh": [0.2, 0.3, 0.255]}})
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: lis
 )  # fmt: skip
 def test_a_key_of_several_kinds_has_one_sentence_for_what_was_meant(case: dict[str, Any], told: list[str]) -> None:
     with pytest.raises(InputError) as caught:
-        Input.parse({**slope(), "slide": {"cases": [case]}})
+        Config.parse({**slope(), "slide": {"cases": [case]}})
     problems = caught.value.problems
     assert len(problems) == len(told)
     for problem, part in zip(problems, told, strict=True):
@@ -169,7 +169,7 @@ def test_a_case_that_there_is_not_is_refused_before_anything_is_computed(tmp_pat
 
 def test_cases_are_called_by_number_and_name() -> None:
     data = {**slope(), "slide": {"cases": [{"stiffness": 0.1}, {"stiffness": 0.1, "name": "low strength"}]}}
-    given = Input.parse(data)
+    given = Config.parse(data)
     assert [given.called(number) for number in (1, 2)] == ["case 1", "case 2, low strength"]
 
 

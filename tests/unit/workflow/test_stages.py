@@ -5,7 +5,7 @@ from importlib import import_module
 
 import workflow.stages
 from tests.support.sections import slope
-from workflow.settings import Input
+from workflow.config import Config
 from workflow.stages import STAGES
 
 
@@ -19,9 +19,9 @@ def test_every_declared_stage_is_in_the_list_after_what_it_needs() -> None:
 
 
 def test_stages_name_tables_and_settings_that_there_are() -> None:
-    given = Input.parse(slope())
+    given = Config.parse(slope())
     for stage in STAGES:
         for name in (*stage.reads, *stage.ignores(given)):
             table, _, key = name.partition(".")
-            assert table in Input.tables()
-            assert not key or key in type(Input.model_fields[table].default).model_fields
+            assert table in Config.tables()
+            assert not key or key in type(Config.model_fields[table].default).model_fields

@@ -13,23 +13,23 @@ from meshes.section.section import Section
 from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.sections import problems
-from workflow.settings import Input
+from workflow.config import Config
 
 
 def told(change: Any) -> str:
     data = bored()
     change(data)
-    return "\n".join(problems(data, Input))
+    return "\n".join(problems(data, Config))
 
 
 def test_stresses_before_the_earthquake() -> None:
     """5 m of 1.9 t/m³ weigh 93.163 kPa, 4 m of water carry 39.227 kPa."""
-    section = Input.parse(bored())
-    found = overburden(section, 50.0, 5.0)
+    section = Config.parse(bored())
+    found = overburden(section.section, 50.0, 5.0)
     assert found.total == pytest.approx(1900.0 * GRAVITY * 5.0)
     assert found.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
     assert found.stratum == 0
-    assert not overburden(section, 50.0, 0.5).below_water
+    assert not overburden(section.section, 50.0, 0.5).below_water
 
 
 def test_density_and_saturated_density_and_water_on_the_ground() -> None:
@@ -41,13 +41,13 @@ def test_density_and_saturated_density_and_water_on_the_ground() -> None:
         stratum.pop("density_seismic")
         stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3"}
     data.pop("water_table")
-    found = overburden(Input.parse({**data, "water": {"table": -1.0}}), 50.0, 5.0)
+    found = overburden(Config.parse({**data, "water": {"table": -1.0}}).section, 50.0, 5.0)
     assert found.total == pytest.approx(GRAVITY * 9700.0)
     assert found.effective == pytest.approx(GRAVITY * 5700.0)
-    cut = Input.parse({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
-    assert len(cut.strata) == 3
-    assert cut.strata[0].liquefies_in == ()
-    drowned = overburden(Input.parse({**data, "water": {"table": 3.0}}), 50.0, 5.0)
+    cut = Config.parse({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
+    assert len(cut.section.strata) == 3
+    assert cut.section.strata[0].liquefies_in == ()
+    drowned = overburden(Config.parse({**data, "water": {"table": 3.0}}).section, 50.0, 5.0)
     assert drowned.total == pytest.approx(GRAVITY * 10000.0)
     assert drowned.effective == pytest.approx(GRAVITY * 5000.0)
 
@@ -62,8 +62,8 @@ def test_water_under_pressure_saturates_ground_above_the_table() -> None:
         stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3", "piezometric_level": 0.2}
     data.pop("water_table")
     for water in ({"water": {"table": -1.0}}, {}):
-        section = Input.parse({**data, **water})
-        found = overburden(section, 50.0, 0.5)
+        section = Config.parse({**data, **water})
+        found = overburden(section.section, 50.0, 0.5)
         assert found.below_water
         assert found.effective == pytest.approx(GRAVITY * (0.5 * 2000.0 - 0.7 * 1000.0))
         assert all(one.reason != "above the water table" for one in section.assessment().tests)
@@ -71,7 +71,7 @@ def test_water_under_pressure_saturates_ground_above_the_table() -> None:
 
 def test_what_tests_stand_for() -> None:
     """B-1 has loose sand from the water, at 1 m, to 6 m; B-2 as much of dense sand: half of it liquefies."""
-    found = Input.parse(bored()).assessment()
+    found = Config.parse(bored()).assessment()
     loose, dense = found.strata
     pieces = np.array([(t.top, t.bottom) for t in found.tests[:4]])
     np.testing.assert_allclose(pieces, [(0.0, 1.75), (1.75, 4.0), (4.0, 6.0), (6.0, 20.0)])
@@ -85,13 +85,13 @@ def test_what_tests_stand_for() -> None:
 
 def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None:
     data = bored()
-    assert [stratum.liquefies_in for stratum in Input.parse(data).strata] == [(), ()]
+    assert [stratum.liquefies_in for stratum in Config.parse(data).section.strata] == [(), ()]
     data["triggering"]["share"] = 0.3
-    given = Input.parse(data)
-    assert [tuple(stratum.liquefies_in) for stratum in given.strata] == [(1, 2, 3), ()]
-    again = Input.parse({**data, "strata": given.model_dump(mode="json")["strata"]})
+    given = Config.parse(data)
+    assert [tuple(stratum.liquefies_in) for stratum in given.section.strata] == [(1, 2, 3), ()]
+    again = Config.parse({**data, "strata": given.to_data()["strata"]})
     assert 'liquefies_in = "triggered"' in given.to_toml()
-    assert again.strata == given.strata
+    assert again.section.strata == given.section.strata
 
 
 def test_what_is_not_known_is_named() -> None:
@@ -132,16 +132,16 @@ def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:
     data["earthquake"] = {"magnitude": 7.5, "distance": "20 km", "record": "surface.csv", "scale": 1.25}
     path = tmp_path / "bored.toml"
     path.write_text(tomli_w.dumps(data))
-    given = Input.load(path)
+    given = Config.load(path)
     motion = given.assessment().motion
     assert motion.median == pytest.approx(0.25 * GRAVITY)
     assert motion.relation == "the peak of surface.csv"
     assert given.files("earthquake") == {"earthquake, record": tmp_path / "surface.csv"}
     assert given.files("slide") == {}
     data["earthquake"] |= {"peak_acceleration": "0.1 g"}
-    assert Input.parse(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
+    assert Config.parse(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
     data["earthquake"] = {"magnitude": 7.5, "record": str(tmp_path / "none.csv")}
-    assert "there is no such accelerogram" in "\n".join(problems(data, Input))
+    assert "there is no such accelerogram" in "\n".join(problems(data, Config))
 
 
 def test_a_plain_section_does_not_ask_for_borings() -> None:
@@ -176,8 +176,8 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     data["triggering"] = {
         "method": "boulanger_idriss_2014", "cases": ["median"], "borings": [{"name": "C-1", "x": 50.0, "cpt": cone}]
     }  # fmt: skip
-    given = Input.parse(data)
-    assert [bool(stratum.liquefies_in) for stratum in given.strata] == [True, False]
+    given = Config.parse(data)
+    assert [bool(stratum.liquefies_in) for stratum in given.section.strata] == [True, False]
     assert 1e3 < given.cases[0].strength_of("loose") < 10e3
     path = tmp_path / "cone.toml"
     path.write_text(tomli_w.dumps(data))
@@ -187,7 +187,7 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert "8 more stand in triggering.json" in page
     data["triggering"]["method"] = "idriss_boulanger_2008"
-    assert "none has spt, which Idriss & Boulanger (2008) judges by" in "\n".join(problems(data, Input))
+    assert "none has spt, which Idriss & Boulanger (2008) judges by" in "\n".join(problems(data, Config))
 
 
 def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None:
@@ -196,8 +196,8 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     data["triggering"] |= {"share": 0.3, "pore_pressure": True}
     data["triggering"]["borings"] = [{"name": "B-1", "x": 50.0, "spt": [test(3.0, 5), test(8.0, 26), test(14.0, 30)]}]
     data["earthquake"]["peak_acceleration"] = "200 gal"
-    given = Input.parse(data)
-    loose, dense = given.strata
+    given = Config.parse(data)
+    loose, dense = given.section.strata
     tests = [one for one in given.assessment().tests if one.where.stratum == 1]
     each = [2.0 / np.pi * np.arcsin(one.factor ** (-1.0 / 0.476)) for one in tests]
     assert all(1.0 < one.factor < 2.0 for one in tests)
@@ -205,11 +205,11 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     assert loose.excess_pore_pressure_ratio == 0.0
     assert dense.excess_pore_pressure_ratio == pytest.approx(np.average(each, weights=areas))
     at = np.array([[50.0, -10.0]])
-    assert given.water_pressure.shaken(at, at, np.array([1]))[0] > 0.0
-    again = Input.parse({**data, "strata": given.model_dump(mode="json")["strata"]})
-    assert again.strata == given.strata
+    assert given.section.water_pressure.shaken(at, at, np.array([1]))[0] > 0.0
+    again = Config.parse({**data, "strata": given.to_data()["strata"]})
+    assert again.section.strata == given.section.strata
     data["strata"][1]["excess_pore_pressure_ratio"] = 0.77
-    assert Input.parse(data).strata[1].excess_pore_pressure_ratio == 0.77
+    assert Config.parse(data).section.strata[1].excess_pore_pressure_ratio == 0.77
 
 
 def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
@@ -219,15 +219,15 @@ def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
     data["strata"] = [{key: value for key, value in one.items() if key != "liquefies_in"} for one in data["strata"]]
     data["earthquake"] = {"magnitude": 9.0, "distance": "20 km", "relation": "boore"}
     data["triggering"] = {"borings": [{"name": "B-1", "x": 400.0, "spt": [test(3.0, 5)]}]}
-    said = "\n".join(problems(data, Input))
+    said = "\n".join(problems(data, Config))
     assert 'earthquake, relation = "boore": expected vs30' in said
     assert "earthquake, magnitude = 9: outside the range" in said
     assert "boring B-1: x = 400 m is off the section" in said
     data.pop("triggering")
     data["earthquake"] |= {"vs30": 270.0, "magnitude": 9.2}
-    assert "magnitude = 9.2: outside the range of Boore et al. (2014)" in "\n".join(problems(data, Input))
+    assert "magnitude = 9.2: outside the range of Boore et al. (2014)" in "\n".join(problems(data, Config))
     data["earthquake"] |= {"peak_acceleration": "0.2 g"}
-    motion = Input.parse(data).earthquake.motion()
+    motion = Config.parse(data).earthquake.motion()
     assert motion is not None
     assert motion.relation == "as given"
 
@@ -245,21 +245,21 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     """The three relations at two tests: the median lies between the low and the high strength, and sand drains."""
     data = bored()
     data["triggering"] |= {"share": 0.3, "cases": ["median", "low strength", "high strength"]}
-    assert [case.name for case in Input.parse(data).cases] == data["triggering"]["cases"]  # not the paper's as well
+    assert [case.name for case in Config.parse(data).cases] == data["triggering"]["cases"]  # not the paper's as well
     data["slide"] = {"cases": [{"stiffness": 0.1}, {"stiffness": 0.02}, {"stiffness": 0.01}]}
-    given = Input.parse(data)
-    assert tuple(given.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
+    given = Config.parse(data)
+    assert tuple(given.section.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
     median, low, high = given.cases[3:]
     assert [case.name for case in given.cases] == ["", "", "", "median", "low strength", "high strength"]
     strengths = [case.strength_of("loose") for case in (low, median, high)]
     assert 1e3 < strengths[0] < strengths[1] < strengths[2] < 10e3
     assert median.strength_of("dense") == median.residual_of("loose") == 0.0
     assert 0.01 < median.volumetric_strain < 0.06
-    assert Input.parse(given.model_dump(mode="json", by_alias=True, exclude_none=True)).cases == given.cases
+    assert Config.parse(given.to_data()).cases == given.cases
     data["triggering"] |= {"residual": "ratio"}
-    ratios = [case.residual_of("loose") for case in Input.parse(data).cases[3:]]
+    ratios = [case.residual_of("loose") for case in Config.parse(data).cases[3:]]
     assert 0.02 < ratios[1] < ratios[0] < ratios[2] < 0.2
-    assert all(not case.residual_strength for case in Input.parse(data).cases)
+    assert all(not case.residual_strength for case in Config.parse(data).cases)
 
 
 def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:
@@ -267,4 +267,4 @@ def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:
     data["earthquake"]["peak_acceleration"] = "20 m/s^2"
     data["triggering"]["borings"] = [{"name": "B-1", "x": 20.0, "spt": [test(3.0, 16), test(8.0, 60)]}]
     data["triggering"]["cases"] = ["median"]
-    assert "none of the relations of residual strength holds" in "\n".join(problems(data, Input))
+    assert "none of the relations of residual strength holds" in "\n".join(problems(data, Config))

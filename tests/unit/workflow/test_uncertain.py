@@ -15,7 +15,7 @@ from scipy import stats
 from meshes.errors import InputError
 from tests.support import SECTIONS
 from tests.support.sections import slope
-from workflow.settings import Input
+from workflow.config import Config
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.sampling import chances, correlated, samples
 from workflow.uncertain.settings import StudySettings
@@ -61,8 +61,8 @@ def test_what_is_cut_off_stays_between(chance: float, low: float, width: float) 
     assert low - 1e-9 <= cut.at(chance) <= low + width + 1e-9
 
 
-def with_paths(table: dict[str, Any]) -> Input:
-    return Input.parse({**slope(), "uncertain": table})
+def with_paths(table: dict[str, Any]) -> Config:
+    return Config.parse({**slope(), "uncertain": table})
 
 
 def test_values_go_where_their_paths_lead() -> None:
@@ -76,11 +76,11 @@ def test_values_go_where_their_paths_lead() -> None:
     }
     drawn = [31.0, 1.1, 0.25, 9.5, "fixed", 1.5]
     read = with_paths(table).with_drawn(dict(zip(table, drawn, strict=True)))
-    assert read.strata[0].friction_angle == pytest.approx(math.radians(31.0))
-    assert [stratum.cohesion for stratum in read.strata] == pytest.approx([16.5e3, 16.5e3])
-    assert read.strata[0].bottom is not None
-    assert read.strata[0].bottom.depth == 4.25
-    assert read.surface == ((0.0, 20.0), (100.0, 9.5))
+    assert read.section.strata[0].friction_angle == pytest.approx(math.radians(31.0))
+    assert [stratum.cohesion for stratum in read.section.strata] == pytest.approx([16.5e3, 16.5e3])
+    assert read.section.strata[0].bottom is not None
+    assert read.section.strata[0].bottom.depth == 4.25
+    assert read.section.surface == ((0.0, 20.0), (100.0, 9.5))
     assert (read.fem.sides, read.dem.radius) == ("fixed", 1.5)
     assert read.uncertain.numbers == {}
 
@@ -92,9 +92,9 @@ def test_a_line_of_points_is_shifted_as_a_whole_or_point_by_point() -> None:
         "strata.1.bottom.depth": {"uniform": ["-50 cm", "50 cm"], "does": "shift"},
         "strata.1.bottom.depth.2": {"uniform": [2.0, 6.0]},
     }
-    read = Input.parse(data).with_drawn({"strata.1.bottom.depth": 20.0, "strata.1.bottom.depth.2": 5.0})
-    assert read.strata[0].bottom is not None
-    assert read.strata[0].bottom.depth == ((0.0, pytest.approx(4.2)), (100.0, 5.0))
+    read = Config.parse(data).with_drawn({"strata.1.bottom.depth": 20.0, "strata.1.bottom.depth.2": 5.0})
+    assert read.section.strata[0].bottom is not None
+    assert read.section.strata[0].bottom.depth == ((0.0, pytest.approx(4.2)), (100.0, 5.0))
 
 
 def test_all_that_is_wrong_is_told_at_once() -> None:
@@ -144,9 +144,9 @@ def test_numbers_that_cannot_go_together() -> None:
 
 
 def test_an_input_with_uncertain_numbers_is_written_and_read_again() -> None:
-    read = Input.load(SECTIONS / "s13.toml")
+    read = Config.load(SECTIONS / "s13.toml")
     assert len(read.uncertain.numbers) > 20
-    assert Input.parse(tomllib.loads(read.to_toml())) == read
+    assert Config.parse(tomllib.loads(read.to_toml())) == read
 
 
 @settings(max_examples=20)
@@ -173,7 +173,7 @@ def test_samples_have_what_was_drawn_by_path(tmp_path: Path) -> None:
     table = {"strata.1.cohesion": {"normal": ["10 kPa", "1 kPa"]}, "fem.sides": {"list": ["roller", "fixed"]}}
     file = tmp_path / "s.toml"
     file.write_text(tomli_w.dumps({**slope(), "uncertain": table, "study": {"samples": 8}}))
-    read = Input.load(file)
+    read = Config.load(file)
     drawn = samples(read.uncertain, read.study)
     assert len(drawn) == 8
     assert sorted(one["fem.sides"] for one in drawn) == ["fixed"] * 4 + ["roller"] * 4
@@ -188,11 +188,11 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
         stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
     paths = {"strata.upper.cohesion": "2.5 kPa", "strata.upper.bottom.depth": "5 m"}
     data["uncertain"] = {path: {"list": [value]} for path, value in paths.items()}
-    wet = Input.parse(data)
-    assert (len(data["strata"]), len(wet.strata)) == (2, 3)
+    wet = Config.parse(data)
+    assert (len(data["strata"]), len(wet.section.strata)) == (2, 3)
     drawn = wet.with_drawn(paths)
-    assert [stratum.cohesion for stratum in drawn.strata] == [2500.0, 2500.0, 15000.0]  # above water and below
-    again = Input.parse(tomllib.loads(wet.to_toml()))
+    assert [stratum.cohesion for stratum in drawn.section.strata] == [2500.0, 2500.0, 15000.0]  # above water and below
+    again = Config.parse(tomllib.loads(wet.to_toml()))
     assert again == wet
     assert again.with_drawn(paths) == drawn
 
@@ -210,5 +210,5 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
 )
 def test_paths_without_quotation_marks_and_unknown_kinds_are_told(table: dict[str, Any], told: str) -> None:
     with pytest.raises(InputError) as caught:
-        Input.parse({**slope(), "uncertain": table})
+        Config.parse({**slope(), "uncertain": table})
     assert told in str(caught.value)

@@ -7,10 +7,10 @@ import pytest
 from meshes.quad_mesh import QuadMesh
 from tests.support.answers import fem, variant
 from tests.support.sections import slope
+from workflow.config import Config
 from workflow.results import stored_mesh
 from workflow.results.continuum import MeshCount, MeshStep
 from workflow.run.store import Store
-from workflow.settings import Input
 from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
 
 
@@ -33,7 +33,7 @@ from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
     ],
 )
 def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str) -> None:
-    run = Input.parse({**slope(), **settings})
+    run = Config.parse({**slope(), **settings})
     found = changed(run, name, "quadratic")
     assert found is not None
     assert found[:2] == (name, words)
@@ -44,24 +44,24 @@ def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str
 
 
 def test_what_would_change_nothing_is_left_out() -> None:
-    tied = Input.parse(
+    tied = Config.parse(
         {**slope(), "surface": [[0.0, 20.0], [100.0, 20.0]], "fem": {"sides": "tied", "first_step": 0.1}}
     )
     assert changed(tied, "sides", "quadratic") is None
     assert changed(tied, "step", "quadratic") is None
-    limit_load = Input.parse(slope())  # ψ = φ and its element: there is no path, and so no step
+    limit_load = Config.parse(slope())  # ψ = φ and its element: there is no path, and so no step
     assert changed(limit_load, "step", "reduced") is None
     data = slope()
     for stratum in data["strata"]:
         stratum["dilation_angle"] = stratum["friction_angle"]
-    assert changed(Input.parse(data), "dilation", "reduced") is None
+    assert changed(Config.parse(data), "dilation", "reduced") is None
 
 
 @pytest.mark.parametrize(("cells", "first"), [(PATH_CELLS, None), (PATH_CELLS + 1, 0.25)])
 def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
     cells: int, first: float | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run = Input.parse(slope())
+    run = Config.parse(slope())
     monkeypatch.setattr(stored_mesh, "stored_mesh", lambda *_: "the first mesh")
     answer = fem(run).model_copy(
         update={

@@ -9,7 +9,7 @@ from dem.settings import Case
 from dem.slides.lost_strength import liquefied
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 SAND = soil_discs("sand", 1e7, Strength(0.3), 2000.0, 2000.0, 0.5, 0.25)
 
@@ -34,4 +34,4 @@ def test_restitution_is_that_of_the_layer_before(stiffness: float) -> None:
 def test_a_damping_that_is_given_is_taken_and_the_papers_cases_give_theirs() -> None:
     assert liquefied([SAND], [0], Case(stiffness=0.02, damping=0.1))[0].cn == pytest.approx(0.1 * SAND.cn)
     assert liquefied([SAND], [0], Case(stiffness=0.04))[0].cn == pytest.approx(0.2 * SAND.cn)
-    assert {case.damping for case in Input.load(SECTIONS / "s13.toml").slide.cases} == {0.1}
+    assert {case.damping for case in Config.load(SECTIONS / "s13.toml").slide.cases} == {0.1}

@@ -13,7 +13,7 @@ from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
 from dem.slides.slip import cracked_shares
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 pytestmark = pytest.mark.slow
 
@@ -22,29 +22,29 @@ ASD = ("3 Asd", "4 Asd", "5 Asd")
 
 
 @pytest.fixture(scope="module")
-def run() -> Input:
+def run() -> Config:
     """The section with the paper's own discs."""
-    whole = Input.load(SECTIONS / "s13.toml")
+    whole = Config.load(SECTIONS / "s13.toml")
     return whole.model_copy(update={"dem": whole.dem.as_paper()})
 
 
 @pytest.fixture(scope="module")
-def ground(run: Input) -> Ground:
-    return ground_of(run, run.dem)
+def ground(run: Config) -> Ground:
+    return ground_of(run.section, run.dem)
 
 
 @pytest.fixture(scope="module")
-def settled(run: Input, ground: Ground) -> DiscModel:
-    return settle(ground, springs_of(run, run.dem, ground.radius), run.dem)
+def settled(run: Config, ground: Ground) -> DiscModel:
+    return settle(ground, springs_of(run.section, run.dem, ground.radius), run.dem)
 
 
 @pytest.fixture(scope="module")
-def search(run: Input, ground: Ground, settled: DiscModel) -> Search:
+def search(run: Config, ground: Ground, settled: DiscModel) -> Search:
     return critical_kh(settled, ground, run.dem, threads=2)
 
 
 @pytest.fixture(scope="module")
-def slides(run: Input, ground: Ground, settled: DiscModel) -> list[Slide]:
+def slides(run: Config, ground: Ground, settled: DiscModel) -> list[Slide]:
     cases = [None, *run.slide.cases]
     sliders = [Slider(settled, ground, [3, 5] if case else [], case, run.slide) for case in cases]
     with ThreadPoolExecutor(2) as pool:
@@ -57,7 +57,7 @@ def test_settled(settled: DiscModel) -> None:
 
 
 def test_stands_at_0_2_and_breaks_along_the_asd_layers_at_0_3(
-    run: Input, ground: Ground, settled: DiscModel, search: Search
+    run: Config, ground: Ground, settled: DiscModel, search: Search
 ) -> None:
     """Figs 12 and 13."""
     model = settled.copy()
@@ -92,8 +92,8 @@ def test_slides_of_table_2(slides: list[Slide]) -> None:
     assert three["slides_over_share"] > 0.8
 
 
-def test_the_chain_has_the_same_bits_twice(run: Input, ground: Ground, settled: DiscModel) -> None:
-    again = settle(ground, springs_of(run, run.dem, ground.radius), run.dem)
+def test_the_chain_has_the_same_bits_twice(run: Config, ground: Ground, settled: DiscModel) -> None:
+    again = settle(ground, springs_of(run.section, run.dem, ground.radius), run.dem)
     assert (again.x == settled.x).all()
     settings = SlideSettings(duration=5.0)
     case = run.slide.cases[2]

@@ -22,7 +22,7 @@ from dem.slides.surface import Surface
 from fem.search.dem_counterpart import as_discs
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
-from workflow.settings import Input
+from workflow.config import Config
 
 pytestmark = pytest.mark.slow
 
@@ -32,33 +32,33 @@ LIQUEFIED = [3, 5]
 
 
 @pytest.fixture(scope="module")
-def run() -> Input:
-    return Input.load(SECTIONS / "s13.toml")
+def run() -> Config:
+    return Config.load(SECTIONS / "s13.toml")
 
 
 @pytest.fixture(scope="module")
-def layers(run: Input) -> list[SoilLayer]:
-    return soil_layers(run)
+def layers(run: Config) -> list[SoilLayer]:
+    return soil_layers(run.section)
 
 
 @pytest.fixture(scope="module")
-def ground(run: Input, layers: list[SoilLayer]) -> Deposit:
-    return deposit(run, run.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
+    return deposit(run.section, run.dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
 
 
 @pytest.fixture(scope="module")
-def checks(run: Input, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
-    found = soil_checks(layers, run.dem.mean_radius(run))
+def checks(run: Config, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
+    found = soil_checks(layers, run.dem.mean_radius(run.section))
     return {check.stratum: check for check in found}
 
 
 @pytest.fixture(scope="module")
-def pushed(run: Input, ground: Deposit) -> tuple[Search, DiscModel]:
+def pushed(run: Config, ground: Deposit) -> tuple[Search, DiscModel]:
     return pushed_over(ground.settled, ground.ground, run.dem, Continuum(KC, YIELDING), threads=2)
 
 
 @pytest.fixture(scope="module")
-def slides(run: Input, ground: Deposit) -> list[Slide]:
+def slides(run: Config, ground: Deposit) -> list[Slide]:
     start: DiscModel = ground.settled
     sliders = [Slider(start, ground.ground, LIQUEFIED, case, run.slide) for case in run.slide.cases]
     with ThreadPoolExecutor(2) as pool:
@@ -91,15 +91,15 @@ def test_clays_are_the_soil(checks: dict[str, LayerCheck]) -> None:
         assert check.strength_discs_Pa[-1] > 0.8 * check.peak_discs_Pa[-1]
 
 
-def test_the_ground_is_the_sections(run: Input, ground: Deposit) -> None:
+def test_the_ground_is_the_sections(run: Config, ground: Deposit) -> None:
     """In every column of two diameters, and its area, below the tops of the discs, within 1 %."""
-    away = misfit(run, ground.settled, ground.ground.radius)
+    away = misfit(run.section, ground.settled, ground.ground.radius)
     assert abs(away.mean()) < 0.15
     assert np.abs(away).mean() < 0.2 * ground.ground.radius
     assert np.abs(away).max() <= 0.5 * ground.ground.radius
     x, top = Surface.of(ground.settled, ground.ground).points(ground.settled, ground.ground).T
-    missing = trapezoid(np.interp(x, *run.ground.T) - top, x)
-    assert abs(missing) < 0.01 * run.layering.areas().sum()
+    missing = trapezoid(np.interp(x, *run.section.ground.T) - top, x)
+    assert abs(missing) < 0.01 * run.section.layering.areas().sum()
 
 
 def test_the_critical_kh_is_predicted(pushed: tuple[Search, DiscModel]) -> None:
@@ -109,20 +109,20 @@ def test_the_critical_kh_is_predicted(pushed: tuple[Search, DiscModel]) -> None:
 
 
 def test_discs_fail_where_the_continuum_does(
-    run: Input, layers: list[SoilLayer], ground: Deposit, pushed: tuple[Search, DiscModel]
+    run: Config, layers: list[SoilLayer], ground: Deposit, pushed: tuple[Search, DiscModel]
 ) -> None:
     """With fixed sides and psi as given. Three packings: 3.1, 3.0 and 1.8 m; from the slip surface of Davis's
     substitute, which weakens sand and leaves clay alone, 7.7, 8.6 and 6.2 m."""
     wish = run.fem.model_copy(update={"direction": "downhill"})
-    continuum = as_discs(run, generate(run, run.mesh), wish, MPI.COMM_SELF)
+    continuum = as_discs(run.section, generate(run.section, run.mesh), wish, MPI.COMM_SELF)
     assert continuum.kc == pytest.approx(KC, abs=0.002)
     surfaces = [slip_surface(pushed[1], ground.settled, ground.ground)]
     for seed in (1, 2):
         settings = run.dem.model_copy(update={"seed": seed})
-        other = deposit(run, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+        other = deposit(run.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
         failed = pushed_over(other.settled, other.ground, settings, Continuum(KC, YIELDING), threads=2)[1]
         surfaces.append(slip_surface(failed, other.settled, other.ground))
-    apart = [compare(run, surface, continuum.slip_surface) for surface in surfaces]
+    apart = [compare(run.section, surface, continuum.slip_surface) for surface in surfaces]
     assert np.mean([found.mean_distance_m for found in apart if found is not None]) < 3.0
     assert None not in apart
 
@@ -142,9 +142,9 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
     assert 0.3 < min(drops) <= max(drops) < 0.7
 
 
-def test_discs_of_half_the_radius_slide_as_far(run: Input, layers: list[SoilLayer], slides: list[Slide]) -> None:
-    dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run)})
-    fine = deposit(run, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
+def test_discs_of_half_the_radius_slide_as_far(run: Config, layers: list[SoilLayer], slides: list[Slide]) -> None:
+    dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run.section)})
+    fine = deposit(run.section, dem, lambda radius, voids: [layer.springs(radius, voids) for layer in layers])
     slide = Slider(fine.settled, fine.ground, LIQUEFIED, run.slide.cases[1], run.slide).run(threads=2)
     assert slide.settled
     assert slide.rows[-1].slide_max_m == pytest.approx(slides[1].rows[-1].slide_max_m, rel=0.3)

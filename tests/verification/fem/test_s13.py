@@ -16,7 +16,7 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS, TOP
-from workflow.settings import Input
+from workflow.config import Config
 
 S13 = SECTIONS / "s13.toml"
 ASSOCIATED, DAVIS, AS_GIVEN = "associated", "davis", "section"
@@ -24,8 +24,8 @@ ASSOCIATED, DAVIS, AS_GIVEN = "associated", "davis", "section"
 
 @functools.cache
 def mesh_of(refine):
-    run = Input.load(S13)
-    return run, generate(run, run.mesh.model_copy(update={"refine": refine}))
+    run = Config.load(S13)
+    return run, generate(run.section, run.mesh.model_copy(update={"refine": refine}))
 
 
 @functools.cache
@@ -152,9 +152,9 @@ from mpi4py import MPI
 from fem.search.critical import critical_coefficient
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
-from workflow.settings import Input
+from workflow.config import Config
 from tests.support import SECTIONS, TOP
-run = Input.load(sys.argv[1])
+run = Config.load(sys.argv[1])
 for flow in ("associated", "section"):
     wish = FemSettings(element=sys.argv[2], flow=flow, direction="downhill")
     result = critical_coefficient(run, generate(run, run.mesh), wish, MPI.COMM_WORLD)

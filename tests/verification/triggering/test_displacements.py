@@ -9,6 +9,7 @@ from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.borings import bored
 from tests.support.sections import problems
+from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import (
     Spreading,
@@ -22,7 +23,6 @@ from workflow.estimates.lateral_spread import (
 from workflow.estimates.sliding_block import newmark
 from workflow.estimates.slope_displacement import bray_macedo, bray_travasarou
 from workflow.estimates.truss import Truss, truss_of
-from workflow.settings import Input
 
 # Magnitude, distance (km), slope (%), T15 (m), F15 (%), D50 (mm), and the displacement observed (m): rows of gently
 # sloping ground of the data base of Youd et al. (2002), as the public package LiquePy ships it.
@@ -75,7 +75,7 @@ def test_a_bank_in_place_of_the_slope() -> None:
         boring["x"] = min(boring["x"], 50.0)
         for sample in boring["spt"]:
             sample |= {"fines": 5.0, "d50": "0.3 mm"}
-    found = {one.method: one for one in empirical(Input.parse(data), 0.2, np.zeros((0, 2)))}
+    found = {one.method: one for one in empirical(Config.parse(data), 0.2, np.zeros((0, 2)))}
     by_strain = found["Zhang, Robertson & Brachman (2004)"]
     index = float(by_strain.words.split("LDI = ")[1].split(" m")[0])
     assert by_strain.displacement_m == pytest.approx(1.1368 * index, rel=0.01)
@@ -92,7 +92,7 @@ def test_a_bank_in_place_of_the_slope() -> None:
     ],
 )
 def test_a_bank_that_is_none(face: dict[str, float], told: str) -> None:
-    assert told in "\n".join(problems({**bored(), "free_face": face}, Input))
+    assert told in "\n".join(problems({**bored(), "free_face": face}, Config))
 
 
 def test_youd_by_hand() -> None:
@@ -153,7 +153,7 @@ def test_a_truss_balances_its_weight() -> None:
 def test_towhatas_truss_on_s13() -> None:
     """The paper calls its end displacement similar to the 3 m that were measured; with E of Table 1, which is that of
     ground that has not softened, the bar gives half a metre, and 3 m with a sixth of that E."""
-    bar = truss_of(Input.load(SECTIONS / "s13.toml"), 1)
+    bar = truss_of(Config.load(SECTIONS / "s13.toml").section, 1)
     assert bar is not None
     assert bar.length == pytest.approx(200.0, abs=0.5)
     assert bar.end == pytest.approx(0.53, abs=0.01)
@@ -161,7 +161,7 @@ def test_towhatas_truss_on_s13() -> None:
 
 def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None:
     """M 7.7 is beyond the data of 2007, and the paper's borings were not at hand."""
-    given = Input.load(SECTIONS / "s13.toml")
+    given = Config.load(SECTIONS / "s13.toml")
     found = {one.method: one for one in empirical(given, 0.237, np.zeros((0, 2)))}
     assert set(found) == {
         "Bray & Travasarou (2007)", "Bray & Macedo (2019)", "Youd, Hansen & Bartlett (2002)",
@@ -176,7 +176,7 @@ def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
-    found = {one.method: one for one in empirical(Input.parse(data), 0.2, np.zeros((0, 2)))}
+    found = {one.method: one for one in empirical(Config.parse(data), 0.2, np.zeros((0, 2)))}
     level = found["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words

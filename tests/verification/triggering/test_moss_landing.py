@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.support import SECTIONS
+from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import Spreading, why_not_youd, youd, zhang_free_face
-from workflow.settings import Input
 
-GIVEN = Input.load(SECTIONS / "moss_landing.toml")
+GIVEN = Config.load(SECTIONS / "moss_landing.toml")
 
 # Depth (m) and F_L as LiquePy (github LiquePy/LiquePy, zhang2004_lateral_spread_analysis.xls) has them for this boring.
 # Its C_N is that of 2004, ours solves for (N1)60cs.
@@ -63,7 +63,7 @@ def test_predicted_beside_observed() -> None:
     assert [youd(site) for site, _ in INCLINOMETERS] == pytest.approx([0.478, 0.358], abs=0.002)
     assert all(0.5 < youd(site) / observed < 2.0 for site, observed in INCLINOMETERS)
     assert all(why_not_youd(site).endswith("is not within 1-20 %") for site, _ in INCLINOMETERS)
-    distance, height = GIVEN.free_face.distance_and_height(GIVEN.ground)
+    distance, height = GIVEN.free_face.distance_and_height(GIVEN.section.ground)
     assert 100.0 * height / distance == pytest.approx(29.73, abs=0.05)
     spread = {one.method: one for one in empirical(GIVEN, 0.1, np.zeros((0, 2)))}
     zhang = spread["Zhang, Robertson & Brachman (2004)"]

@@ -9,6 +9,7 @@ import tomli_w
 
 from tests.support import command_line
 from tests.support.borings import bored
+from workflow.config import Config
 from workflow.earthquake.site_response import (
     HalfSpace,
     Layer,
@@ -19,7 +20,6 @@ from workflow.earthquake.site_response import (
     waves,
 )
 from workflow.estimates.comparison import estimates
-from workflow.settings import Input
 
 STEP = 0.01
 TIME = np.arange(0.0, 20.48, STEP)
@@ -158,7 +158,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     k_max = next(layer["k_max"] for layer in answer["layers"] if layer["bottom_m"] == pytest.approx(6.0))
     data["slide"] = {"kh": "k_max"}
     path.write_text(tomli_w.dumps(data))
-    given = Input.load(path)
+    given = Config.load(path)
     assert given.slide.kh == pytest.approx(k_max, abs=1e-4)
     assert f"kh = {given.slide.kh}" in given.to_toml()  # what was used
     del data["site_response"]["slip_depth"]
@@ -167,7 +167,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert 'slide, kh = "k_max": expected record and slip_depth in [site_response]' in capsys.readouterr().err
     del data["slide"]
     path.write_text(tomli_w.dumps(data))
-    found = estimates(Input.load(path), 0.02, np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]]))
+    found = estimates(Config.load(path), 0.02, np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]]))
     told = [one.words for one in found if "under the average" in one.method]
     assert len(told) == 1
     assert f"k_max = {k_max:.3f} above 6 m" in told[0]  # the slip surface of the finite elements serves

@@ -10,7 +10,7 @@ from dem.settings import Case
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length
 from meshes.section.section import Model, read_toml
-from workflow.settings import Input
+from workflow.config import Config
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/slides")
@@ -104,7 +104,7 @@ class SlideCase:
     name: str
     title: str
     known: Known
-    given: Input | None = None
+    config: Config | None = None
     folder: Path = FOLDER
 
     @property
@@ -130,8 +130,8 @@ def read_case(path: Path) -> SlideCase:
             raise InputError(str(path), [f"{', '.join(unknown)}: not used by a problem of this kind"])
         return SlideCase(name, title, known, None, path.parent)
     if known.problem.section:
-        return SlideCase(name, title, known, Input.load(path.parent / known.problem.section))
-    return SlideCase(name, title, known, Input.parse(data, str(path)))
+        return SlideCase(name, title, known, Config.load(path.parent / known.problem.section))
+    return SlideCase(name, title, known, Config.parse(data, str(path)))
 
 
 def read_cases(folder: Path, names: tuple[str, ...] = ()) -> list[SlideCase]:

@@ -23,8 +23,8 @@ from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.quantity import GRAVITY
+from workflow.config import Config
 from workflow.earthquake import accelerogram
-from workflow.settings import Input
 from workflow.stages.shaking import shaking_of
 from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
 from workflow.verify.slides.record import Line, SlideAnswer
@@ -137,10 +137,10 @@ def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np
 
 def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
     """Slide at a place of the surface (m), of discs with the strengths of the section: no factor is fitted."""
-    given = case.given
-    if given is None:
+    config = case.config
+    if config is None:
         raise ValueError(f"{case.name}: a section is wanted")
-    start, end, slide = _slid(Sliding(given), _number(wanted.case, given.cases), seed)
+    start, end, slide = _slid(Sliding(config), _number(wanted.case, config.cases), seed)
     value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, start, end)
     before, after = np.array(slide.surface_before), np.array(slide.surface_after)
     return value, slide.loose_share, slide.settled, _thinned(before), _thinned(after)
@@ -149,9 +149,9 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
 class Sliding:
     """An input, told from another by what it says and not by what it is called: several cases may be of one ground."""
 
-    def __init__(self, given: Input) -> None:
-        self.given = given
-        self.key = given.model_dump_json(exclude={"name", "title", "free_face"})
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.key = config.model_dump_json(exclude={"name", "title", "free_face"})
 
     def __hash__(self) -> int:
         return hash(self.key)
@@ -163,13 +163,13 @@ class Sliding:
 @lru_cache(maxsize=8)
 def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscModel, Slide]:
     """Discs at rest, where they came to lie, and the slide in between."""
-    given = sliding.given
-    soil = soil_layers(given)
-    settings = given.dem.model_copy(update={"seed": seed})
-    lies = deposit(given, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
-    strata = [k for k, stratum in enumerate(given.strata) if number in stratum.liquefies_in]
-    shaking = shaking_of(given, strata)
-    slider = Slider(lies.settled, lies.ground, strata, given.cases[number - 1], given.slide, shaking=shaking)
+    config = sliding.config
+    soil = soil_layers(config.section)
+    settings = config.dem.model_copy(update={"seed": seed})
+    lies = deposit(config.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
+    strata = [k for k, stratum in enumerate(config.section.strata) if number in stratum.liquefies_in]
+    shaking = shaking_of(config, strata)
+    slider = Slider(lies.settled, lies.ground, strata, config.cases[number - 1], config.slide, shaking=shaking)
     slide = slider.run()
     if not slide.rows or slide.reason.startswith("stopped"):
         raise ValueError(slide.reason)

@@ -1,0 +1,127 @@
+"""The tables of settings in the file of a run, one settings object each."""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, StrictBool
+
+from dem.settings import DemSettings, SlideSettings
+from fem.settings import BoundsSettings, FemSettings
+from meshes.section.model import Model
+from meshes.section.quantity import Coordinate, Length
+from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
+from meshes.settings import MeshSettings
+from workflow.earthquake.accelerogram import Accelerogram
+from workflow.earthquake.accelerogram import read as read_record
+from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
+from workflow.triggering.free_face import FreeFaceSettings
+from workflow.triggering.settings import TriggeringSettings
+from workflow.uncertain.settings import StudySettings, UncertainSettings
+
+
+class FigureSettings(Model):
+    """Settings of the pictures and of the report, a table [figures]."""
+
+    report_width: int = Field(
+        default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
+    )
+    report_animations: StrictBool = Field(
+        default=True, description="true if the report shall play the slides, and the path of Kh"
+    )
+
+
+class Observed(Model):
+    """A displacement that was measured, a table [[report.observed]]."""
+
+    name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
+    displacement: Length = Field(description='how far the ground went, such as "0.26 m"')
+    x: Coordinate | None = Field(default=None, description="where, along the section, beside the discs there")
+    source: str = Field(default="", description="where that is told")
+
+
+class ReportSettings(Model):
+    """What stands at the head of the report, a table [report]; what is empty is left out."""
+
+    project: str = Field(default="", description="the name of the project")
+    client: str = Field(default="", description="for whom the report is")
+    author: str = Field(default="", description="who answers for it")
+    number: str = Field(default="", description="the number of the report, or its revision")
+    standard: str = Field(default="", description="the standard that it follows")
+    logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
+    observed: tuple[Observed, ...] = Field(
+        default=(), description="one table [[report.observed]] for each measured displacement, drawn beside all others"
+    )
+
+
+Variant = Literal["mesh", "element", "step", "dilation", "sides"]
+
+
+class VariantSettings(Model):
+    """On what the critical Kh hangs, a table [variants]."""
+
+    which: tuple[Variant, ...] = Field(
+        default=("element", "step", "dilation", "sides"),
+        description='what is changed, one at a time, to see how much of the critical Kh hangs on it: "mesh" (four '
+        'times the cells), "element", "step", "dilation", "sides"',
+    )
+
+
+class SlidingBlockSettings(Model):
+    """What the slide of the discs is compared with, a table [sliding_block]."""
+
+    accelerogram: str = Field(
+        default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
+    )
+    unit: RecordUnit = ""
+    component: RecordComponent = ""
+    scale: RecordScale = 1.0
+    kh: float | None = Field(
+        default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
+    )
+    seconds: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=3600.0,
+        description="how long the constant coefficient acts (s); by default as long as on the slides, else 10",
+    )
+
+    def in_use(self) -> Accelerogram:
+        """The record that is named, scaled; raises InputError if it cannot be read."""
+        return read_record(Path(self.accelerogram), self.unit, self.component).scaled(self.scale)
+
+
+class Tables(Model):
+    """The settings of all stages, one TOML table each."""
+
+    mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] that says how to mesh")
+    fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
+    bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
+    dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
+    slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
+    variants: VariantSettings = Field(
+        default=VariantSettings(), description="a table [variants] of what is changed to see what it does"
+    )
+    sliding_block: SlidingBlockSettings = Field(
+        default=SlidingBlockSettings(), description="a table [sliding_block] of the blocks to compare with"
+    )
+    earthquake: EarthquakeSettings = Field(
+        default=EarthquakeSettings(), description="a table [earthquake] of magnitude and distance, or acceleration"
+    )
+    site_response: SiteResponseSettings = Field(
+        default=SiteResponseSettings(), description="a table [site_response] of the layers under a record of the rock"
+    )
+    triggering: TriggeringSettings = Field(
+        default=TriggeringSettings(), description="a table [triggering] of borings, and of how they are judged"
+    )
+    free_face: FreeFaceSettings = Field(
+        default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
+    )
+    uncertain: UncertainSettings = Field(
+        default=UncertainSettings(),
+        description="a table [uncertain] of numbers that have a distribution, by their paths",
+    )
+    study: StudySettings = Field(
+        default=StudySettings(), description="a table [study] of how `noshiro study` samples what is uncertain"
+    )
+    figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
+    report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
