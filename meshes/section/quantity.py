@@ -146,6 +146,7 @@ LENGTH = Kind("a length", "m", '"1.5 m"', minimum=0.0, minimum_allowed=False, li
 COORDINATE = Kind(
     "a coordinate or depth", "m", '12.5 or "41 ft"', minimum=-1e7, maximum=1e7, limits=" within 10,000 km of zero"
 )
+HEIGHT = Kind("a height", "m", '"0.5 m"', minimum=0.0, limits=" of 0 or more")
 STIFFNESS = Kind("a stiffness", "Pa", '"15.3 MPa"', minimum=0.0, minimum_allowed=False, limits=" above 0")
 STRENGTH = Kind("a stress", "Pa", '"10 tf/m^2"', minimum=0.0, limits=" of 0 or more")
 DENSITY = Kind(
@@ -171,6 +172,7 @@ ANGLE = Kind("an angle", "rad", '"35 deg"', minimum=0.0, maximum=math.pi / 2, li
 POISSON = Kind("a Poisson's ratio", "", "0.33", minimum=0.0, maximum=0.5, limits=" from 0 to below 0.5")
 
 Length = _field(LENGTH)
+Height = _field(HEIGHT)
 Coordinate = _field(COORDINATE)
 Stiffness = _field(STIFFNESS)
 Strength = _field(STRENGTH)

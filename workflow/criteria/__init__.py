@@ -1,0 +1,1 @@
+"""What an answer is held against: structures that matter, limits with their sources, and the verdict."""

@@ -1,0 +1,87 @@
+"""What the answers are held against: a table [criteria]."""
+
+from typing import Self
+
+from pydantic import Field
+
+from meshes.section.model import Model
+from meshes.section.quantity import Coordinate, Height, Length
+from workflow.criteria.presets import PRESETS, Preset
+
+SOURCE = "where the limit stands, such as the name of a guideline"
+
+
+class FactorCriterion(Model):
+    """A least factor of safety, a table [criteria.factor_of_safety]."""
+
+    limit: float = Field(gt=0.0, le=100.0, description="the least factor of safety, such as 1.2")
+    kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh at which it is asked for")
+    source: str = Field(default="", description=SOURCE)
+
+
+class KhCriterion(Model):
+    """A least critical Kh, a table [criteria.critical_kh]."""
+
+    limit: float = Field(gt=0.0, le=2.0, description="the least critical Kh, such as 0.15")
+    source: str = Field(default="", description=SOURCE)
+
+
+class LengthCriterion(Model):
+    """A largest displacement or settlement, a table [criteria.displacement] or [criteria.crest_settlement]."""
+
+    limit: Length = Field(description='the largest length that is allowed, such as "0.3 m"')
+    source: str = Field(default="", description=SOURCE)
+
+
+class FreeboardCriterion(Model):
+    """A least freeboard after the earthquake, a table [criteria.freeboard]."""
+
+    limit: Height = Field(description='the least height of the crest above the water, such as "0.5 m", or 0')
+    water: Coordinate | None = Field(
+        default=None,
+        description="elevation of the water, such as 12.5; by default the table beside the structure",
+    )
+    source: str = Field(default="", description=SOURCE)
+
+
+class CriteriaSettings(Model):
+    """Limits, each with its source; a quantity without one is not judged."""
+
+    preset: Preset | None = Field(
+        default=None,
+        description='a published criterion: "hynes_griffin_franklin_1984" (factor 1 at half of the peak acceleration, '
+        'for up to 1 m) or "nchrp_611" (factor 1.1 at half of it, for up to 2 inches); what is given beside it counts '
+        "before it",
+    )
+    factor_of_safety: FactorCriterion | None = Field(
+        default=None, description="the least factor of safety, { limit = 1.2, kh = 0.1, source = ... }"
+    )
+    critical_kh: KhCriterion | None = Field(default=None, description="the least critical Kh, { limit = 0.15 }")
+    displacement: LengthCriterion | None = Field(
+        default=None, description='the largest displacement of a structure, { limit = "0.3 m" }'
+    )
+    crest_settlement: LengthCriterion | None = Field(
+        default=None, description='the largest settlement of a crest, { limit = "0.5 m" }'
+    )
+    freeboard: FreeboardCriterion | None = Field(
+        default=None, description='the least freeboard that is left, { limit = "0.5 m", water = 12.5 }'
+    )
+
+    def resolved(self, peak: float | None) -> Self:
+        """The limits with those of the preset, for a ``peak`` acceleration of the ground (over gravity)."""
+        if self.preset is None or peak is None:
+            return self
+        told = PRESETS[self.preset]
+        factor = FactorCriterion(limit=told.factor, kh=round(told.share * peak, 4), source=told.source)
+        displacement = LengthCriterion(limit=told.displacement, source=told.source)
+        return self.model_copy(
+            update={
+                "factor_of_safety": self.factor_of_safety or factor,
+                "displacement": self.displacement or displacement,
+            }
+        )
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is judged."""
+        return all(value is None for _, value in self)

@@ -1,0 +1,40 @@
+"""Structures of a section, a table [[structures]] each: where a failure matters."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from meshes.section.model import Model
+from meshes.section.quantity import Coordinate
+
+Kind = Literal["levee", "quay", "bank", "building", "other"]
+
+
+class Structure(Model):
+    """A structure, or ground that carries one, between two places of the section."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+    name: str = Field(min_length=1, description="what it is called, such as main levee")
+    start: Coordinate = Field(alias="from", description="x of its left foot, such as 56.0")
+    end: Coordinate = Field(alias="to", description="x of its right foot, such as 86.0")
+    kind: Kind = Field(default="other", description='"levee", "quay", "bank", "building" or "other"')
+
+
+def structure_problems(structures: Sequence[Structure], extent: tuple[float, float]) -> list[str]:
+    """What is wrong with structures of a section that reaches from ``extent[0]`` to ``extent[1]`` (m)."""
+    left, right = extent
+    problems = []
+    for k, one in enumerate(structures, start=1):
+        where = f'structures {k} "{one.name}", from = {one.start:g} m, to = {one.end:g} m'
+        if not one.end > one.start:
+            problems.append(f"{where}: expected the left foot, then the right one")
+        elif one.start < left or one.end > right:
+            problems.append(f"{where}: lies off the section, which reaches from {left:g} to {right:g} m")
+    names = [one.name for one in structures]
+    return problems + [
+        f'structures: {names.count(name)} of them are called "{name}"; expected every name once'
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]

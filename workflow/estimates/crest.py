@@ -1,0 +1,109 @@
+"""Crests of the ground: the top of a structure between its feet, and embankments that stand out on both sides."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+NEAR = 0.1  # of the height: ground that lies less below the top belongs to the crest, less above the foot to the foot
+LEAST_HEIGHT, LEAST_SHARE = 1.0, 0.2  # m, and of the relief of the section: lower humps are no embankments
+LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
+
+
+@dataclass(frozen=True)
+class Crest:
+    """The top of a structure; x in m.
+
+    Attributes
+    ----------
+    start, end : the feet, between which the structure stands
+    left, right : the ends of the crest; equal where it is a ridge
+    elevation : of its highest point (m)
+    """
+
+    start: float
+    end: float
+    left: float
+    right: float
+    elevation: float
+
+    @property
+    def width(self) -> float:
+        """Of the crest (m)."""
+        return self.right - self.left
+
+
+def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
+    """Find the crest of a structure: the ground beside its highest point that is less than 10 % of its height lower.
+
+    Parameters
+    ----------
+    ground : (n, 2) ndarray
+        Points of the ground surface (m), x ascending.
+    start, end : float
+        x of the feet of the structure (m), inside the ground.
+
+    Returns
+    -------
+    Crest
+    """
+    inside = ground[(ground[:, 0] > start) & (ground[:, 0] < end)]
+    ends = np.interp([start, end], *ground.T)
+    points = np.vstack([[start, ends[0]], inside, [end, ends[1]]])
+    z = points[:, 1]
+    high = z >= z.max() - NEAR * np.ptp(z)
+    top = int(np.argmax(z))
+    low_left, low_right = np.flatnonzero(~high[:top]), np.flatnonzero(~high[top:])
+    first = int(low_left[-1]) + 1 if len(low_left) else 0
+    last = top + int(low_right[0]) - 1 if len(low_right) else len(z) - 1
+    return Crest(start, end, float(points[first, 0]), float(points[last, 0]), float(z.max()))
+
+
+def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
+    """Find the crests that stand out on both sides, from left to right.
+
+    A crest stands out by its prominence: its height above the higher of the lowest points on either side, as far as
+    the ground is lower than the crest. It is an embankment where that is at least 1 m and 20 % of the relief of the
+    section, and where both faces are steeper than 1 in 10.
+
+    Parameters
+    ----------
+    ground : (n, 2) ndarray
+        Points of the ground surface (m), x ascending.
+
+    Returns
+    -------
+    tuple of Crest
+    """
+    found: list[Crest] = []
+    for crest in sorted(_standing_out(ground), key=lambda one: -one.elevation):
+        if all(crest.end <= other.start or crest.start >= other.end for other in found):
+            found.append(crest)
+    return tuple(sorted(found, key=lambda one: one.start))
+
+
+def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
+    z = ground[:, 1]
+    least = max(LEAST_HEIGHT, LEAST_SHARE * float(np.ptp(z)))
+    for top in range(1, len(z) - 1):
+        before, after = z[:top][::-1], z[top + 1 :]  # from the top outwards
+        before = before[: int(np.argmax(before >= z[top]))] if (before >= z[top]).any() else before
+        after = after[: int(np.argmax(after > z[top]))] if (after > z[top]).any() else after
+        if not len(before) or not len(after):
+            continue
+        base = max(before.min(), after.min())
+        height = z[top] - base
+        if height < least:
+            continue
+        start = _foot(ground[: top + 1][::-1], base, height)
+        crest = crest_between(ground, start, _foot(ground[top:], base, height))
+        run = max(crest.left - crest.start, crest.end - crest.right)
+        if height >= LEAST_SLOPE * run:
+            yield crest
+
+
+def _foot(points: np.ndarray, base: float, height: float) -> float:
+    """Where the ground has come down from the top, the first of the ``points``, to the ``base``."""
+    k = int(np.argmax(points[:, 1] <= base + NEAR * height))
+    (x0, z0), (x1, z1) = points[k - 1], points[k]
+    return float(x1 if z1 >= base - NEAR * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))

@@ -1,0 +1,100 @@
+"""How much a crest settles in a slide and by reconsolidation, and the freeboard that is left above the water."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workflow.estimates.crest import Crest
+
+PLACES = 401  # of the crest's width between the feet
+
+
+def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
+    """Elevation of the highest ground as wide as the crest between the feet of a structure.
+
+    Water flows over a structure where its highest ground is lower than the water. The mean over the width of the crest
+    is taken because a surface of discs is rough, and at its highest place because a crest that moves aside still holds
+    water back.
+
+    Parameters
+    ----------
+    surface : (n, 2) ndarray
+        Points of the ground surface (m), before or after a slide.
+    crest : Crest
+        The crest as it was before the slide.
+
+    Returns
+    -------
+    float or None
+        m; None where the surface does not reach from foot to foot.
+    """
+    line = surface[np.argsort(surface[:, 0], kind="stable")]
+    if not len(line) or line[0, 0] > crest.left or line[-1, 0] < crest.right:
+        return None
+    start, end = max(crest.start, line[0, 0]), min(crest.end, line[-1, 0])
+    places = np.linspace(start, end, PLACES)
+    x = np.unique(np.concatenate([places, line[:, 0].clip(start, end), [crest.left, crest.right]]))
+    z = np.interp(x, *line.T)
+    if crest.width <= 0.0:
+        return float(z.max())
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (z[1:] + z[:-1]) * np.diff(x))])
+    first = x[x <= end - crest.width + 1e-9]
+    return float(np.max((np.interp(first + crest.width, x, area) - np.interp(first, x, area)) / crest.width))
+
+
+def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> float | None:
+    """By how much the highest ground of a structure is lower after a slide.
+
+    Parameters
+    ----------
+    before, after : (n, 2) ndarray
+        Points of the ground surface (m).
+    crest : Crest
+
+    Returns
+    -------
+    float or None
+        m, down positive; None where a surface does not reach over the crest.
+    """
+    was, became = crest_level(before, crest), crest_level(after, crest)
+    return None if was is None or became is None else was - became
+
+
+def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Sequence[float]) -> float:
+    """Settlement of level ground as the excess pore pressure drains: S = Σ ε_v Δh.
+
+    Strain is vertical alone (K. Ishihara & M. Yoshimine, Soils and Foundations 32 (1992) 173-188; I. M. Idriss &
+    R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12, 2008, section 4.4).
+
+    Parameters
+    ----------
+    thickness : sequence of float
+        Of the layers that liquefied, below the crest (m).
+    volumetric_strain : sequence of float
+        Of each of them (-).
+
+    Returns
+    -------
+    float
+        m, down positive.
+    """
+    return float(sum(h * strain for h, strain in zip(thickness, volumetric_strain, strict=True)))
+
+
+def freeboard(elevation: float, settlement: float, water: float) -> float:
+    """Height of the crest above the water after the earthquake (m); negative where water flows over it.
+
+    Parameters
+    ----------
+    elevation : float
+        Of the crest before the earthquake (m).
+    settlement : float
+        Of the crest (m), down positive.
+    water : float
+        Elevation of the water beside the structure (m).
+
+    Returns
+    -------
+    float
+    """
+    return elevation - settlement - water
