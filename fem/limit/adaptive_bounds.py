@@ -14,7 +14,7 @@ from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_proble
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
 from fem.solvers.blas_threads import one_more_thread
-from fem.solvers.cone_program import NoSolution, Solution
+from fem.solvers.cone_program import NoSolution, Solution, Warm
 from meshes.bisection import bisect, fan_out
 from meshes.triangles import TriMesh
 
@@ -109,15 +109,18 @@ def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits, observer: Obs
 
 
 def proven_lower_bound(
-    problem: LimitProblem, most_work: float = math.inf
+    problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
     """The stress field that was found, what went wrong, and the same as a strict bound if it passes its check.
 
-    After ``most_work`` (s of the reference machine) the solver ends with what it has.
+    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
     """
+    place = start
 
     def attempt(more_margin: np.ndarray | float, work: float) -> tuple[LowerBound, StressCheck]:
-        found = lower_bound(problem, more_margin, work)
+        nonlocal place
+        found = lower_bound(problem, more_margin, work, place)
+        place = found.solution.warm
         return found, check_stress(problem, found.stress, found.multiplier)
 
     # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
@@ -127,20 +130,24 @@ def proven_lower_bound(
 
 
 def proven_upper_bound(
-    problem: LimitProblem, most_work: float = math.inf
+    problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
     """The mechanism that was found, what went wrong, and the same as a strict bound if it passes its check.
 
-    After ``most_work`` (s of the reference machine) the solver ends with what it has.
+    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Ground of φ > 45° cannot strain where it lies in a corner of held sides, far into the section the more the steeper φ
     is, and may leave the solver nothing to find. Such ground is held then.
     """
 
+    place = start
+
     def attempt(
         more_margin: np.ndarray | float, work: float, rigid: np.ndarray | None = None
     ) -> tuple[UpperBound, VelocityCheck]:
-        found = upper_bound(problem, more_margin, rigid, work)
+        nonlocal place
+        found = upper_bound(problem, more_margin, rigid, work, place)
+        place = found.solution.warm
         return found, check_velocity(problem, found.velocity)
 
     steep = problem.friction > STEEP

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -27,6 +28,8 @@ from fem.limit.bracket import (
 )
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.settings import BoundsSettings, FemSettings
+from fem.solvers.blas_threads import one_more_thread
+from fem.solvers.cone_program import NEAR, Solution, Warm
 from meshes.bisection import fan_out
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -123,6 +126,7 @@ class FactorSearch:
         self.slope: float | None = None
         self.gauge: Gauge = "kh"
         self.both_ways = False  # whether the lower bound is one for either direction of the push
+        self.places: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
 
     def find(self) -> None:
@@ -195,14 +199,16 @@ class FactorSearch:
         before = self.work.spent
         problem = self.problem(factor)
         low = high = stress = mechanism = None
-        if lower:
-            low, _, stress = proven_lower_bound(problem, self.work.left)
-            self.work.spent += low.solution.work
-            self.count("lower", stress is None and not low.solution.none)
-        if upper:
-            high, _, mechanism = proven_upper_bound(problem, self.work.left)
-            self.work.spent += high.solution.work
-            self.count("upper", mechanism is None and not high.solution.none)
+        left = self.work.left
+        with one_more_thread(lower and upper) as executor:
+            above = partial(proven_upper_bound, problem, left, self.place("upper", factor))
+            begun = executor.submit(above) if upper else None
+            if lower:
+                low, _, stress = proven_lower_bound(problem, left, self.place("lower", factor))
+                self.count("lower", factor, low.solution, stress is None)
+            if begun is not None:
+                high, _, mechanism = begun.result()
+                self.count("upper", factor, high.solution, mechanism is None)
         unmoved = high is not None and high.solution.none == "no mechanism"
         trial = Trial(
             factor,
@@ -223,9 +229,17 @@ class FactorSearch:
         self.trials.append(trial)
         return trial
 
-    def count(self, side: BoundSide, failed: bool) -> None:
-        """Keep how many trials in a row the solver left without a bound, without a proof that there is none."""
-        self.failures[side] = self.failures[side] + 1 if failed else 0
+    def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
+        """Keep the work of a trial, where the next one may begin, and how many in a row the solver left without a
+        bound, and without a proof that there is none."""
+        self.work.spent += solution.work
+        self.places[side] = factor, solution.warm
+        self.failures[side] = self.failures[side] + 1 if unproven and not solution.none else 0
+
+    def place(self, side: BoundSide, factor: float) -> Warm | None:
+        """Where a bound of ground weakened by a factor may begin: where that of about the same factor was."""
+        last, place = self.places.get(side, (factor, None))
+        return place if abs(math.log(factor / last)) < NEAR else None
 
     def settle(self) -> None:
         """Trials on this mesh until the factor is close, then one that proves each bound."""

@@ -57,12 +57,15 @@ class LowerBound:
 
 
 def lower_bound(
-    problem: LimitProblem, more_margin: np.ndarray | float = 0.0, most_work: float = math.inf
+    problem: LimitProblem,
+    more_margin: np.ndarray | float = 0.0,
+    most_work: float = math.inf,
+    start: cone_program.Warm | None = None,
 ) -> LowerBound:
     """The stress field with the largest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is kept from the yield surface beside what is kept anyhow.
-    After ``most_work`` (s of the reference machine) the solver ends with what it has.
+    After ``most_work`` (s of the reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -85,7 +88,7 @@ def lower_bound(
         tension=np.repeat(problem.tension, 3)[free[::3]],
         bare=bare_corners(problem).ravel()[free[::3]],
     )
-    solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work)
+    solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work, start=start)
     found = solution.stress.ravel()
     found = found + smallest_correction(balance, dead + solution.multiplier * live - balance @ found)
     stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))

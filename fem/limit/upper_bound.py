@@ -60,12 +60,13 @@ def upper_bound(
     more_margin: np.ndarray | float = 0.0,
     rigid: np.ndarray | None = None,
     most_work: float = math.inf,
+    start: cone_program.Warm | None = None,
 ) -> UpperBound:
     """The mechanism with the smallest load multiplier, its equations met to rounding after the solver.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is kept from breaking the flow rule beside what is kept anyhow.
     Cells of ``rigid`` (m,), a mask, are held: the bound stays one, if a larger one. After ``most_work`` (s of the
-    reference machine) the solver ends with what it has.
+    reference machine) the solver ends with what it has; ``start`` is where it begins.
 
     Whether its multiplier is a strict bound is for ``fem.limit.bound_checks`` to say.
     """
@@ -95,7 +96,7 @@ def upper_bound(
         tension=np.repeat(problem.tension, 3)[corners],
     )
     magnified = max(1.0, len(problem.mesh.cells) / COARSE)
-    solution = cone_program.solve(program, magnified=magnified, most_work=most_work)
+    solution = cone_program.solve(program, magnified=magnified, most_work=most_work, start=start)
     if solution.none == "no stress":  # its proof are rates at which the dead load alone fails
         solution = replace(solution, rates=MUCH / np.abs(solution.rates).max() * solution.rates, none="", ended="")
     dilates = program.friction > 0.0

@@ -116,12 +116,14 @@ class Discretised:
         )
 
     def solved(
-        self, program: "Callable[[Discretised], cone_program.ConeProgram]"
+        self,
+        program: "Callable[[Discretised], cone_program.ConeProgram]",
+        start: cone_program.Warm | None = None,
     ) -> "tuple[Discretised, cone_program.Solution]":
         """The solution of a program made of this, and what it was made of: the same, in a larger unit of stress where
-        the solver is not sure in this one."""
-        for ground in (self, replace(self, unit=LARGER * self.unit)):
-            solution = cone_program.solve_for_elements(program(ground))
+        the solver is not sure in this one; the first time from ``start``."""
+        for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
+            solution = cone_program.solve_for_elements(program(ground), place)
             if solution.sure:
                 break
         return ground, solution

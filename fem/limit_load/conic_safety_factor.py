@@ -90,6 +90,7 @@ class _Search:
         self.problem, self.mesh, self.ground = problem, mesh, ground
         self.elastic = mean  # mean of the elastic stress in the plane (points,) in Pa, tension positive
         self.material = ground.cells.material.ravel()
+        self.last: tuple[float, cone_program.Warm | None] | None = None  # logarithm of the factor, and where to begin
 
     def find(self, guess: float, kh: float) -> tuple[float, State]:
         """The factor and its mechanism."""
@@ -119,7 +120,9 @@ class _Search:
             dead = ground.load(0)
             return ground.program(strength, dead, np.zeros_like(dead), softening)
 
-        self.ground, solution = self.ground.solved(program)
+        near = self.last is not None and abs(at - self.last[0]) < cone_program.NEAR
+        self.ground, solution = self.ground.solved(program, self.last[1] if near and self.last else None)
+        self.last = at, solution.warm
         if solution.none or not solution.sure:
             why = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")

@@ -30,6 +30,7 @@ from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
 from fem.solvers.corner_matrix import CornerMatrix
+from fem.solvers.interior_point import Standard
 from meshes.executor import check_cancelled, interruptible
 
 use_one_thread()
@@ -66,7 +67,7 @@ LEAST_ITERATIONS = 40
 # breaks down, and the velocities below which Clarabel is as quick.
 INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 2e-4, 2.5, 2000
 # Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
-INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.25, 1.1
+INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +102,8 @@ class Solution:
         Processor time it took.
     fallback : bool
         Whether Clarabel found it, since the interior-point method of our own broke down or there is no solution.
+    warm : Warm or None
+        Where a program of the same mesh with another strength may begin.
     """
 
     multiplier: float
@@ -115,6 +118,33 @@ class Solution:
     work: float
     seconds: float
     fallback: bool
+    warm: "Warm | None" = None
+
+
+# Ground whose strength differs by no more than this share is near enough to begin where the other was.
+NEAR = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Warm:
+    """A place to begin with, and the stiffness matrix with its order of elimination, for programs of ``rates``."""
+
+    place: interior_point.Place
+    matrix: CornerMatrix
+    form: Standard
+
+    def suits(self, form: Standard) -> bool:
+        """Whether a program has the same corners and strain rates."""
+        own, other = self.form, form
+        return own.matrix.shape == other.matrix.shape and all(
+            np.array_equal(one, two)
+            for one, two in (
+                (own.rates.indptr, other.rates.indptr),
+                (own.rates.indices, other.rates.indices),
+                (own.rates.data, other.rates.data),
+                *((getattr(own.corners, name), getattr(other.corners, name)) for name in ("clay", "single", "triple")),
+            )
+        )
 
 
 def solve(
@@ -122,21 +152,24 @@ def solve(
     regularisations: Sequence[float] = REGULARISATIONS,
     magnified: float = 1.0,
     most_work: float = math.inf,
+    start: Warm | None = None,
 ) -> Solution:
     """Stress, velocities and multiplier of a program of bounds.
 
     Clarabel, where it ends without an answer, or meets its tolerances only almost and its equations badly, is asked
     again with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals
-    count as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has.
+    count as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has. The
+    method of our own begins at a ``start`` where that suits, which only costs or saves time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
-    return _solve(program, INTERIOR_GAP, partial(_by_clarabel, regularisations, feasibility, most_work), magnified)
+    ask = partial(_by_clarabel, regularisations, feasibility, most_work)
+    return _solve(program, INTERIOR_GAP, ask, magnified, start=start)
 
 
-def solve_for_elements(program: ConeProgram) -> Solution:
+def solve_for_elements(program: ConeProgram, start: Warm | None = None) -> Solution:
     """The same of a program of elements, less exactly; the multiplier is the middle of the solver's own bracket."""
     ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, math.inf)
-    return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True)
+    return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True, start=start)
 
 
 def _solve(
@@ -145,6 +178,7 @@ def _solve(
     ask_clarabel: "Callable[[Assembled, float], _End]",
     magnified: float = 1.0,
     in_the_middle: bool = False,
+    start: Warm | None = None,
 ) -> Solution:
     """The solution by the interior-point method of our own, or where that has none by Clarabel."""
     corners, n = len(program.cohesion), len(program.live)
@@ -152,7 +186,7 @@ def _solve(
     data = assembled(program, clay)
     started, own = time.thread_time(), None
     if n >= LEAST_VELOCITIES and cholmod.available():
-        own = _by_interior_point(program, data, magnified, gap)
+        own = _by_interior_point(program, data, magnified, gap, start)
     end = own if own is not None and own.status in MET else ask_clarabel(data, magnified)
     if own is not None and end is not own:
         end = replace(end, work=end.work + own.work, iterations=end.iterations + own.iterations, fallback=True)
@@ -172,6 +206,7 @@ def _solve(
         work=end.work,
         seconds=time.thread_time() - started,
         fallback=end.fallback,
+        warm=end.warm,
     )
 
 
@@ -188,22 +223,33 @@ class _End:
     work: float
     middle: float | None = None
     fallback: bool = False
+    warm: Warm | None = None
 
 
-def _by_interior_point(program: ConeProgram, data: Assembled, magnified: float, gap: float) -> _End:
-    """The end of the interior-point method of our own."""
+def _by_interior_point(
+    program: ConeProgram, data: Assembled, magnified: float, gap: float, start: Warm | None = None
+) -> _End:
+    """The end of the interior-point method of our own; from the beginning where a ``start`` leads nowhere."""
     form, order = standard(program, data, magnified)
+    warm = start if start is not None and start.suits(form) else None
     try:
-        matrix = CornerMatrix(form.rates)
-        found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled)
+        matrix = warm.matrix if warm else CornerMatrix(form.rates)
+        iterations = 0
+        for place in (warm.place, None) if warm else (None,):
+            found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place)
+            iterations += found.iterations
+            met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
+            if met:
+                break
     except MemoryError:
         return _End("MemoryError", np.empty(0), np.empty(0), False, 0, 0.0)
     z = np.empty(len(found.z))
     z[order] = found.z / magnified
-    work = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT * found.iterations
-    met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
+    work = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT * iterations
     middle = 0.5 * (found.primal + found.dual) / magnified
-    return _End("Solved" if met else "NumericalError", found.y, z, met, found.iterations, work, middle)
+    kept = Warm(found.warm, matrix, form) if found.warm else None
+    status = "Solved" if met else "NumericalError"
+    return _End(status, found.y, z, met, iterations, work, middle, warm=kept)
 
 
 def _by_clarabel(

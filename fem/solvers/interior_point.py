@@ -22,6 +22,9 @@ FEASIBILITY, LEAST_MULTIPLIER = 1e-9, 0.05
 MOST_ITERATIONS = 60
 # After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
 HOPELESS, HOPELESS_RESIDUAL = 20, 1e-4
+# A place whose gap is this share of the multiplier is where another strength may begin.
+WARM = 1.0
+MOST_WARM = 15  # iterations from there
 # Iterations, at most, whose gap is small enough and whose residual is not.
 MOST_LATE = 4
 # What is added to the diagonal of the stiffness matrix.
@@ -69,10 +72,14 @@ class Standard:
     rates: sparse.csr_matrix  # [volume, difference, shear] (3 k, velocities)
 
 
+# Unknowns y, multipliers z and slacks s.
+Place = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
 @dataclass(frozen=True, eq=False)
 class Iterate:
     """Unknowns, multipliers and slacks, both objectives, and what is left: the gap as a share of the multiplier, and
-    the relative residual of the equations."""
+    the relative residual of the equations; at the end also where to begin with on the same mesh."""
 
     y: np.ndarray
     z: np.ndarray
@@ -82,6 +89,7 @@ class Iterate:
     gap: float
     residual: float
     iterations: int
+    warm: "Place | None" = None
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -91,14 +99,20 @@ class Iterate:
 
 
 def interior_solution(
-    given: Standard, unit: float, gap: float, matrix: CornerMatrix, heed: Callable[[], None]
+    given: Standard,
+    unit: float,
+    gap: float,
+    matrix: CornerMatrix,
+    heed: Callable[[], None],
+    start: Place | None = None,
 ) -> Iterate:
     """The solution to a relative ``gap``, of a program whose costs are ``unit`` times as large as the multiplier.
 
     ``heed`` is called before each iteration. Where it breaks down it is the best place that meets the equations, if
-    there is one.
+    there is one. A ``start`` is a place that the same mesh with another strength went through: from well inside the
+    cones half of the iterations do, from near the solution it often breaks down.
     """
-    return _Method(given, unit, gap, matrix).run(heed)
+    return _Method(given, unit, gap, matrix).run(heed, start)
 
 
 class _BreakdownError(ArithmeticError):
@@ -135,12 +149,13 @@ class _Method:
         """The cones of a vector of rows, as a view (cones, 3)."""
         return v[self.first : self.lones].reshape(-1, 3)
 
-    def run(self, heed: Callable[[], None]) -> Iterate:
+    def run(self, heed: Callable[[], None], start: Place | None) -> Iterate:
         """Iterations until the tolerances are met, or no more can be done."""
-        y, z, s = self.start()
+        y, z, s = start or self.start()
+        warm = start
         best: Iterate | None = None
         late = 0
-        for iteration in range(MOST_ITERATIONS + 1):
+        for iteration in range(1 + (MOST_ITERATIONS if start is None else MOST_WARM)):
             heed()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
@@ -153,6 +168,8 @@ class _Method:
             now = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
             if best is None or now.rank < best.rank:
                 best = now
+            if warm is None and product <= WARM * max(abs(dual), LEAST_MULTIPLIER * self.unit):
+                warm = y, z, s
             if (best.residual <= FEASIBILITY and best.gap <= self.gap) or not np.isfinite(gap):
                 break
             late += gap < self.gap and residual > FEASIBILITY
@@ -167,7 +184,7 @@ class _Method:
                 break
             y, s, z = y + steps[0] * dy, s + steps[0] * ds, z + steps[1] * dz
         assert best is not None
-        return replace(best, iterations=iteration)
+        return replace(best, iterations=iteration, warm=warm)
 
     def direction(
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float

@@ -12,6 +12,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +44,15 @@ PARTS = {"fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, 
 
 
 def files(folder: Path) -> dict[str, Path]:
-    """The sections by their names, random ones written into a folder."""
+    """The sections by their names, others than the shipped ones written into a folder."""
     found = {name: SECTIONS / f"{name}.toml" for name in SHIPPED}
-    found |= {name: TOP / "tests/verification/published" / f"{name}.toml" for name in PUBLISHED}
-    for number in RANDOM:
-        path = folder / f"random_{number}.toml"
-        path.write_text(tomli_w.dumps(random_data(number)))
-        found[path.stem] = path
+    written = {f"random_{number}": random_data(number) for number in RANDOM}
+    for name in PUBLISHED:
+        written[name] = tomllib.loads((TOP / "tests/verification/published" / f"{name}.toml").read_text())
+        del written[name]["published"]
+    for name, data in written.items():
+        found[name] = folder / f"{name}.toml"
+        found[name].write_text(tomli_w.dumps(data))
     return found
 
 
