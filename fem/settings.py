@@ -9,7 +9,7 @@ from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
-Sides = Literal["roller", "fixed", "tied"]
+Sides = Literal["roller", "smooth", "fixed", "tied"]
 DirectionSetting = Literal["both", "downhill", "uphill"]
 
 # Accuracies are shares of Kh, or of this Kh where Kh is smaller: nobody designs by the fourth decimal. In the factor of
@@ -32,7 +32,8 @@ class FemSettings(Model):
     )
     sides: Sides = Field(
         default="roller",
-        description='"roller" (free horizontally under the K0 stress, held vertically), "fixed" or "tied" (alike)',
+        description='"roller" (free horizontally under the K0 stress, held vertically), "smooth" (held horizontally, '
+        'free vertically), "fixed" (held in both) or "tied" (both sides move alike)',
     )
     rigid_box: StrictBool = Field(
         default=True,

@@ -166,7 +166,7 @@ def fem(
     kh: Annotated[
         list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="roller, fixed or tied.")] = None,
+    sides: Annotated[str | None, typer.Option(help="roller, smooth, fixed or tied.")] = None,
     element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
@@ -298,7 +298,7 @@ def bounds(
     safety_factor: Annotated[
         bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="roller or fixed.")] = None,
+    sides: Annotated[str | None, typer.Option(help="roller, smooth or fixed.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
     settings: Set = None,
     force: Force = False,

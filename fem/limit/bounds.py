@@ -184,8 +184,8 @@ def body_of(
 ) -> RigidPlasticBody:
     """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh.
 
-    The pore pressure that shaking adds is there if the ground is ``shaken``. Sides that are not fixed bear the K0
-    stress and move; ``held``, they move up and down alone.
+    The pore pressure that shaking adds is there if the ground is ``shaken``. Smooth sides have no normal velocity and
+    no shear traction. Roller sides carry the K0 stress and move horizontally; ``held``, they are smooth.
     """
     cohesion, friction = strengths(section.strata, davis)
     growth = np.array([s.cohesion_increase for s in section.strata])
@@ -198,7 +198,7 @@ def body_of(
     sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
     if fem.sides == "tied":
         sides |= dict.fromkeys(("left", "right"), Side(tied=True))
-    elif fem.sides == "roller" and held:
+    elif fem.sides == "smooth" or (fem.sides == "roller" and held):
         sides |= {"left": Side("x"), "right": Side("x")}
     elif fem.sides == "roller":
         for name, stress in side_stresses(section, mesh).items():

@@ -1,6 +1,6 @@
 """The section in equilibrium under its weight (K0 stage), from which the seismic load starts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +16,7 @@ from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.path.equilibrium_path import EquilibriumPath, PathSettings
 from fem.path.newton import NewtonSettings, ProportionalLoad
-from fem.settings import Element, FemSettings
+from fem.settings import Element, FemSettings, Sides
 from fem.solvers import dolfinx_api as api
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
@@ -25,6 +25,8 @@ from meshes.section.section import Section, Stratum
 
 # What is held under gravity, so that the sides bear K0 stress.
 UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
+# Components of the displacement that are held at both sides once the weight is carried; none where they are tied.
+HELD_AT_SIDES: Mapping[Sides, str] = {"roller": "y", "smooth": "x", "fixed": "xy", "tied": ""}
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 # Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
@@ -137,9 +139,7 @@ def _begin_here(problem: PlaneStrain) -> None:
 
 def sides_held(settings: FemSettings) -> dict[str, str]:
     """The displacement components that are held on boundaries once the weight is borne."""
-    if settings.sides == "tied":
-        return {"base": "xy"}
-    held = "y" if settings.sides == "roller" else "xy"
+    held = HELD_AT_SIDES[settings.sides]
     return {"base": "xy", "left": held, "right": held}
 
 

@@ -10,6 +10,7 @@ from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 
 SIDES: Mapping[Sides, str] = {
     "roller": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
+    "smooth": "The sides are held horizontally and free vertically, without shear stress, as in slope programs.",
     "fixed": "The sides are held in both directions, which helps it to stand.",
     "tied": "Both sides move alike, as if the section were one of many in a row.",
 }

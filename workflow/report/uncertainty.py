@@ -17,6 +17,7 @@ from workflow.results.variants import Variant
 NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 SIDES: Mapping[Sides, str] = {
     "roller": "The sides may move horizontally under their K0 stress, and not vertically",
+    "smooth": "The sides are held horizontally, and may move vertically without shear stress",
     "fixed": "The sides are held in both directions, which helps the slope to stand",
     "tied": "Both sides move alike: the section is one of many in a row",
 }
