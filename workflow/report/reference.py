@@ -11,6 +11,7 @@ from pydantic_core import PydanticUndefined
 
 from meshes.section.polyline import Line
 from meshes.section.quantity import Kind
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.report.tables import plain
 
@@ -32,8 +33,7 @@ class Key:
 
 def keys() -> list[Key]:
     """All keys: those at the head of a file, those of a stratum, then the tables of settings."""
-    heads = [name for name in Config.model_fields if name not in Config.tables()]
-    return [*_of_fields({name: Config.model_fields[name] for name in heads}, ""), *_of_tables()]
+    return [*_of_fields(Section.model_fields, ""), *_of_tables()]
 
 
 def _of_tables() -> Iterator[Key]:
