@@ -35,9 +35,10 @@ from fem.continuum.strength import flow_of
 from fem.search.adaptive import adapted_safety
 from meshes.gmsh_model import generate
 from workflow.config import Config
-section = Config.load(sys.argv[1])
-fem = section.fem.model_copy(update={{"flow": flow_of(section.strata, section.fem.flow)}})
-adapted_safety(section, section.mesh, generate(section, section.mesh), fem, 0.0, MPI.COMM_SELF, print)
+config = Config.load(sys.argv[1])
+section, meshing = config.section, config.mesh
+fem = config.fem.model_copy(update={{"flow": flow_of(section.strata, config.fem.flow)}})
+adapted_safety(section, meshing, generate(section, meshing), fem, 0.0, MPI.COMM_SELF, print)
 """
 # What is measured: a program, and its command.
 PARTS = {"fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, ["bounds"])}
