@@ -10,7 +10,9 @@ import numpy as np
 
 from dem import checkpoint
 from dem.acceleration import Acceleration
+from dem.kernels.arguments import LEDGER
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
+from dem.kernels.layout import LANES
 from dem.kernels.neighbours import (
     Near,
     carry_over,
@@ -29,7 +31,6 @@ from dem.ranges import Ranges, at_once
 from dem.springs import Law, LayerSprings, Mean, PairTable, Strength, pair_table
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
-LEDGER_COLUMNS = 10
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
 SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
@@ -112,7 +113,7 @@ class DiscModel(DiscState):
             inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
             order=np.arange(n, dtype=np.int32), **contacts,
             lines=lines, line_strength=strengths,
-            energy_sums=np.zeros((n // 64 + 1, LEDGER_COLUMNS)),
+            energy_sums=np.zeros((n // LANES + 1, LEDGER)),
             springs=_table(layers, mean, law, margin, strengths), mean=mean, law=law,
             period=period, gravity=(float(gravity[0]), float(gravity[1])),
             acceleration=acceleration or Acceleration(), skin=margin,

@@ -40,7 +40,6 @@ from meshes.section.section import Stratum
 TABLE2_RADIUS = 0.75  # m
 PORE_SHARE = 0.1  # t_n = t_s of eq. (13), Iwashita (1988)
 VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular lattice
-WATER_DENSITY = 1000.0  # kg/m3
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion

@@ -50,11 +50,6 @@ class PlaneElastic:
         """Young's modulus of the soil in plane strain (Pa)."""
         return self.E_2d * (1.0 - self.nu**2)
 
-    @property
-    def anisotropy(self) -> float:
-        """G over what isotropy asks for, (M - lame)/2, less one."""
-        return 2.0 * self.G / (self.M - self.lame) - 1.0
-
 
 def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
     """The triangular lattice of discs that stick: M = sqrt(3)/4 (3 kn + ks), G = sqrt(3)/4 (kn + ks).

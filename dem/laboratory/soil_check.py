@@ -11,7 +11,7 @@ from dem.laboratory.patch import VOID_RATIO, Sample
 from dem.laboratory.soil_layers import SoilLayer
 from dem.laboratory.strength import from_principal
 from dem.springs import LayerSprings
-from meshes.executor import SERIAL, Executor, Tell
+from meshes.executor import Tell
 
 SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
 # Patches whose kappa = kn/p is the same but for a fifth are one: strength hardly hangs on it, E on its fourth root.
@@ -116,12 +116,6 @@ class Programme:
             _check(layer, self.wanted[k * each][0], [one for ones in found[k * each : (k + 1) * each] for one in ones])
             for k, layer in enumerate(self.layers)
         ]
-
-
-def soil_checks(layers: Sequence[SoilLayer], radius: float, *, executor: Executor = SERIAL) -> list[LayerCheck]:
-    """All layers as discs of a mean ``radius`` (m), each by several patches."""
-    programme = Programme.of(layers, radius)
-    return programme.checks(executor.compute(compressed, programme.patches))
 
 
 def _alike(spring: LayerSprings, pressure: float) -> Likeness:

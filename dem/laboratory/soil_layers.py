@@ -3,13 +3,10 @@
 A stratum is looked at as a sample from its middle; see `soil_contacts`.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from dem.laboratory.element_table import middle_stresses
-from dem.laboratory.soil_contacts import SoilContacts, mohr_coulomb_strength, soil_contacts
+from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
 from dem.laboratory.strength_map import StrengthMap
 from dem.springs import LayerSprings
 from meshes.section.growth import evened
@@ -35,11 +32,6 @@ class SoilLayer(SoilContacts):
         return replace(discs, undrained=s.friction_angle == 0.0)
 
 
-def failure_strength(stratum: Stratum, pressure: np.ndarray) -> np.ndarray:
-    """Half the deviator at failure of a stratum at confining pressures (Pa), by Mohr and Coulomb."""
-    return mohr_coulomb_strength(stratum.cohesion, stratum.friction_angle, pressure)
-
-
 def soil_layers(section: Section, known: StrengthMap | None = None) -> list[SoilLayer]:
     """All strata of a section, from the top down; one cohesion each, where it grows with depth that of the middle."""
     strata = evened(section.strata, section.layering)
@@ -51,8 +43,3 @@ def soil_layers(section: Section, known: StrengthMap | None = None) -> list[Soil
 def _fitted(stratum: Stratum, stress: float, table: StrengthMap | None) -> SoilLayer:
     contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus, table)
     return SoilLayer(**vars(contacts), stratum=stratum)
-
-
-def refusals(layers: Sequence[SoilLayer]) -> list[str]:
-    """One sentence for each thing that discs cannot have, with the name of the stratum."""
-    return [f'stratum "{layer.stratum.name}": {note}' for layer in layers for note in layer.notes]

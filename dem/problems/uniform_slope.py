@@ -105,13 +105,6 @@ class UniformSlope:
         """Mask of the discs of the layers above this one."""
         return np.asarray(~self.model.fixed & (self.model.layer > layer))
 
-    def normal_stress(self, layer: int) -> float:
-        """What the plane at the bottom of a layer carries across the slope by the weight on it (Pa)."""
-        model, period = self.model, self.model.period
-        on_it = ~model.fixed & (model.layer >= layer)
-        length = period[0] if period is not None else np.inf
-        return float((model.mass * model.weight)[on_it].sum()) * G * float(np.cos(self.angle)) / length
-
     def liquefy(self, layers: Sequence[int], case: Case, settings: SlideSettings | None = None) -> Slider:
         """Lets layers liquefy as a case says, without Kh, and follows the slope until it rests or its time is over.
 

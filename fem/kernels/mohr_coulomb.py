@@ -229,17 +229,6 @@ def _circle(stress: Floats) -> tuple[Floats, Floats]:
     return 0.5 * (major + minor), 0.5 * (major - minor)
 
 
-def yield_value(stress: Floats, material: Integers, table: Floats) -> Floats:
-    """How far outside the surface each stress is, in Pa: 0 at yield, negative inside. Shape (n,).
-
-    It is the greater of t + s sin phi - c cos phi, where s and t are the centre and radius of the largest
-    Mohr circle, and s1 - T.
-    """
-    s, t = _circle(stress)
-    rows = table[material]
-    return np.maximum(t + s * rows[:, rm.SIN_PHI] - rows[:, rm.STRENGTH], s + t - rows[:, rm.TENSION])
-
-
 def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Floats:
     """Mobilised share of strength, the paper's local safety factor: 1 at yield, less inside. Shape (n,).
 

@@ -3,7 +3,7 @@
 Lengths in m, z upwards; stress in Pa, tension positive, components [xx, zz, xz]; masses in kg per metre out of plane.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -152,7 +152,3 @@ class MaterialPoints:
         radius2 = (0.5 * (self.stress[:, 0] - self.stress[:, 1])) ** 2 + self.stress[:, 2] ** 2
         density = mean**2 / (2.0 * self.properties[:, kernel.BULK]) + radius2 / (2.0 * self.properties[:, kernel.SHEAR])
         return float(np.sum(self.state[:, kernel.VOLUME] * density))
-
-    def in_order(self, order: np.ndarray) -> Self:
-        """The same points in another order (n,)."""
-        return replace(self, **{f.name: np.ascontiguousarray(getattr(self, f.name)[order]) for f in fields(self)})

@@ -5,8 +5,8 @@ import time
 from pathlib import Path
 
 from tests.support.tasks import Numbers, total
-from workflow.ensemble.ensemble import Ensemble
-from workflow.ensemble.task import Task
+from workflow.study.ensemble import Ensemble
+from workflow.study.task import Task
 
 COUNT, WORKERS = 300, 2
 

@@ -20,7 +20,6 @@ CYCLES_OF_7_5 = 15.0  # uniform cycles of an earthquake of magnitude 7.5 (Seed &
 REFERENCE = 7.5  # the magnitude where an input gives none: the one at which triggering relations are drawn
 SITES = {"rock": 0.0, "average": 0.27, "soft": 0.27}  # ground that liquefies lies on deep soil unless rock is said
 BAND = (0.25, 20.0)  # Hz over which the mean period of a record is taken
-SEED_IDRISS = "H. B. Seed, I. M. Idriss, J. Soil Mech. Found. Div. 97 (1971) 1249-1273"
 IDRISS_BOULANGER = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
 RATHJE = "E. M. Rathje, F. Faraj, S. Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119-144"
 

@@ -24,7 +24,6 @@ QUANTITY = re.compile(r"\b(ACCEL|VELOC|DISPL)[A-Z]*", re.IGNORECASE)
 IN_UNITS = re.compile(r"UNITS?\s*(?:OF|IN|ARE|[:=])?\s+(\S+(?: ?/ ?\w+)*)|UNITS?\s*[:=]\s*(\S+)", re.IGNORECASE)
 
 KNET_LINES = 17  # of heading, of which the last begins with Memo.
-KNET_FIRST = re.compile(r"^\s*Origin Time\b")
 KNET_SCALE = re.compile(r"Scale Factor[\s,;]+([\d.]+)\(gal\)/(\d+)")
 KNET_RATE = re.compile(r"Sampling Freq\(Hz\)[\s,;]+([\d.]+)")
 KNET_DURATION = re.compile(r"Duration Time\(s\)[\s,;]+([\d.]+)")

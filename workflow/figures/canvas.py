@@ -35,7 +35,6 @@ COMPRESSION = 3  # of PNG: 6, the default, takes twice the time for a tenth less
 WIDTH = 1600  # px
 DPI = 160
 LEFT, RIGHT = 0.062, 0.985  # sides of the views, as shares of the width
-VIEW_WIDTH = round((RIGHT - LEFT) * WIDTH)
 INK = "#26323a"
 WATER = "#1f6fb2"
 

@@ -33,10 +33,10 @@ def study(
     The same command goes on where it was stopped, and computes only what is new.
     """
     from workflow.config import Config, merged
-    from workflow.ensemble.ensemble import Ensemble
     from workflow.report.study import sentences, write_page
     from workflow.request import dotted
     from workflow.run.store import Store
+    from workflow.study.ensemble import Ensemble
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
     from workflow.study.watch import Counted
@@ -81,11 +81,11 @@ def converge(
     The same command goes on where it was stopped.
     """
     from workflow.config import Config
-    from workflow.ensemble.ensemble import Ensemble
     from workflow.figures.convergence import draw
     from workflow.request import dotted
     from workflow.run.store import Store
     from workflow.study.converge import run
+    from workflow.study.ensemble import Ensemble
     from workflow.study.watch import Counted
     from workflow.terminal import Voice, say, say_data, warn
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 from meshes.errors import InputError, NoAnswerError
 from workflow.config import Config
-from workflow.ensemble.ensemble import Ensemble, OnRow, Row
 from workflow.results.answer import SectionLabel
 from workflow.results.convergence import ConvergenceAnswer, Series
 from workflow.run.store import Store
 from workflow.study.convergence import RADII, STEPS, fit
+from workflow.study.ensemble import Ensemble, OnRow, Row
 from workflow.study.parts import PARTS
 from workflow.study.sample import Numbers
 from workflow.study.study import task_of

@@ -10,19 +10,19 @@ import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
 from workflow.config import Config
-from workflow.ensemble.ensemble import Ensemble, OnRow, Row
-from workflow.ensemble.task import Task
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import Spread
 from workflow.results.study import Failure, Group, Result, StudyAnswer
 from workflow.run.fingerprint import fingerprint_of_file
 from workflow.run.pipeline import leave_input
 from workflow.run.store import Store
+from workflow.study.ensemble import Ensemble, OnRow, Row
 from workflow.study.fragility import block, failure, fragility
 from workflow.study.parts import PARTS, Part
 from workflow.study.sample import Numbers, Sample
 from workflow.study.statistics import effects
 from workflow.study.table import FILE, SampleRow, Table
+from workflow.study.task import Task
 from workflow.uncertain.sampling import samples
 
 BLOCK = "block"  # the part that takes no task: a closed form of the critical Kh

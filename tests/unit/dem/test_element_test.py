@@ -81,7 +81,7 @@ def test_plane_strain_and_sheet(youngs: float, nu: float) -> None:
     elastic = PlaneElastic(lame + 2.0 * shear, lame, shear)
     assert (elastic.E, elastic.nu) == pytest.approx((youngs, nu), rel=1e-6, abs=1e-9)
     assert (elastic.E_2d, elastic.nu_2d) == pytest.approx((youngs / (1.0 - nu**2), nu / (1.0 - nu)), rel=1e-6, abs=1e-9)
-    assert elastic.anisotropy == pytest.approx(0.0, abs=1e-6)
+    assert 2.0 * elastic.G / (elastic.M - elastic.lame) == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -13,9 +13,9 @@ from distributed import LocalCluster
 from meshes.errors import InputError
 from tests.support import TOP
 from tests.support.tasks import Number, Numbers, breaks, dies_always, dies_once, slow_total, total
-from workflow.ensemble.ensemble import Ensemble, Row
-from workflow.ensemble.kept import Kept, Outcome
-from workflow.ensemble.task import Task
+from workflow.study.ensemble import Ensemble, Row
+from workflow.study.result_cache import Outcome, ResultCache
+from workflow.study.task import Task
 
 
 def totals(count: int) -> list[Task[Numbers, Number]]:
@@ -71,7 +71,7 @@ def test_a_worker_that_dies_costs_its_task_a_second_try_and_no_third(tmp_path: P
 
 def test_a_half_written_or_foreign_file_is_no_answer(tmp_path: Path) -> None:
     task = totals(1)[0]
-    kept = Kept(tmp_path)
+    kept = ResultCache(tmp_path)
     kept.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
     assert Ensemble(tmp_path, 1).rows([task]) == [Row(Number(value=7.0), reused=True)]
     kept.path(task.fingerprint).write_text('{"task": "tests.supp')
@@ -82,8 +82,8 @@ STUDY = """
 import sys
 from pathlib import Path
 from tests.support.tasks import Numbers, slow_total
-from workflow.ensemble.ensemble import Ensemble
-from workflow.ensemble.task import Task
+from workflow.study.ensemble import Ensemble
+from workflow.study.task import Task
 if __name__ == "__main__":
     folder = sys.argv[1]
     tasks = [Task(slow_total, Numbers(values=(float(k),), folder=folder)) for k in range(60)]

@@ -15,16 +15,16 @@ from fem.errors import NoEquilibriumError, UnstableError
 from meshes.errors import NoAnswerError
 from tests.support.sections import slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
-from workflow.ensemble.ensemble import Ensemble
-from workflow.ensemble.task import Task
 from workflow.report.study import _strongest as strongest
 from workflow.report.study import _where as where
 from workflow.results.cases import Spread
 from workflow.results.study import Effect, Result
 from workflow.study import continuum, sample
+from workflow.study.ensemble import Ensemble
 from workflow.study.lognormal_fragility import curve, fit
 from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, Table
+from workflow.study.task import Task
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.sampling import chances
 

@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 from scipy.integrate import trapezoid
 
-from dem.laboratory.soil_check import LayerCheck, soil_checks
+from dem.laboratory.soil_check import LayerCheck, Programme, compressed
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.critical import Search
@@ -20,6 +20,7 @@ from dem.slides.slide import Slide
 from dem.slides.slip import compare, slip_surface
 from dem.slides.surface import Surface
 from fem.search.dem_counterpart import as_discs
+from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from tests.support import SECTIONS
 from workflow.config import Config
@@ -48,7 +49,8 @@ def ground(run: Config, layers: list[SoilLayer]) -> Deposit:
 
 @pytest.fixture(scope="module")
 def checks(run: Config, layers: list[SoilLayer]) -> dict[str, LayerCheck]:
-    found = soil_checks(layers, run.dem.mean_radius(run.section))
+    programme = Programme.of(layers, run.dem.mean_radius(run.section))
+    found = programme.checks(SERIAL.compute(compressed, programme.patches))
     return {check.stratum: check for check in found}
 
 

@@ -12,8 +12,8 @@ from typing import Any, Generic
 
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import LostError, Processes
-from workflow.ensemble.kept import Kept, Outcome
-from workflow.ensemble.task import Found, Given, Task
+from workflow.study.result_cache import Outcome, ResultCache
+from workflow.study.task import Found, Given, Task
 
 LOOK_AGAIN = 1.0  # s between two looks for answers that another machine computes
 PATIENCE = 30  # s for a scheduler to answer
@@ -57,7 +57,7 @@ class Ensemble:
 
     def __init__(self, folder: Path, workers: int = 1, scheduler: str | None = None) -> None:
         self.folder, self.workers, self.scheduler = folder.absolute(), workers, scheduler
-        self.kept = Kept(self.folder)
+        self.cache = ResultCache(self.folder)
 
     def rows(self, tasks: Sequence[Task[Given, Found]], on_row: OnRow | None = None) -> list[Row[Found]]:
         """What every task came to, in their order, whoever computed which when.
@@ -67,7 +67,7 @@ class Ensemble:
         found: dict[str, Row[Found]] = {}
         missing: dict[str, Task[Given, Found]] = {}
         for task in tasks:
-            kept = self.kept.read(task.fingerprint)
+            kept = self.cache.read(task.fingerprint)
             if kept is None:
                 missing[task.fingerprint] = task
             else:
@@ -147,14 +147,14 @@ class Attempt:
 
 def attempt(wanted: Attempt) -> Outcome | None:
     """Compute a task unless it is there or someone else is at it (then None); called in a worker."""
-    kept = Kept(Path(wanted.folder))
-    with kept.claimed(wanted.fingerprint) as mine:
-        there = kept.read(wanted.fingerprint)
+    cache = ResultCache(Path(wanted.folder))
+    with cache.claimed(wanted.fingerprint) as mine:
+        there = cache.read(wanted.fingerprint)
         if there is not None or not mine:
             return there
         outcome = wanted.compute()
         if outcome.lasting:
-            kept.write(wanted.fingerprint, outcome)
+            cache.write(wanted.fingerprint, outcome)
         return outcome
 
 

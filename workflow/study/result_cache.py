@@ -30,7 +30,7 @@ class Outcome(BaseModel):
     lasting: bool = Field(default=True, description="whether it would end the same way again")
 
 
-class Kept:
+class ResultCache:
     """What is kept in a folder, which machines may share.
 
     A claim is a lock of the kernel's on a file of its own, so that a task is computed once however many workers, of one
