@@ -21,7 +21,8 @@ from meshes.mapped import build_mapped
 from meshes.quad_mesh import BadMeshError, QuadMesh, check
 from meshes.quality import corner_angles
 from meshes.section.layering import Layering
-from meshes.section.section import BOUNDARIES, Section
+from meshes.section.naming import BOUNDARIES
+from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1

@@ -8,7 +8,7 @@ import numpy as np
 from meshes.edges import edges_of
 from meshes.errors import InputError, NoAnswerError
 from meshes.quality import Quality, areas, quality, scaled_jacobians
-from meshes.section.section import BOUNDARIES
+from meshes.section.naming import BOUNDARIES
 
 
 @dataclass(frozen=True, eq=False)

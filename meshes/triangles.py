@@ -10,7 +10,8 @@ from meshes.edges import edges_of
 from meshes.free import Sizes, build_triangles
 from meshes.gmsh_model import group_nodes, refuse_bare_ground, session
 from meshes.quad_mesh import BadMeshError
-from meshes.section.section import BOUNDARIES, Section
+from meshes.section.naming import BOUNDARIES
+from meshes.section.section import Section
 
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
 

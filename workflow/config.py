@@ -13,6 +13,7 @@ from meshes.errors import InputError
 from meshes.section.cutting import in_file
 from meshes.section.liquefies import Cases
 from meshes.section.overburden import reaches_water
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
 from workflow.earthquake.column import column_of
@@ -53,6 +54,11 @@ class Config(Tables):
         response = self.site_response
         if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
             problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
+        if self.criteria.lacks_peak:
+            problems.append(
+                f'criteria, preset = "{self.criteria.preset}": expected peak_acceleration, or magnitude and distance, '
+                "in [earthquake]"
+            )
         names = [stratum.name for stratum in section.strata]
         problems += self.slide.problems(names)
         count = len(self.slide.cases) + len(self.triggering.cases)
@@ -168,7 +174,8 @@ class Config(Tables):
         if section is None or settings is None:
             raise InputError(source, problems)
         try:
-            return cls(section=section, **dict(settings))._with_section(section.thinned().cut_at_water())
+            used = {**dict(settings), "criteria": settings.criteria.resolved(_peak(settings))}
+            return cls(section=section, **used)._with_section(section.thinned().cut_at_water())
         except ValidationError as error:
             raise InputError(source, sentences(error, data, cls)) from None
 
@@ -288,6 +295,15 @@ class Config(Tables):
         """All files that the settings name, by table and key."""
         named = {(table, key): getattr(getattr(self, table), key) for table, key in FILES}
         return {place: Path(name) for place, name in named.items() if name not in ("", AVERAGE)}
+
+
+def _peak(settings: Tables) -> float | None:
+    """Peak acceleration of the ground over gravity; None where the earthquake does not tell it."""
+    try:
+        motion = settings.earthquake.motion()
+    except InputError:
+        return None
+    return None if motion is None else motion.median / GRAVITY
 
 
 def _is_unknown_table(key: str, value: Any) -> bool:

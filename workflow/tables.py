@@ -11,6 +11,7 @@ from meshes.section.model import Model
 from meshes.section.quantity import Coordinate, Length
 from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.settings import MeshSettings
+from workflow.criteria.settings import CriteriaSettings
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.settings import EarthquakeSettings, SiteResponseSettings
@@ -115,6 +116,9 @@ class Tables(Model):
     )
     free_face: FreeFaceSettings = Field(
         default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
+    )
+    criteria: CriteriaSettings = Field(
+        default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are held against"
     )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),

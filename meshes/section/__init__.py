@@ -1,7 +1,8 @@
 """The ground as a person describes it: strata between lines, quantities with units, water."""
 
 from meshes.section.layering import Layering
+from meshes.section.naming import BOUNDARIES
 from meshes.section.polyline import Line
-from meshes.section.section import BOUNDARIES, Model, Section, Stratum, read_toml
+from meshes.section.section import Model, Section, Stratum, read_toml
 
 __all__ = ["BOUNDARIES", "Layering", "Line", "Model", "Section", "Stratum", "read_toml"]

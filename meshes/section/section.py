@@ -2,7 +2,7 @@
 
 import hashlib
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -19,19 +19,19 @@ from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinne
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
+from meshes.section.naming import naming_problems
 from meshes.section.plausibility import against_the_water, implausible, implausible_as_written, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.sentences import sentences
 from meshes.section.stratum import Stratum
+from meshes.section.structure import Structure, structure_problems
 from meshes.section.surcharge import Surcharge
 from meshes.section.surface_loads import SurfaceLoads
 from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import surcharge_problems, water_problems
-
-BOUNDARIES = ("surface", "base", "left", "right")
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
@@ -68,13 +68,16 @@ class Section(Model):
         default=None, description='how far ground, layers and water go on past both ends, a length such as "100 m"'
     )
     beyond_slope: Slope = Field(default="level", description='"level", or "parallel" to the last stretch of the ground')
+    structures: tuple[Structure, ...] = Field(
+        default=(), description="what a failure endangers, a table [[structures]] each; by default, embankments"
+    )
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
 
     _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        problems = list(_naming_problems([stratum.name for stratum in self.strata]))
+        problems = list(naming_problems([stratum.name for stratum in self.strata]))
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
@@ -84,6 +87,7 @@ class Section(Model):
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
+            problems += structure_problems(self.structures, self.given_extent)
         if not problems and any(stratum.cohesion_increase for stratum in self.strata):
             problems += growth_problems(self.strata, self.layering)
         if problems:
@@ -309,7 +313,9 @@ class Section(Model):
 
     def sha256(self) -> str:
         """A fingerprint of the ground, whatever the section is called."""
-        ground = self.model_dump(mode="python", exclude_none=True, by_alias=True, exclude={"name", "title"})
+        ground = self.model_dump(
+            mode="python", exclude_none=True, by_alias=True, exclude={"name", "title", "structures"}
+        )
         return hashlib.sha256(tomli_w.dumps(ground).encode()).hexdigest()
 
 
@@ -329,14 +335,6 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         raise InputError(str(path), [f"is not TOML: {error}"]) from None
     except RecursionError:
         raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None
-
-
-def _naming_problems(names: Sequence[str]) -> Iterator[str]:
-    for name in dict.fromkeys(names):
-        if names.count(name) > 1:
-            yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
-        if name in BOUNDARIES:
-            yield f'strata: the name "{name}" is taken by a boundary of the mesh'
 
 
 def _geometry_problems(
@@ -386,7 +384,7 @@ def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
     if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
         return []
     names = [name for stratum in strata if isinstance(name := stratum.get("name"), str)]
-    problems = list(_naming_problems(names))
+    problems = list(naming_problems(names))
     if data.get("unusual") is not True:
         problems += implausible_as_written(strata)
     try:

@@ -82,6 +82,11 @@ class CriteriaSettings(Model):
         )
 
     @property
+    def lacks_peak(self) -> bool:
+        """Whether a preset could not be resolved for want of a peak acceleration."""
+        return self.preset is not None and self.factor_of_safety is None
+
+    @property
     def is_empty(self) -> bool:
         """Whether nothing is judged."""
         return all(value is None for _, value in self)

@@ -83,6 +83,32 @@ def estimates(config: Config, kc: float | None, slip_surface: np.ndarray = NO_LI
     return [*found, *_regressions(config.section), *empirical(config, kc, slip_surface)]
 
 
+@dataclass(frozen=True)
+class BlockSlide:
+    """How far a rigid block slides (m), by both ways of a record or under Kh, and what drives it in words."""
+
+    low: float
+    high: float
+    words: str
+
+    @property
+    def span(self) -> str:
+        """The interval in words."""
+        low, high = f"{self.low:.2f}", f"{self.high:.2f}"
+        return f"{low} m" if low == high else f"{low} to {high} m"
+
+
+def block_slide(config: Config, kc: float) -> BlockSlide:
+    """The slide of a rigid block that resists ``kc`` (above 0): both ways under the record, else under Kh."""
+    if not config.sliding_block.accelerogram:
+        kh, drive = constant_kh(config), block_drive(config)
+        slide = drive.slide(kc, kh)
+        return BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
+    record = config.sliding_block.in_use()
+    both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
+    return BlockSlide(min(both), max(both), f"{record.name}, both ways")
+
+
 def _constant(config: Config, kc: float) -> Estimate:
     kh, drive = constant_kh(config), block_drive(config)
     slide = drive.slide(kc, kh)

@@ -74,16 +74,31 @@ def critical_circles(
     vertical : float
         Vertical seismic coefficient, positive upwards.
     crest : (left, right) or None
-        x (m) between which the upper end of a circle lies; anywhere where this is None.
+        x (m) of the ends of a crest that slides, or some of it; any circle counts where this is None.
 
     Returns
     -------
     tuple of SlipCircle
         At most one towards each side, the least value first; empty where no circle slides.
     """
-    depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
-    found = [_Search(section, towards, kh, depth, vertical, crest).run() for towards in (LEFT, RIGHT)]
+    found = [critical_circle(section, towards, kh, least_depth, vertical, crest) for towards in (LEFT, RIGHT)]
     return tuple(sorted((circle for circle in found if circle is not None), key=lambda circle: circle.bishop))
+
+
+def critical_circle(
+    section: Section,
+    towards: int,
+    kh: float | None = 0.0,
+    least_depth: float = 0.0,
+    vertical: float = 0.0,
+    crest: tuple[float, float] | None = None,
+) -> SlipCircle | None:
+    """Find the critical slip circle towards one side, LEFT or RIGHT; None where no circle slides.
+
+    The other arguments are those of `critical_circles`.
+    """
+    depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
+    return _Search(section, towards, kh, depth, vertical, crest).run()
 
 
 def surface_balance(
@@ -198,8 +213,7 @@ class _Search:
             (first >= left) & (last <= right) & (last - first > 1e-6 * (right - left)) & (bulge > 0.0) & (bulge <= 1.0)
         )
         if self.crest is not None:
-            head = np.where(ends[:, 0] > ends[:, 1], first, last)
-            sound &= (head >= self.crest[0]) & (head <= self.crest[1])
+            sound &= (first <= self.crest[1]) & (last >= self.crest[0])
         half, sagitta = np.where(sound, half, 1.0), np.where(sound, bulge * half, 0.5)
         radius = (half**2 + sagitta**2) / (2.0 * sagitta)
         to_centre = (radius - sagitta) / half  # times half the chord, turned by a right angle

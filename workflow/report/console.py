@@ -12,6 +12,7 @@ from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
 from workflow.report.slices import slices_sentences
+from workflow.report.structures import structure_sentences
 from workflow.report.tables import case_heads, case_rows
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -248,6 +249,11 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
 
 
+def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
+    yield from slices_sentences(answer)
+    yield from structure_sentences(config, answer)
+
+
 def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
     """What a stage found that has an answer."""
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
@@ -257,7 +263,7 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store)),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
-        "slices": lambda: slices_sentences(SlicesAnswer.read(store)),
+        "slices": lambda: _slices(config, SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
         "slide": lambda: slide_sentences(config, CasesAnswer.read(store)),

@@ -25,6 +25,7 @@ from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
 from workflow.report.player import films
 from workflow.report.slices import on_surface_found, slices_sentences
+from workflow.report.structures import elsewhere, face_rows
 from workflow.report.uncertainty import doubts
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -36,7 +37,7 @@ from workflow.tables import ReportSettings
 MOST_TESTS = 60  # in a table
 PARTS = {
     "triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja",
-    "mpm": "mpm.html.jinja",
+    "mpm": "mpm.html.jinja", "structures": "structures.html.jinja",
 }  # fmt: skip
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
@@ -84,6 +85,8 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
         "fail_alike": fail_alike(results),
         "slices_sentences": slices_sentences,
+        "faces": face_rows(config, results.slices) if results.slices is not None else [],
+        "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
         "on_surface_found": list(on_surface_found(config, results.fem)),
         "estimates": estimates(config, results.kc, results.slip_surface),
         "slides": list(slides(results)),

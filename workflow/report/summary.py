@@ -1,9 +1,12 @@
 """The numbers of a run for summary.json, gathered from what the stages found."""
 
+from collections.abc import Iterator
+
 from workflow.estimates.comparison import estimates
 from workflow.report.doubtful import doubtful
 from workflow.report.findings import findings
 from workflow.report.paper import rows
+from workflow.report.structures import face_rows
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
@@ -14,6 +17,7 @@ from workflow.results.summary import (
     CircleSummary,
     DemSummary,
     EstimateSummary,
+    FaceSummary,
     Factor,
     FemSummary,
     MadeWith,
@@ -44,6 +48,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         if results.bounds is None
         else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
         slices=None if results.slices is None else CircleSummary.of(results.slices) or None,
+        structures=tuple(_faces(results)) or None,
         dem=_dem(results),
         cases=_summaries(results, cases) or None,
         cases_springs=springs if cases else None,
@@ -71,6 +76,18 @@ def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel |
     if results.dem is None or results.dem.paper is None:
         return None
     return PaperModel(kc=results.dem.paper.search.kc, cases=_numbers(cases))
+
+
+def _faces(results: Results) -> Iterator[FaceSummary]:
+    for row in face_rows(results.config, results.slices) if results.slices is not None else ():
+        yield FaceSummary(
+            structure=row.face.structure,
+            kind=row.face.kind,
+            towards=row.face.towards,
+            factors={kh: value for kh, value in row.factors if value is not None},
+            kc=row.kc,
+            block_slide_m=None if row.block is None else (row.block.low, row.block.high),
+        )
 
 
 def _numbers(cases: dict[int, CaseAnswer]) -> dict[int, CaseNumbers]:

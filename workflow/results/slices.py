@@ -4,6 +4,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Line, Part, Point, SectionLabel
 
 
@@ -25,6 +26,24 @@ class FactorCircles(Part):
     circles: tuple[CirclePart, ...]
 
 
+class FacePart(Part):
+    """One face of a structure, and the circles with which some of its crest slides."""
+
+    structure: str = Field(description="its name")
+    kind: Kind
+    start_m: float = Field(description="x of its left foot")
+    end_m: float = Field(description="x of its right foot")
+    crest_m: tuple[float, float] = Field(description="x of the ends of its crest")
+    towards: Literal["left", "right"] = Field(description="the side to which the face slides")
+    factors: tuple[FactorCircles, ...] = Field(description="factors of safety, at most one circle for each Kh")
+    critical: CirclePart | None = Field(description="circle with the least critical Kh")
+
+    def factor(self, kh: float) -> float | None:
+        """The least factor of safety at one Kh; None where no circle slides or the Kh was not asked for."""
+        found = [circle.bishop for one in self.factors if one.kh == kh for circle in one.circles]
+        return found[0] if found else None
+
+
 class SlicesAnswer(Answer):
     """Limit equilibrium of slices on slip circles."""
 
@@ -33,6 +52,7 @@ class SlicesAnswer(Answer):
     section: SectionLabel
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, one entry for each Kh")
     critical: tuple[CirclePart, ...] = Field(description="circles with the least critical Kh, the least first")
+    faces: tuple[FacePart, ...] = Field(description="the faces of structures, towards the left and the right")
     least_depth: float = Field(description="shallower circles are left out (m)")
     reason: str = Field(description="why there is no circle; empty where there are some")
     source: str

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from fem.continuum.strength import Flow
 from fem.settings import Element, Sides
+from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
@@ -83,6 +84,17 @@ class CircleSummary(Part):
             for kh, circles in groups
             for circle in circles
         )
+
+
+class FaceSummary(Part):
+    """One face of a structure by limit equilibrium of slices, and the slide of a rigid block that resists its kc."""
+
+    structure: str
+    kind: Kind
+    towards: Literal["left", "right"]
+    factors: dict[float, float] = Field(description="least factors of safety by Bishop's method, by Kh")
+    kc: float | None = Field(description="least critical Kh by Bishop's method")
+    block_slide_m: tuple[float, float] | None = Field(description="by both ways of the record, or under Kh")
 
 
 class Factor(Part):
@@ -171,6 +183,7 @@ class Summary(Answer):
     fem_variants: dict[str, VariantSummary] | None = None
     bounds: BoundsSummary | None = None
     slices: tuple[CircleSummary, ...] | None = None
+    structures: tuple[FaceSummary, ...] | None = Field(default=None, description="the faces of structures")
     dem: DemSummary | None = None
     cases: dict[int, CaseSummary] | None = Field(default=None, description="the cases on the springs that count")
     cases_springs: str | None = Field(default=None, description="which springs those are")

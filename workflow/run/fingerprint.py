@@ -12,7 +12,8 @@ from workflow.config import Config
 from workflow.run.stage import Job, Stage
 
 PROGRAM = "the program"
-TITLE = {"name", "title"}  # of a section: what pictures and the report say, and nothing is computed from
+# Of a section: what pictures and the report say, and nothing is computed from but the circles of structures.
+TITLE = {"name", "title", "structures"}
 PACKAGES = ("meshes", "fem", "dem", "workflow")
 SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by; sections are the user's
 

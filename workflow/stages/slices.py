@@ -1,15 +1,19 @@
 """The stage `slices`: critical slip circles by Bishop's and Spencer's methods, their file and their picture."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from workflow.results.answer import SectionLabel, line
-from workflow.results.slices import CirclePart, FactorCircles, SlicesAnswer
+from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
     from workflow.estimates.slip_circles import SlipCircle
 
+    Circles = dict[float | None, tuple[SlipCircle, ...]]  # by Kh; those of the critical Kh by None
+
 PICTURE = "figures/slip_circles.png"
+NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
 
 
@@ -17,26 +21,52 @@ def work(job: Job) -> None:
     """Find the critical circles; leaves fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.slip_circles import critical_circles
 
-    section, fem = job.config, job.config.fem
-    factors = []
-    for kh in dict.fromkeys((0.0, *fem.safety_factor_at)):
-        job.progress(f"factor of safety at Kh = {kh:g}", None)
-        circles = critical_circles(section.section, kh, fem.least_depth, fem.vertical)
-        factors.append(FactorCircles(kh=kh, circles=_parts(circles)))
-    job.progress("critical Kh", None)
-    critical = _parts(critical_circles(section.section, None, fem.least_depth, fem.vertical))
-    found = critical or any(one.circles for one in factors)
-    reason = "" if found else "no circle slides: the ground is level, or every circle is too shallow or too steep"
+    section, fem = job.config.section, job.config.fem
+    wanted = job.config.criteria.factor_of_safety
+    whole: Circles = {}
+    for kh in (*dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,)))), None):
+        job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
+        whole[kh] = critical_circles(section, kh, fem.least_depth, fem.vertical)
+    reason = "" if any(whole.values()) else NO_CIRCLE
     SlicesAnswer(
-        section=SectionLabel.of(job.config.section),
-        factors=tuple(factors),
-        critical=critical,
+        section=SectionLabel.of(section),
+        factors=tuple(FactorCircles(kh=kh, circles=_parts(found)) for kh, found in whole.items() if kh is not None),
+        critical=_parts(whole[None]),
+        faces=tuple(_faces(job, whole)),
         least_depth=fem.least_depth,
         reason=reason,
         source=SOURCE,
     ).write(job.store)
     if not reason:
         draw(job)
+
+
+def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
+    """The faces of all structures that slide somewhere."""
+    from workflow.estimates.slices import LEFT, RIGHT
+    from workflow.estimates.structures import face_circle, structures_of
+
+    section, fem = job.config.section, job.config.fem
+    for structure in structures_of(section):
+        for side in (LEFT, RIGHT):
+            job.progress(f"{structure.name}, towards the {'left' if side == LEFT else 'right'}", None)
+            found = {
+                kh: face_circle(section, structure, side, circles, kh, fem.least_depth, fem.vertical)
+                for kh, circles in whole.items()
+            }
+            circles = {kh: _parts(() if one is None else (one,)) for kh, one in found.items()}
+            if any(circles.values()):
+                crest = structure.crest
+                yield FacePart(
+                    structure=structure.name,
+                    kind=structure.kind,
+                    start_m=crest.start,
+                    end_m=crest.end,
+                    crest_m=(crest.left, crest.right),
+                    towards="left" if side == LEFT else "right",
+                    factors=tuple(FactorCircles(kh=kh, circles=one) for kh, one in circles.items() if kh is not None),
+                    critical=next(iter(circles[None]), None),
+                )
 
 
 def draw(job: Job) -> None:
@@ -68,7 +98,8 @@ STAGE = Stage(
     what="slip circles by Bishop and Spencer",
     work=work,
     draw=draw,
-    reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical"),
+    reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety"),
+    takes=lambda config: {"structures": [one.model_dump(mode="json") for one in config.section.structures]},
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,
     pictures=(PICTURE,),

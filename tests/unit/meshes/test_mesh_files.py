@@ -12,7 +12,8 @@ from meshes import gmsh_model
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh, check, read, save
-from meshes.section.section import BOUNDARIES, Section
+from meshes.section.naming import BOUNDARIES
+from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.meshes import SHIPPED, free, grid, s13
 from tests.support.sections import assert_conforming, slope

@@ -1,9 +1,14 @@
 """Verdicts, structures and published criteria."""
 
+import tomllib
+
 import pytest
 
+from meshes.errors import InputError
+from meshes.section.structure import Structure, structure_problems
+from tests.support import TOP
+from workflow.config import Config
 from workflow.criteria.settings import CriteriaSettings, FactorCriterion
-from workflow.criteria.structure import Structure, structure_problems
 from workflow.criteria.verdict import judge, together
 
 
@@ -51,3 +56,53 @@ def test_structures_that_do_not_fit() -> None:
         'structures 2 "b", from = 10 m, to = 200 m: lies off the section, which reaches from 0 to 140 m',
         'structures: 2 of them are called "a"; expected every name once',
     ]
+
+
+def test_a_limit_that_is_wrong_has_one_sentence() -> None:
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    del data["sliding_block"]
+
+    def problems(**tables: object) -> tuple[str, ...]:
+        with pytest.raises(InputError) as caught:
+            Config.parse({**data, **tables})
+        return tuple(caught.value.problems)
+
+    wanted = "expected the least factor of safety, such as 1.2"
+    assert problems(criteria={"factor_of_safety": {"kh": 0.1}}) == (
+        f"criteria, factor_of_safety, limit: missing; {wanted}",
+    )
+    assert problems(criteria={"factor_of_safety": {"limit": -1}}) == (
+        f"criteria, factor_of_safety, limit = -1: input should be greater than 0; {wanted}",
+    )
+    assert problems(criteria={"freeboard": {"limit": "-1 m"}}) == (
+        "criteria, freeboard, limit = '-1 m': out of range; expected a height of 0 or more, such as \"0.5 m\"",
+    )
+    (unknown,) = problems(criteria={"preset": "eurocode"})
+    assert unknown.startswith("criteria, preset = 'eurocode': input should be 'hynes_griffin_franklin_1984' or ")
+    assert problems(structures=[{"name": "a", "from": 9, "to": 5}]) == (
+        'structures 1 "a", from = 9 m, to = 5 m: expected the left foot, then the right one',
+    )
+
+
+def test_a_preset_needs_a_peak_acceleration() -> None:
+    section = {
+        "name": "slope",
+        "surface": [[0, 10], [20, 10], [40, 0], [60, 0]],
+        "base": {"elevation": -10},
+        "strata": [
+            {
+                "name": "clay", "density": "18 kN/m^3", "youngs_modulus": "10 MPa", "poissons_ratio": 0.3,
+                "cohesion": "20 kPa", "friction_angle": "10 deg",
+            }
+        ],
+        "criteria": {"preset": "nchrp_611"},
+    }  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        Config.parse(section)
+    assert tuple(caught.value.problems) == (
+        'criteria, preset = "nchrp_611": expected peak_acceleration, or magnitude and distance, in [earthquake]',
+    )
+    found = Config.parse({**section, "earthquake": {"peak_acceleration": "0.3 g"}})
+    assert found.criteria.factor_of_safety is not None
+    assert found.criteria.factor_of_safety.kh == pytest.approx(0.15)
+    assert Config.parse(tomllib.loads(found.to_toml())).criteria == found.criteria

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from tests.support import TOP
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, divide
-from workflow.estimates.slip_circles import SlipCircle, critical_circles, surface_balance
+from workflow.estimates.slip_circles import SlipCircle, critical_circle, critical_circles, surface_balance
+from workflow.estimates.structures import face_circle, structures_of
 
 PUBLISHED = Path(__file__).parents[1] / "published"
 
@@ -144,3 +146,20 @@ def test_circles_of_one_crest_only_are_sought_where_it_is_named() -> None:
 def _crest(circle: SlipCircle) -> float:
     first, last = circle.surface[0], circle.surface[-1]
     return float(first[0] if first[1] > last[1] else last[0])
+
+
+def test_a_levee_and_its_low_water_bank_are_told_apart() -> None:
+    """Bishop's kc of the levee with full strength is 0.146 by hand, that of the bank beside it 0.039."""
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    section = Section.parse({key: value for key, value in data.items() if key in Section.model_fields})
+    (levee,) = structures_of(section)
+    assert (levee.crest.left, levee.crest.right, levee.kind) == (66.0, 72.0, "levee")
+    bank = critical_circle(section, LEFT, None)
+    assert bank is not None
+    assert not levee.slides_with(bank.surface)
+    assert bank.bishop == pytest.approx(0.039, abs=0.001)
+    circle = face_circle(section, levee, LEFT, [bank], None, 0.0, 0.0)
+    assert circle is not None
+    assert levee.slides_with(circle.surface)
+    assert circle.bishop == pytest.approx(0.146, abs=0.003)
+    assert face_circle(section, levee, LEFT, [circle], None, 0.0, 0.0) is circle

@@ -1,0 +1,57 @@
+"""The structures of a section with their crests, and the slip circles of each of their faces."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from meshes.section.section import Section
+from meshes.section.structure import Kind
+from workflow.estimates.crest import Crest, crest_between, embankments
+from workflow.estimates.slices import LEFT
+from workflow.estimates.slip_circles import SlipCircle, critical_circle
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A structure, as the file names it or as the ground shows it, and its crest."""
+
+    name: str
+    kind: Kind
+    crest: Crest
+
+    def slides_with(self, surface: Sequence[tuple[float, float]]) -> bool:
+        """Whether some of the crest lies above a slip surface, whose points (m) go from left to right."""
+        return surface[0][0] <= self.crest.right and surface[-1][0] >= self.crest.left
+
+
+def structures_of(section: Section) -> tuple[Standing, ...]:
+    """The structures of a section: those of its file, or else the embankments that stand out on both sides."""
+    ground = section.ground
+    if section.structures:
+        return tuple(
+            Standing(one.name, one.kind, crest_between(ground, one.start, one.end)) for one in section.structures
+        )
+    return tuple(
+        Standing(f"embankment at x = {0.5 * (crest.left + crest.right):.0f} m", "levee", crest)
+        for crest in embankments(ground)
+    )
+
+
+def face_circle(
+    section: Section,
+    structure: Standing,
+    towards: int,
+    whole: Sequence[SlipCircle],
+    kh: float | None,
+    least_depth: float,
+    vertical: float,
+) -> SlipCircle | None:
+    """The critical slip circle of one face of a structure, with which some of its crest slides ``towards`` a side.
+
+    ``whole`` are the critical circles of the section for the same question: that of this side is the circle of the
+    face where some of the crest slides with it. The other arguments are those of `critical_circles`.
+    """
+    side = "left" if towards == LEFT else "right"
+    for circle in whole:
+        if circle.towards == side and structure.slides_with([(x, z) for x, z in circle.surface]):
+            return circle
+    return critical_circle(section, towards, kh, least_depth, vertical, (structure.crest.left, structure.crest.right))

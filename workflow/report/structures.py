@@ -1,0 +1,72 @@
+"""The faces of structures, one row each: factor of safety, critical Kh and the slide of a block."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from workflow.config import Config
+from workflow.estimates.comparison import BlockSlide, block_slide
+from workflow.estimates.structures import structures_of
+from workflow.report.numbers import listed
+from workflow.results.slices import FacePart, SlicesAnswer
+
+
+@dataclass(frozen=True)
+class FaceRow:
+    """One face: by slices its factors of safety at each Kh and its critical Kh, and how far a rigid block slides."""
+
+    face: FacePart
+    factors: tuple[tuple[float, float | None], ...]
+    kc: float | None
+    block: BlockSlide | None
+    counts: bool  # whether its critical Kh, or without any its factor of safety, is the smallest of all faces
+
+    @property
+    def name(self) -> str:
+        """The structure, and the side to which the face slides."""
+        return f"{self.face.structure}, towards the {self.face.towards}"
+
+    @property
+    def words(self) -> str:
+        """The row in a sentence without its end."""
+        told = [f"factor of safety {value:.2f} at Kh = {kh:g}" for kh, value in self.factors if value is not None]
+        told += [] if self.kc is None else [f"critical Kh {self.kc:.3f}"]
+        told += [] if self.block is None else [f"a rigid block slides {self.block.span} ({self.block.words})"]
+        return f"{self.name}: {listed(told)}"
+
+
+def face_rows(config: Config, answer: SlicesAnswer) -> list[FaceRow]:
+    """All faces of all structures."""
+    critical = [face.critical.bishop for face in answer.faces if face.critical is not None]
+    least = min(critical, default=None)
+    rows = []
+    for face in answer.faces:
+        kc = None if face.critical is None else face.critical.bishop
+        factors = tuple((one.kh, face.factor(one.kh)) for one in face.factors)
+        block = None if kc is None or kc <= 0.0 else block_slide(config, kc)
+        rows.append(FaceRow(face, factors, kc, block, kc is not None and kc == least))
+    return rows
+
+
+def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
+    """Every face, the one that counts, and failures of other ground."""
+    rows = face_rows(config, answer)
+    for row in rows:
+        yield f"{row.words}."
+    for row in rows:
+        if row.counts and len(rows) > 1:
+            yield f"The smallest counts: {row.name}."
+    yield from elsewhere(config, answer)
+
+
+def elsewhere(config: Config, answer: SlicesAnswer) -> Iterator[str]:
+    """Critical circles of the section with which no crest slides."""
+    if not answer.faces:
+        return
+    structures = structures_of(config.section)
+    at_rest = [("factor of safety at Kh = 0", one, 2) for group in answer.factors[:1] for one in group.circles]
+    for what, circle, digits in [*at_rest, *(("critical Kh", one, 3) for one in answer.critical)]:
+        if not any(structure.slides_with(circle.surface_m) for structure in structures):
+            yield (
+                f"Elsewhere, from x = {circle.surface_m[0][0]:.0f} to {circle.surface_m[-1][0]:.0f} m towards the "
+                f"{circle.towards}, {what} is {circle.bishop:.{digits}f}: no crest slides with it."
+            )
