@@ -21,10 +21,23 @@ from fem.solvers.blas_threads import use_one_thread
 NAMES, VERSIONS = ("libcholmod.so.5", "libcholmod.so.4", "libcholmod.so.3", "libcholmod.so"), (3, 4, 5)
 # Bytes of the table of settings, several times what any version has.
 SETTINGS_SIZE = 1 << 16
-# Its defaults: how large supernodes are merged, then seven numbers: prefer_zomplex, prefer_upper,
-# quick_return_if_not_posdef, prefer_binary, print, precise, try_catch.
-MERGED, BEHIND = np.array([4, 16, 48], dtype=np.uint64), np.array([0, 1, 0, 0, 3, 0, 0], dtype=np.int32)
-QUICK_RETURN, PRINT, TRY_CATCH = 2, 4, 6
+# Its defaults around the entries that are changed: supernodal, final_asis, final_super, final_ll, final_pack,
+# final_monotonic, final_resymbol and padding; up to which share of zeros and how many columns supernodes are merged;
+# prefer_zomplex, prefer_upper, quick_return_if_not_posdef, prefer_binary, print, precise, try_catch.
+DEFAULTS = (
+    np.array([1, 1, 1, 0, 1, 1, 0, 0], dtype=np.int32),
+    np.array([0.8, 0.1, 0.05]),
+    np.array([4, 16, 48], dtype=np.uint64),
+    np.array([0, 1, 0, 0, 3, 0, 0], dtype=np.int32),
+)
+# Their places, counted in int32: always supernodal, whose pivots have to be positive; end at the first one that is not;
+# print nothing, not even that.
+CHANGES = {0: 2, 22: 1, 24: 0, 26: 1}
+
+
+# Functions that find an order of elimination by METIS, which draws from the random numbers of the process: they keep
+# Python's lock, so that no other thread draws between.
+ORDERING = ("cholmod_metis", "cholmod_analyze_p")
 
 
 class _Sparse(ctypes.Structure):
@@ -160,8 +173,11 @@ def _library() -> ctypes.CDLL:
         "cholmod_free_dense": (flag, pointer, pointer),
     }
     for name, (result, *arguments) in types.items():
-        function = getattr(library, name)
-        function.restype, function.argtypes = result, arguments
+        if name in ORDERING:
+            setattr(library, name, ctypes.PYFUNCTYPE(result, *arguments)((name, library)))
+        else:
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
     use_one_thread()  # its BLAS may have been loaded with it
     return library
 
@@ -172,12 +188,14 @@ def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
     settings = (ctypes.c_byte * SETTINGS_SIZE)()
     library.cholmod_start(settings)
     content = bytes(settings)
-    at = content.find(MERGED.tobytes() + BEHIND.tobytes()) + MERGED.nbytes
-    if at < MERGED.nbytes:
+    wanted = b"".join(part.tobytes() for part in DEFAULTS)
+    at = content.find(wanted)
+    if at < 0:
         library.cholmod_finish(settings)
         raise OSError("CHOLMOD has another table of settings")
-    numbers = (c_int * len(BEHIND)).from_buffer(settings, at)
-    numbers[QUICK_RETURN], numbers[PRINT], numbers[TRY_CATCH] = 1, 0, 1
+    numbers = (c_int * (len(wanted) // 4)).from_buffer(settings, at)
+    for place, value in CHANGES.items():
+        numbers[place] = value
     return settings
 
 
