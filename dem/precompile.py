@@ -14,7 +14,7 @@ from llvmlite.binding import get_host_cpu_name
 from numba import config, typeof
 from numba.core.types import Type
 
-from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.engine.packer import pack, unpack
 from dem.kernels import stepping
 from dem.kernels.stepping import take_steps
@@ -64,7 +64,7 @@ def _compiled(what: str, _: Tell) -> None:
 
 def types_of_a_step() -> tuple[Type, ...]:
     """Types of what the step loop is called with, of three discs."""
-    given = Run(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
+    given = EngineRun(Engine(), three_discs(), dt=1e-6).arguments(steps=1)[0]
     return tuple(typeof(one) for one in given)
 
 

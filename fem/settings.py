@@ -22,6 +22,10 @@ YIELDED = 0.99  # of the critical Kh: its last per cent is a matter of the mesh 
 WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
 
 
+# How a path of equilibrium ends.
+PathVerdict = Literal["plateau", "peak", "no failure", "undecided"]
+
+
 class FemSettings(Model):
     """Settings of the finite element analysis, a table [fem]."""
 

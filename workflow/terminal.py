@@ -22,7 +22,7 @@ from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
 
 if TYPE_CHECKING:
-    from workflow.report.side_by_side import Found
+    from workflow.report.side_by_side import ComparedRun
 
 VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
 out = Console(highlight=False)
@@ -173,7 +173,7 @@ def redraw(job: Job, json: bool) -> None:
     return say("\n".join([*told, f"Pictures are in {job.store.folder / 'figures'}/"]))
 
 
-def show_runs(runs: "Sequence[Found]") -> None:
+def show_runs(runs: "Sequence[ComparedRun]") -> None:
     """Runs side by side: what they found, and where their inputs differ."""
     from workflow.report import side_by_side
 

@@ -180,7 +180,7 @@ class Engine:
             raise ValueError(f"a number of steps cannot be negative, is {steps}")
         between = total if every is None else max(1, round(every / dt))
         saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
-        run = Run(self, model, dt)
+        run = EngineRun(self, model, dt)
         try:
             ledger = run.balance() if self.ledger and total == 0 else None
             end = model.steps + total
@@ -218,7 +218,7 @@ class Engine:
         return "No checkpoint was kept."
 
 
-class Run:
+class EngineRun:
     """One run: the layout while it lasts, its threads, and the way from call to call of the kernel."""
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:

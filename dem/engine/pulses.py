@@ -6,7 +6,7 @@ is driven by what it does, such as ground on the spring of a machine, is looked 
 
 from types import TracebackType
 
-from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.model import DiscModel
 
 
@@ -20,7 +20,7 @@ class Pulses:
         model.refresh_list()
         self.model, self.share = model, share
         stable = largest_step(model)
-        self.run = Run(Engine(ledger=False, threads=threads), model, share * stable.seconds)
+        self.run = EngineRun(Engine(ledger=False, threads=threads), model, share * stable.seconds)
         self.run.stable = stable
 
     def __enter__(self) -> "Pulses":

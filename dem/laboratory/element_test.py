@@ -14,7 +14,7 @@ import numpy as np
 from dem.laboratory.loading import Curve, confine, load, probe
 from dem.laboratory.patch import Patch, Sample, Watch, no_watch
 from dem.laboratory.plane_elastic import PlaneElastic
-from dem.laboratory.strength import Strength, from_plane, from_principal, strength
+from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal, strength
 from meshes.section.section import Stratum
 
 LARGEST_STRAIN = 0.2
@@ -36,7 +36,7 @@ class PressureTest:
         How far from isotropic: M_xx / M_zz - 1.
     biaxial, shear : Curve
         The two tests.
-    biaxial_strength, shear_strength : Strength
+    biaxial_strength, shear_strength : MeasuredStrength
         What they say about strength.
     inertial_number : float
         Rate times diameter times sqrt(density / pressure).
@@ -48,9 +48,9 @@ class PressureTest:
     stiffness: PlaneElastic
     skewness: float
     biaxial: Curve
-    biaxial_strength: Strength
+    biaxial_strength: MeasuredStrength
     shear: Curve
-    shear_strength: Strength
+    shear_strength: MeasuredStrength
     inertial_number: float
     pore_springs: float
 

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.engine.packer import pack
 from dem.errors import EscapeError
 from dem.kernels.layout import Layout
@@ -108,7 +108,7 @@ class Patch:
         F, so far.
     rates : (2, 2)
         Velocity gradient of the frame (1/s).
-    run : Run or None
+    run : EngineRun or None
         Of the press that it is in.
     """
 
@@ -119,7 +119,7 @@ class Patch:
     watch: Watch = no_watch
     deformation: np.ndarray = field(default_factory=lambda: np.eye(2))
     rates: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
-    run: Run | None = None
+    run: EngineRun | None = None
 
     @property
     def time_unit(self) -> float:
@@ -191,7 +191,7 @@ class Press:
     def __init__(self, patch: Patch) -> None:
         self.patch = patch
         engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=patch.threads, ledger=False)
-        self.run = Run(engine, patch.model, engine.step_of(patch.model))
+        self.run = EngineRun(engine, patch.model, engine.step_of(patch.model))
 
     def __enter__(self) -> "Press":
         self.patch.run = self.run

@@ -12,7 +12,7 @@ WINDOW = 0.05  # of the records on either side, for the slope at the peak
 
 
 @dataclass(frozen=True)
-class Strength:
+class MeasuredStrength:
     """Where a test was strongest, and what was left at its end.
 
     Attributes
@@ -45,7 +45,7 @@ class Strength:
     cracked: float
 
 
-def strength(curve: Curve) -> Strength:
+def strength(curve: Curve) -> MeasuredStrength:
     """The strength of one test. Raises ValueError for a curve that ended before its third record."""
     if len(curve.strain) < 3:
         raise ValueError(f"{curve.kind} test at {curve.pressure:g} Pa: it stopped at once. {curve.stopped}")
@@ -53,7 +53,7 @@ def strength(curve: Curve) -> Strength:
     at = int(np.argmax(resistance))
     major, minor = curve.principal
     end = -max(1, len(major) // 10)
-    return Strength(
+    return MeasuredStrength(
         verdict=verdict(resistance, bool(curve.stopped)), strain=float(curve.strain[at]), major=float(major[at]),
         minor=float(minor[at]), normal=-float(curve.stress[at, 1, 1]), shear=float(curve.shear[at]),
         major_last=float(major[end:].mean()), minor_last=float(minor[end:].mean()), dilation=dilation(curve, at),

@@ -21,8 +21,7 @@ from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import DirectLimit, direct_limit
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import at_the_sides, bring_to_rest, element_for, gravity_equilibrium, sides_held
-from fem.path.plateau import Verdict
-from fem.settings import FemSettings
+from fem.settings import FemSettings, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -70,7 +69,7 @@ class AtOnce:
     ----------
     kc : float
         The limit load (-); ``kh_limit`` where it is larger than that.
-    verdict : Verdict
+    verdict : PathVerdict
         "plateau" or "no failure".
     flow : Flow
         The flow rule: "davis" or "associated".
@@ -87,7 +86,7 @@ class AtOnce:
     """
 
     kc: float
-    verdict: Verdict
+    verdict: PathVerdict
     flow: Flow
     direction: Direction
     reason: str
@@ -138,7 +137,7 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     """The answer that a limit load is."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
-    verdict: Verdict = "plateau" if kc == ground.limit.multiplier else "no failure"
+    verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"
     reason = f"it is the limit load of {cells} cells" if verdict == "plateau" else f"no failure up to {kc:g}"
     rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
     direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"

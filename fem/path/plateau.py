@@ -2,21 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fem.errors import NoEquilibriumError
 from fem.path.equilibrium_path import EquilibriumPath
+from fem.settings import PathVerdict
 
-Verdict = Literal["plateau", "peak", "no failure", "undecided"]
 PathListener = Callable[[EquilibriumPath], None]
 
 
 class Ending(NamedTuple):
     """Why a path is over."""
 
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     remedy: str
 
@@ -70,7 +70,7 @@ class LimitLoad:
     upper : float
         The limit load, if it is known; else what the path rose to, or would with its last growth if the displacement
         doubled once more (-).
-    verdict : Verdict
+    verdict : PathVerdict
         "plateau", "peak" (it fell afterwards), "no failure" (up to the limit) or "undecided".
     reason, remedy : str
         Why, and what to do if the verdict is none.
@@ -78,7 +78,7 @@ class LimitLoad:
 
     held: float
     upper: float
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     remedy: str = ""
 
@@ -151,7 +151,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
 
 
 def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
-    """Verdict, reason and remedy if the path is over."""
+    """PathVerdict, reason and remedy if the path is over."""
     growth = growth_per_doubling(path)
     moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
     highest, last = max(moving), moving[-1]
@@ -163,7 +163,7 @@ def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: Plateau
     if ductility >= rule.earliest and growth < rule.growth:
         return Ending("plateau", f"it {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
-        verdict: Verdict = "plateau" if growth < rule.tolerated_growth else "undecided"
+        verdict: PathVerdict = "plateau" if growth < rule.tolerated_growth else "undecided"
         remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
         return Ending(verdict, f"at the end of the path it {doubled}", remedy)
     return None

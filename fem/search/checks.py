@@ -17,8 +17,8 @@ from meshes.section.uplift import Uplift
 
 if TYPE_CHECKING:
     from fem.limit_load.limit_load import AtOnce
-    from fem.path.plateau import Verdict
     from fem.search.critical import CriticalResult
+    from fem.settings import PathVerdict
 
 # Relative differences that count: of two numbers that must stand in an order, and of one thing computed twice.
 ROUNDING, NOTABLE = 0.005, 0.03
@@ -96,7 +96,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[Doubt]:
         )
 
 
-def of_verdict(verdict: "Verdict", reason: str, remedy: str) -> Iterator[Doubt]:
+def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[Doubt]:
     """A path that ended before it had shown a limit load."""
     if verdict == "undecided":
         yield Doubt(f"The path ended before a limit load was found: {reason}.", remedy)
@@ -113,7 +113,7 @@ def of_dilation(result: "CriticalResult", associated: "AtOnce | CriticalResult |
         )
 
 
-def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "Verdict") -> Iterator[Doubt]:
+def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> Iterator[Doubt]:
     """A mechanism that the edges of the section have a part in."""
     if verdict not in ("plateau", "peak"):
         return

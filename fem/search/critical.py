@@ -19,8 +19,8 @@ from fem.path.equilibrium_path import EquilibriumPath, PathStep
 from fem.path.gravity import path_settings
 from fem.path.load_stepping import climb
 from fem.path.newton import ProportionalLoad
-from fem.path.plateau import LimitLoad, PathListener, PlateauRule, Verdict, find_limit_load
-from fem.settings import Element, FemSettings
+from fem.path.plateau import LimitLoad, PathListener, PlateauRule, find_limit_load
+from fem.settings import Element, FemSettings, PathVerdict
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
@@ -49,7 +49,7 @@ class CriticalResult:
     upper : float
         Kh that the path rose to, or would with its last growth if the displacement doubled once more (-): the limit
         load of this mesh, and no bound of the section.
-    verdict : Verdict
+    verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     element : Element
         The element that was used.
@@ -82,7 +82,7 @@ class CriticalResult:
     kc: float
     lower: float
     upper: float
-    verdict: Verdict
+    verdict: PathVerdict
     element: Element
     flow: Flow
     direction: Direction

@@ -12,10 +12,10 @@ import numpy as np
 
 from fem.continuum.fields import state_of
 from fem.path.equilibrium_path import EquilibriumPath, PathStep
-from fem.path.plateau import PathListener, Verdict
+from fem.path.plateau import PathListener
 from fem.search.critical import critical_coefficient
 from fem.search.slip_surface import slip_surface
-from fem.settings import YIELDED, FemSettings
+from fem.settings import YIELDED, FemSettings, PathVerdict
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
@@ -28,7 +28,7 @@ class AsDiscs:
     ----------
     kc, upper : float
         Largest Kh at which an equilibrium was found, and what it may be at most (-).
-    verdict : Verdict
+    verdict : PathVerdict
         As that of a path.
     reason : str
         Why the path ended.
@@ -41,7 +41,7 @@ class AsDiscs:
 
     kc: float
     upper: float
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     steps: list[PathStep]
     slip_surface: np.ndarray

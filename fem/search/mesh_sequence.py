@@ -57,7 +57,7 @@ class MeshRound:
     rest: float
 
 
-class Found(Protocol):
+class MeshResult(Protocol):
     """What is found on a mesh: a number, its mechanism, and what there is to say of it."""
 
     @property
@@ -70,7 +70,7 @@ class Found(Protocol):
     def reason(self) -> str: ...
 
 
-F = TypeVar("F", bound=Found)
+F = TypeVar("F", bound=MeshResult)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +188,7 @@ def solve_adaptively(
         rounds.append(MeshRound(len(mesh.cells), result.value, abs(result.value - rounds[-1].value) / size, rest))
 
 
-def _reason_to_stop(rounds: list[MeshRound], result: Found, wanted: int, wish: Wish) -> str:
+def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
     """Why there is to be no next mesh, of so many cells as ``wanted``; empty if there is."""
     last = rounds[-1]
     if wish.is_met(last):

@@ -28,9 +28,9 @@ from fem.path.gravity import (
     under_weight,
 )
 from fem.path.newton import StrengthReduction
-from fem.path.plateau import PathListener, PlateauRule, Verdict, find_limit_load
+from fem.path.plateau import PathListener, PlateauRule, find_limit_load
 from fem.search.critical import ASSOCIATED_RULE
-from fem.settings import FemSettings
+from fem.settings import FemSettings, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
@@ -56,7 +56,7 @@ class SafetyFactor:
         Largest divisor of c and tan φ at which an equilibrium was found (-).
     upper : float
         What the path rose to, or would with its last growth if the displacement doubled once more (-).
-    verdict : Verdict
+    verdict : PathVerdict
         "plateau", "peak", "no failure" or "undecided".
     reason, remedy : str
         Why the path ended, and what to do if it has no answer.
@@ -74,7 +74,7 @@ class SafetyFactor:
     kh: float
     factor: float
     upper: float
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     remedy: str
     steps: list[PathStep]

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from dem.acceleration import tilted_gravity
-from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, Run, largest_step
+from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, EngineRun, largest_step
 from dem.engine.packer import pack, unpack
 from dem.kernels.stepping import DONE
 from dem.model import DiscModel
@@ -121,7 +121,7 @@ def measure(elements: int, threads: list[int], repeats: int) -> list[Row]:
             model = model_of(elements, bonded, law)
             free = int((~model.fixed).sum())
             steps = max(20, int(4e7 / free))
-            run = Run(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
+            run = EngineRun(Engine(dt=DT, ledger=ledger, threads=count, balance=math.inf), model, DT)
             run.advance(5)
             clock = time.process_time if count == 1 else time.perf_counter
             seconds = best(lambda run=run, steps=steps: run.advance(steps), clock, repeats) / steps
@@ -144,7 +144,7 @@ def ledger_cost(model: DiscModel, seconds: float = 6.0) -> tuple[float, float]:
     Short calls of the kernel on one thread and one layout, with and without it in turn, so that what else the machine
     does meets both alike; medians of their CPU time.
     """
-    run = Run(Engine(dt=DT, balance=math.inf), model, DT)
+    run = EngineRun(Engine(dt=DT, balance=math.inf), model, DT)
     run.go(5)
     with_ledger, steps = run.engine, max(4, int(4e5 / len(model)))
     times: dict[bool, list[float]] = {False: [], True: []}

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.engine.engine import Engine, Run, largest_step
+from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
 from tests.benchmarks.dem_throughput import box
@@ -44,7 +44,7 @@ def model_of(elements: int, share: float) -> DiscModel:
     return model
 
 
-def seconds_a_step(run: Run, steps: int) -> float:
+def seconds_a_step(run: EngineRun, steps: int) -> float:
     """CPU of a step of the kernel, with whatever lists it wants not counted."""
     begin = time.process_time()
     before = run.model.steps
@@ -60,7 +60,7 @@ def main() -> None:
     for elements in asked.elements:
         models = [model_of(elements, share) for share in (0.0, *asked.share)]
         dt = 0.6 * min(largest_step(model).seconds for model in models)
-        runs = [Run(Engine(dt=dt, ledger=False), model, dt) for model in models]
+        runs = [EngineRun(Engine(dt=dt, ledger=False), model, dt) for model in models]
         steps = max(40, int(WORK / len(models[0]))) // 4 * 4
         for run in runs:
             run.call_kernel(8)

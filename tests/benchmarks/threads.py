@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from dem.engine.engine import Engine, Run
+from dem.engine.engine import Engine, EngineRun
 from dem.engine.packer import pack
 from dem.engine.sharing import needs
 from dem.kernels.barrier import new_barrier, wait
@@ -59,7 +59,7 @@ def meeting() -> float:
 
 def seconds_of_a_step(model: DiscModel, threads: int) -> float:
     """On the clock, the kernel alone, the best of some calls."""
-    run = Run(Engine(dt=DT, balance=np.inf, threads=threads), model, DT)
+    run = EngineRun(Engine(dt=DT, balance=np.inf, threads=threads), model, DT)
     run.advance(5)
     steps, times = max(20, int(4e6 / len(model))), []
     for _ in range(REPEATS):

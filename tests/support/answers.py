@@ -7,7 +7,7 @@ from fem.continuum.strength import flow_of
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
-from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, Verdict
+from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, PathVerdict
 from workflow.results.results import Results
 from workflow.results.variants import Variant
 from workflow.run.store import Store
@@ -21,7 +21,7 @@ def state(run: Config, kh: float, past: bool, failed: float) -> KeptState:
     )  # fmt: skip
 
 
-def fem(run: Config, kc: float = 0.24, verdict: Verdict = "plateau") -> FemAnswer:
+def fem(run: Config, kc: float = 0.24, verdict: PathVerdict = "plateau") -> FemAnswer:
     return FemAnswer(
         section=SectionLabel.of(run.section), kc=kc, kc_lower=kc, kc_upper=kc + 0.004, verdict=verdict,
         reason="it is flat", remedy="", judgement="sound", doubts=(), direction="downhill", towards="right",

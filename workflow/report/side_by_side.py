@@ -20,7 +20,7 @@ WIDTH = 900  # px of a picture: several stand beside each other
 
 
 @dataclass(frozen=True)
-class Found:
+class ComparedRun:
     """A run as it is compared: its folder, its input and its summary."""
 
     folder: Path
@@ -28,12 +28,12 @@ class Found:
     summary: Summary
 
 
-def read(folders: Sequence[Path]) -> list[Found]:
+def read(folders: Sequence[Path]) -> list[ComparedRun]:
     """The runs in some folders; raises InputError with every folder that holds none."""
     found, problems = [], []
     for folder in folders:
         try:
-            found.append(Found(folder, Config.load(folder / "section.toml"), Summary.read(Store(folder))))
+            found.append(ComparedRun(folder, Config.load(folder / "section.toml"), Summary.read(Store(folder))))
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]
     if problems:
@@ -41,7 +41,7 @@ def read(folders: Sequence[Path]) -> list[Found]:
     return found
 
 
-def differences(runs: Sequence[Found]) -> Iterator[tuple[str, list[str]]]:
+def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     """The keys in which the inputs differ, with what each has."""
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for one in flat for key in one):
@@ -62,7 +62,7 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
         yield name, data
 
 
-def rows(runs: Sequence[Found]) -> Iterator[tuple[str, list[str]]]:
+def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     """What was found: the name of a quantity, and what each run has."""
     told: dict[str, Callable[[Summary], str]] = {
         "section": lambda one: f"{one.section.name}, {one.section.sha256[:12]}",
@@ -101,7 +101,7 @@ def _slide(case: CaseNumbers | None) -> str:
     return metres(case.slide_max_m) + ("" if case.settled else ", not at rest")
 
 
-def page(runs: Sequence[Found]) -> str:
+def page(runs: Sequence[ComparedRun]) -> str:
     """The comparison as one HTML page with the pictures of all runs; nothing in it is fetched from anywhere."""
     environment = Environment(
         loader=PackageLoader("workflow.report", "."),
@@ -118,7 +118,7 @@ def page(runs: Sequence[Found]) -> str:
     )
 
 
-def write_page(runs: Sequence[Found], path: Path) -> None:
+def write_page(runs: Sequence[ComparedRun], path: Path) -> None:
     """Write the page; raises InputError if it cannot be written."""
     try:
         path.write_text(page(runs), encoding="utf-8")

@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from pydantic import Field
 
 from fem.continuum.strength import Flow, davis_words
-from fem.settings import YIELDED, Element, FemSettings
+from fem.settings import YIELDED, Element, FemSettings, PathVerdict
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
 if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
-
-Verdict = Literal["plateau", "peak", "no failure", "undecided"]
 
 
 class MeshCount(Part):
@@ -67,7 +65,7 @@ class FactorOfSafety(Part):
     kh: float
     factor: float = Field(description="the largest divisor at which an equilibrium was found")
     upper: float = Field(description="what this mesh may bear at most")
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     curve: tuple[PathStep, ...]
     skin: float | None = Field(description="the factor at which grains roll down a cohesionless face, if there is one")
@@ -84,7 +82,7 @@ class OtherWay(Part):
 
     kc: float
     kc_upper: float
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     direction: Literal["downhill", "uphill"]
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
@@ -114,7 +112,7 @@ class RigidBox(Part):
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_upper: float = Field(description="what the critical Kh may be at most")
     flow: Flow = Field(description="Davis's estimate where the critical Kh is with ψ = φ: discs hardly dilate")
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     slip_surface: Line = Field(description="points [x, elevation] in the middle of the shear (m)")
     curve: tuple[PathStep, ...]
@@ -163,7 +161,7 @@ class FemAnswer(Answer):
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_lower: float = Field(description="the largest Kh on the path")
     kc_upper: float = Field(description="what this mesh may bear at most; no bound of the section")
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
     judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a doubt contradicts the answer")

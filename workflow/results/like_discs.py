@@ -8,7 +8,7 @@ from pydantic import Field
 from fem.continuum.strength import Flow
 from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
-from workflow.results.continuum import FemAnswer, PathStep, RigidBox, Verdict, displacement_at
+from workflow.results.continuum import FemAnswer, PathStep, PathVerdict, RigidBox, displacement_at
 
 FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 
@@ -20,7 +20,7 @@ class LikeDiscs(Answer):
 
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_upper: float = Field(description="what this mesh may bear at most, no more than with ψ = φ")
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     sides: Sides
     flow: Flow = Field(description='"section": ψ as given, on a non-associated path')

@@ -10,7 +10,7 @@ from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
-from workflow.results.continuum import FactorOfSafety, MeshCount, Verdict
+from workflow.results.continuum import FactorOfSafety, MeshCount, PathVerdict
 from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
@@ -37,7 +37,7 @@ class FemSummary(Part):
     kc: float | None
     kc_lower: float
     kc_upper: float | None
-    verdict: Verdict
+    verdict: PathVerdict
     reason: str
     dilation: dict[str, float] | str = Field(description='"psi = phi", or the dilation angle by stratum (degrees)')
     flow: Flow = Field(description='the flow rule of kc: "associated" is ψ = φ, "davis" Davis\'s estimate, no bound')

@@ -5,7 +5,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from workflow.results.answer import Answer, Part
-from workflow.results.continuum import Verdict
+from workflow.results.continuum import PathVerdict
 
 
 class Variant(Part):
@@ -15,7 +15,7 @@ class Variant(Part):
     change: str = Field(description="what is changed, in words")
     kc: float | None
     kc_upper: float | None
-    verdict: Verdict | Literal["no answer"]
+    verdict: PathVerdict | Literal["no answer"]
     reason: str
     seconds: float = Field(description="computing time")
     kc_without: float | None = Field(

@@ -54,7 +54,7 @@ from workflow.results.journal import Journal
 from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
-from workflow.stages.disc_states import FAILING, NO_LINE, Kept, Sets, Start, keep_states, state_file
+from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file
 from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
 from workflow.stages.like_discs import like_discs
 from workflow.stages.slip_surfaces import slip_surfaces
@@ -76,7 +76,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
-        discs_answer(config, discs, (found.base, found.base), {}, Kept(), none).write(store)
+        discs_answer(config, discs, (found.base, found.base), {}, KeptStates(), none).write(store)
         CalibrationAnswer.not_asked_for(found.base, config.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {found.base.verdict}, {found.base.reason}",
@@ -292,7 +292,7 @@ def discs_answer(
     discs: Discs,
     searches: tuple[Search, Search],
     factor: dict[str, float],
-    kept: Kept,
+    kept: KeptStates,
     surfaces: SlipSurfaces,
 ) -> DiscsAnswer:
     """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""

@@ -51,7 +51,7 @@ Sets = dict[SetOfSprings, Start]
 
 
 @dataclass(frozen=True)
-class Kept:
+class KeptStates:
     """The states that are kept, and for each set of springs the slip surface where it is seen to fail (k, 2), in m."""
 
     states: tuple[DiscState, ...] = ()
@@ -62,7 +62,7 @@ class Kept:
         return self.surfaces.get(which, NO_LINE)
 
 
-def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> Kept:
+def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> KeptStates:
     """Discs at every recorded Kh, each from rest, as they stand or as they are when they are seen to fail; and the slip
     surface of every set at the upper end of its bracket.
     """
@@ -74,7 +74,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
     ]
     found = executor.compute(_reached, [*recorded, *ends])
     failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in found[len(recorded) :]}
-    return Kept(tuple(found[: len(recorded)]), failing)
+    return KeptStates(tuple(found[: len(recorded)]), failing)
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from workflow.run.store import Store
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import Packing, RandomPackingsWanted, packed
-from workflow.stages.sliding import ALONE, Run, Task, slid, task
+from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, slid, task
 
 USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
 
@@ -38,10 +38,10 @@ def slide_stage(job: Job) -> None:
     if config.slide.packings(config.dem.model) and wanted:
         others = RandomPackingsWanted.of(config, store, wanted)
     packings = others.at_once() if others is not None else []  # these take longest, and so begin
-    pieces: list[Run | Packing] = [*packings, *(Run(config, store, each, frames=True) for each in tasks)]
+    pieces: list[SlideTask | Packing] = [*packings, *(SlideTask(config, store, each, frames=True) for each in tasks)]
     hearer = Hearer(config, job.progress, pieces)
     found = job.executor.compute(_computed, pieces, hearer, hearer.ended)
-    slides: dict[Task, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
+    slides: dict[PlannedSlide, Slide] = dict(zip(tasks, found[len(packings) :], strict=True))
     random: RandomPackings | None = None
     if others is not None:
         own = {t.number: slide for t, slide in slides.items() if t.springs == "calibrated" and t.number in wanted}
@@ -54,7 +54,7 @@ def slide_stage(job: Job) -> None:
     slide_pictures(config, store, job.executor)
 
 
-def _computed(piece: Run | Packing, tell: Tell) -> Any:
+def _computed(piece: SlideTask | Packing, tell: Tell) -> Any:
     """A slide, or a random packing with all of its slides."""
     return packed(piece, tell) if isinstance(piece, Packing) else slid(piece, tell)
 
@@ -79,13 +79,13 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
     return starts
 
 
-def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[Task]:
+def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
     """The cases on every set of springs, and Kh alone: first those of the paper's discs, which take longest."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
 
-def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
+def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAnswer]:
     """The cases of one set of springs, in the order of their numbers."""
     mine = {each.number: (each, slide) for each, slide in slides.items() if each.springs == springs}
     return {
@@ -98,7 +98,7 @@ def _cases(slides: dict[Task, Slide], springs: str) -> dict[int, CaseAnswer]:
 class Hearer:
     """Tells how far the slides are, from what each tells of itself."""
 
-    def __init__(self, config: Config, progress: Progress, pieces: Sequence[Run | Packing]) -> None:
+    def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | Packing]) -> None:
         self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
 

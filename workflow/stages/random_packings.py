@@ -18,7 +18,7 @@ from workflow.results.journal import Journal
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import continuum_for, discs_at_rest
-from workflow.stages.sliding import Run, slid, task
+from workflow.stages.sliding import SlideTask, slid, task
 
 Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides by case
 
@@ -127,7 +127,7 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     tell("slides")
     start = calibrator.settled_with(parameter, seed.value)
     tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
-    return seed, {each.number: slid(Run(config, store, each), lambda _: None) for each in tasks}
+    return seed, {each.number: slid(SlideTask(config, store, each), lambda _: None) for each in tasks}
 
 
 def _calibrator(

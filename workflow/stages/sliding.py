@@ -19,7 +19,7 @@ ALONE = 0  # the number of the case without liquefaction, Kh alone
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class PlannedSlide:
     """One slide.
 
     Attributes
@@ -45,23 +45,23 @@ class Task:
         return f"dem/slide_{self.springs}_{self.number}"
 
 
-def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> Task:
+def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
     """A case of the input by its number, or `ALONE`, from some discs at rest."""
     case = None if number == ALONE else config.cases[number - 1]
-    return Task(springs, number, start, ground, liquefying(config).get(number, []), case)
+    return PlannedSlide(springs, number, start, ground, liquefying(config).get(number, []), case)
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class SlideTask:
     """A slide to be computed: the input and the folder of the run, and whether its frames are kept."""
 
     config: Config
     store: Store
-    task: Task
+    task: PlannedSlide
     frames: bool = False
 
 
-def slid(run: Run, tell: Tell) -> Slide:
+def slid(run: SlideTask, tell: Tell) -> Slide:
     """Take a slide to its end, from its last checkpoint if there is one; tells time, slide, settlement and speed.
 
     Frames are written as they fall due; those of a longer slide that was begun again with a smaller step are removed.

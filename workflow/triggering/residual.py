@@ -26,7 +26,7 @@ class Penetration:
 
 
 @dataclass(frozen=True)
-class Strength:
+class ResidualRelation:
     """A relation: its name, where it was published, and what it holds for.
 
     ``count`` is the blow count that it goes by, ``most`` that up to which there are cases behind it, ``curve`` finds
@@ -87,7 +87,7 @@ def kramer_wang(n: float, soil: Penetration) -> float:
     return math.exp(-8.444 + 0.109 * n + 5.379 * stress**0.1) / stress
 
 
-IDRISS_BOULANGER = Strength(
+IDRISS_BOULANGER = ResidualRelation(
     "Idriss & Boulanger (2008)",
     "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)",
     "(N1)60 with fines up to 16",
@@ -95,7 +95,7 @@ IDRISS_BOULANGER = Strength(
     _with_fines,
     idriss_boulanger,
 )
-OLSON_STARK = Strength(
+OLSON_STARK = ResidualRelation(
     "Olson & Stark (2002)",
     "S. M. Olson, T. D. Stark, Can. Geotech. J. 39 (2002) 629-647; of lateral spreads, too: S. M. Olson, C. I. "
     "Johnson, J. Geotech. Geoenviron. Eng. 134 (2008) 1035-1049",
@@ -104,7 +104,7 @@ OLSON_STARK = Strength(
     _plain,
     olson_stark,
 )
-KRAMER_WANG = Strength(
+KRAMER_WANG = ResidualRelation(
     "Kramer & Wang (2015)",
     "S. L. Kramer, C.-H. Wang, J. Geotech. Geoenviron. Eng. 141 (2015) 04015038",
     "(N1)60 up to 16; the mean",

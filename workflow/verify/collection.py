@@ -7,7 +7,7 @@ from typing import Any
 
 from workflow.verify.case import Case, read_cases
 from workflow.verify.record import FILE, PARTS, Answer, Part, read_answers, version_of, write_answers
-from workflow.verify.verdict import Verdict, judge
+from workflow.verify.verdict import CaseVerdict, judge
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Row:
 
     case: Case
     found: Answer | None
-    verdict: Verdict
+    verdict: CaseVerdict
 
     def as_dict(self) -> dict[str, Any]:
         """Name, verdict, numbers and seconds, for a file."""

@@ -8,7 +8,7 @@ from statistics import median
 from workflow.run.store import Store
 from workflow.verify.case import Case, Value
 from workflow.verify.record import Answer
-from workflow.verify.verdict import Verdict, judge
+from workflow.verify.verdict import CaseVerdict, judge
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 
@@ -82,7 +82,7 @@ def _head() -> str:
     return HEAD.format(below=100 * BELOW, above=100 * ABOVE, tolerances=tolerances).strip()
 
 
-def _summary(verdicts: Mapping[str, Verdict], answers: Mapping[str, Answer]) -> str:
+def _summary(verdicts: Mapping[str, CaseVerdict], answers: Mapping[str, Answer]) -> str:
     counted = Counter(verdict.word for verdict in verdicts.values())
     bounded = sum(found.lower is not None and found.upper is not None for found in answers.values())
     meshed = sum(found.associated is not None for found in answers.values())
@@ -136,7 +136,7 @@ def counts(cases: Sequence[Case], answers: Mapping[str, Answer]) -> dict[str, fl
     return {"cases": len(cases), **judged, **medians(answers.values())}
 
 
-def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
+def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, CaseVerdict]) -> str:
     rows = [
         "| | case | published | bounds | elements, ψ = φ | elements, Davis | seconds | |",
         "|---|---|---|---|---|---|---|---|",
@@ -174,7 +174,7 @@ def _number(value: Value) -> str:
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
-def _remarks(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, Verdict]) -> str:
+def _remarks(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, CaseVerdict]) -> str:
     lines = []
     for case in cases:
         remarks = [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]

@@ -29,26 +29,26 @@ Word = Literal["right", "wrong", "explained", "not run"]
 
 
 @dataclass(frozen=True)
-class Verdict:
+class CaseVerdict:
     """The word, and a sentence for everything that is to be said with it."""
 
     word: Word
     remarks: tuple[str, ...]
 
 
-def judge(case: Case, found: Answer | None) -> Verdict:
+def judge(case: Case, found: Answer | None) -> CaseVerdict:
     """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
     if found is None:
-        return Verdict("not run", ())
+        return CaseVerdict("not run", ())
     faults = [*_contradictions(found), *(f"no answer by {text}" for text in found.failures)]
     apart = list(_apart(case, found))
     if faults:
-        return Verdict("wrong", (*faults, *apart))
+        return CaseVerdict("wrong", (*faults, *apart))
     if apart and not case.published.explained:
-        return Verdict("wrong", tuple(apart))
+        return CaseVerdict("wrong", tuple(apart))
     if apart:
-        return Verdict("explained", (case.published.explained, *apart, *outside(case, found), *rolling(found)))
-    return Verdict("right", (*outside(case, found), *rolling(found)))
+        return CaseVerdict("explained", (case.published.explained, *apart, *outside(case, found), *rolling(found)))
+    return CaseVerdict("right", (*outside(case, found), *rolling(found)))
 
 
 def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
