@@ -8,6 +8,7 @@ from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.earthquake.site_response import TOO_LARGE
 from workflow.report import after
 from workflow.report.contradictions import FALLS, FALLS_TIMES
+from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
@@ -186,6 +187,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
             f"Case {which} ({name}): slides at most {metres(case.slide_max_m)} at x = {case.slide_max_at_x_m:.0f} m, "
             f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill on average{settled}."
         )
+    yield from crest_sentences(crest_parts(config, answer))
 
 
 def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
@@ -228,6 +230,7 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
             f"settles {case.settlement_crest_m:.2g} m; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)
+    yield from crest_sentences(crest_parts(config, points=answer))
 
 
 def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:

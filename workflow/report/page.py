@@ -27,6 +27,7 @@ from workflow.report.player import films
 from workflow.report.slices import on_surface_found, slices_sentences
 from workflow.report.structures import elsewhere, face_rows
 from workflow.report.uncertainty import doubts
+from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.results import Results
 from workflow.results.summary import Summary
 from workflow.run.log import machine, versions
@@ -38,6 +39,7 @@ MOST_TESTS = 60  # in a table
 PARTS = {
     "triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja",
     "mpm": "mpm.html.jinja", "structures": "structures.html.jinja",
+    "crests": "crests.html.jinja", "verdicts": "verdicts.html.jinja",
 }  # fmt: skip
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
@@ -86,6 +88,10 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "fail_alike": fail_alike(results),
         "slices_sentences": slices_sentences,
         "faces": face_rows(config, results.slices) if results.slices is not None else [],
+        "crests": summary.crests or (),
+        "verdicts": summary.criteria or (),
+        "limit_words": limit_words,
+        "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
         "on_surface_found": list(on_surface_found(config, results.fem)),
         "estimates": estimates(config, results.kc, results.slip_surface),

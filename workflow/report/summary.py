@@ -3,10 +3,12 @@
 from collections.abc import Iterator
 
 from workflow.estimates.comparison import estimates
+from workflow.report.crests import crest_parts
 from workflow.report.doubtful import doubtful
 from workflow.report.findings import findings
 from workflow.report.paper import rows
 from workflow.report.structures import face_rows
+from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
@@ -37,8 +39,9 @@ def summary(results: Results, report_seconds: float) -> Summary:
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
+    judged = verdicts(results)
     return Summary(
-        in_short=tuple(findings(results)),
+        in_short=(*verdict_paragraph(judged), *findings(results)),
         doubtful=tuple(doubtful(results)),
         section=SectionLabel.of(config.section),
         mesh=_mesh(results),
@@ -49,6 +52,8 @@ def summary(results: Results, report_seconds: float) -> Summary:
         else BoundsSummary(lower=results.bounds.lower, upper=results.bounds.upper),
         slices=None if results.slices is None else CircleSummary.of(results.slices) or None,
         structures=tuple(_faces(results)) or None,
+        crests=tuple(crest_parts(results.config, results.cases, results.mpm)) or None,
+        criteria=tuple(judged) or None,
         dem=_dem(results),
         cases=_summaries(results, cases) or None,
         cases_springs=springs if cases else None,

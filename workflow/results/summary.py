@@ -15,6 +15,7 @@ from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import StratumPart
+from workflow.results.verdicts import CrestPart, VerdictPart
 
 
 class SafetySummary(Part):
@@ -184,6 +185,8 @@ class Summary(Answer):
     bounds: BoundsSummary | None = None
     slices: tuple[CircleSummary, ...] | None = None
     structures: tuple[FaceSummary, ...] | None = Field(default=None, description="the faces of structures")
+    crests: tuple[CrestPart, ...] | None = Field(default=None, description="crests of structures after every slide")
+    criteria: tuple[VerdictPart, ...] | None = Field(default=None, description="what has a limit, and the verdict")
     dem: DemSummary | None = None
     cases: dict[int, CaseSummary] | None = Field(default=None, description="the cases on the springs that count")
     cases_springs: str | None = Field(default=None, description="which springs those are")

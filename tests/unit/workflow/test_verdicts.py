@@ -1,0 +1,135 @@
+"""Crests after slides, faces of structures and criteria in the report, of slides made by hand."""
+
+import tomllib
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.support import TOP, dem_fixture
+from tests.support.answers import results
+from workflow.config import Config
+from workflow.report.console import slide_sentences
+from workflow.report.crests import crest_parts
+from workflow.report.structures import face_rows, structure_sentences
+from workflow.report.verdicts import verdict_paragraph, verdicts
+from workflow.results.answer import SectionLabel, line
+from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
+
+
+def levee(**tables: Any) -> Config:
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    del data["sliding_block"]
+    return Config.parse({**data, **tables})
+
+
+def sunk(config: Config, by: float, far: float = 0.0, **more: Any) -> CaseAnswer:
+    """A slide in which all ground sinks (m), and slides ``far`` (m)."""
+    ground = config.section.ground
+    along = line(np.column_stack([ground[:, 0], np.full(len(ground), far)]))
+    update = {"surface_before": line(ground), "surface_after": line(ground - [0.0, by]), "slide_along": along}
+    return dem_fixture.case(0.1, far).model_copy(update={**update, "settled": True, **more})
+
+
+def slid(case: CaseAnswer) -> CasesAnswer:
+    return CasesAnswer(sets={"calibrated": {1: case}}, random=None)
+
+
+def circle(
+    towards: Any, value: float, x: tuple[float, float] = (50.0, 70.0), spencer: float | None = None
+) -> CirclePart:
+    return CirclePart(
+        towards=towards, centre_m=(0.0, 0.0), radius_m=1.0, surface_m=((x[0], 10.0), (x[1], 15.0)), bishop=value,
+        spencer=spencer,
+    )  # fmt: skip
+
+
+def by_slices(config: Config) -> SlicesAnswer:
+    """A levee with a face on either side, and a bank beside it that fails before."""
+    faces = tuple(
+        FacePart(
+            structure="embankment at x = 69 m", kind="levee", start_m=56.0, end_m=86.0, crest_m=(66.0, 72.0),
+            towards=side, factors=(FactorCircles(kh=0.0, circles=(circle(side, factor, spencer=factor + 0.02),)),),
+            critical=circle(side, kc, spencer=kc + 0.01),
+        )
+        for side, factor, kc in (("left", 1.65, 0.144), ("right", 2.17, 0.266))
+    )  # fmt: skip
+    bank = (40.0, 46.0)
+    return SlicesAnswer(
+        section=SectionLabel.of(config.section),
+        factors=(FactorCircles(kh=0.0, circles=(circle("left", 1.2, bank), circle("right", 2.17))),),
+        critical=(circle("left", 0.039, bank), circle("right", 0.266)),
+        faces=faces, least_depth=0.0, reason="", source="",
+    )  # fmt: skip
+
+
+def test_the_crest_of_the_levee_after_a_slide() -> None:
+    """15 m less 0.5 m above water that stands at 9.8 m at the riverward foot; 5 m of sand lost 3.83 % of its volume."""
+    config = levee()
+    (part,) = crest_parts(config, slid(sunk(config, 0.5)))
+    assert part.settlement_m == pytest.approx(0.5)
+    assert part.reconsolidation_m == pytest.approx(0.19, abs=0.005)  # within the slide, whose discs shrink
+    assert (part.water_m, part.freeboard_m) == (pytest.approx(9.8), pytest.approx(4.7))
+    told = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
+    assert "it settles 0.50 m, 0.19 m of it by reconsolidation; freeboard 4.7 m is left." in told
+
+
+def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:
+    config = levee(slide={"cases": [{"stiffness": 0.1}]}, triggering={**_triggering(), "cases": []})
+    (part,) = crest_parts(config, slid(sunk(config, 0.5)))
+    assert part.settlement_m == pytest.approx(0.69, abs=0.005)
+    assert part.freeboard_m == pytest.approx(4.51, abs=0.005)
+
+
+def _triggering() -> dict[str, Any]:
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    found: dict[str, Any] = data["triggering"]
+    return found
+
+
+def test_faces_the_smallest_and_failures_elsewhere() -> None:
+    config = levee()
+    rows = face_rows(config, by_slices(config))
+    assert [(row.kc, row.counts) for row in rows] == [(0.144, True), (0.266, False)]
+    told = list(structure_sentences(config, by_slices(config)))
+    assert told[2] == "The smallest counts: embankment at x = 69 m, towards the left."
+    assert told[3:] == [
+        "Elsewhere, from x = 40 to 46 m towards the left, factor of safety at Kh = 0 is 1.20: no crest slides with it.",
+        "Elsewhere, from x = 40 to 46 m towards the left, critical Kh is 0.039: no crest slides with it.",
+    ]
+
+
+def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
+    limits = {
+        "factor_of_safety": {"limit": 1.3, "source": "design brief"},
+        "critical_kh": {"limit": 0.15},
+        "displacement": {"limit": "0.3 m"},
+        "crest_settlement": {"limit": "0.4 m"},
+        "freeboard": {"limit": "1 m", "water": 13.0},
+    }
+    config = levee(criteria=limits)
+    cases = slid(sunk(config, 0.5, far=0.2))
+    found = verdicts(results(config, slices=by_slices(config), cases=cases))
+    told = {(part.criterion, part.of.split(", ", 1)[1]): part.verdict for part in found}
+    assert told["factor of safety", "towards the left, by slices"] == "satisfied"
+    assert told["critical Kh", "towards the left, by slices"] == "not decided"  # 0.144 by Bishop, 0.154 by Spencer
+    assert told["critical Kh", "towards the right, by slices"] == "satisfied"
+    assert told["displacement", "discs, case 1, median"] == "satisfied"
+    assert told["crest settlement", "discs, case 1, median"] == "not satisfied"
+    assert told["freeboard", "discs, case 1, median"] == "satisfied"
+    (paragraph,) = verdict_paragraph(found)
+    assert "factor of safety at least 1.30 at Kh = 0 [design brief]: satisfied;" in paragraph
+    assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
+
+
+def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
+    config = levee(criteria={"crest_settlement": {"limit": "0.4 m"}, "freeboard": {"limit": "1 m"}})
+    moving = verdicts(results(config, cases=slid(sunk(config, 0.1, settled=False))))
+    assert [(part.verdict, part.reason) for part in moving] == [("not decided", "the slide is not at rest")] * 2
+    too_far = verdicts(results(config, cases=slid(sunk(config, 0.5, settled=False))))
+    assert too_far[0].verdict == "not satisfied"
+    nothing = verdicts(results(config))
+    assert {(part.verdict, part.reason) for part in nothing} == {("not decided", "no slide was computed")}
+    assert not verdicts(results(levee()))
+    assert list(verdict_paragraph([])) == []

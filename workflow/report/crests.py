@@ -1,0 +1,123 @@
+"""The crests of structures after every slide: settlement, reconsolidation and freeboard."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from meshes.errors import InputError
+from workflow.config import Config
+from workflow.estimates.crest import Crest
+from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
+from workflow.estimates.structures import Standing, structures_of
+from workflow.report.findings import lies_still
+from workflow.report.numbers import metres
+from workflow.results.cases import CasesAnswer, Profile
+from workflow.results.material_points import PointSlidesAnswer
+from workflow.results.verdicts import CrestPart
+from workflow.triggering.consequences import left
+
+Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
+
+
+def crest_parts(
+    config: Config, cases: CasesAnswer | None = None, points: PointSlidesAnswer | None = None
+) -> Iterator[CrestPart]:
+    """The crest of every structure after the slides of discs on the springs that count, and of material points."""
+    for structure in structures_of(config.section):
+        if cases is not None and cases.first_set:
+            for number, case in sorted(cases.sets[cases.first_set].items()):
+                lines = np.array(case.surface_before), np.array(case.surface_after)
+                value = crest_settlement(*lines, structure.crest)
+                random = cases.random.cases.get(number) if cases.random is not None else None
+                found = _over_packings(value, None if random is None else random.profile, structure.crest)
+                if found is not None:
+                    rests = case.settled or lies_still(case)
+                    yield _part(config, structure, f"discs, {config.called(number)}", number, found, rests)
+        for number, point in sorted(points.cases.items()) if points is not None else ():
+            value = crest_settlement(np.array(point.surface_before), np.array(point.surface_after), structure.crest)
+            if value is not None:
+                of = f"material points, {config.called(number)}"
+                yield _part(config, structure, of, number, (value, value, value), point.settled)
+
+
+def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -> Settlements | None:
+    """The settlement of a slide with that of the surfaces below and above which 5 % of packings are expected."""
+    if value is None:
+        return None
+    ends = [value]
+    if profile is not None:
+        before = np.column_stack([profile.x, profile.before])
+        for after in (profile.after_low, profile.after_high):
+            end = crest_settlement(before, np.column_stack([profile.x, after]), crest)
+            ends += [] if end is None else [end]
+    return value, min(ends), max(ends)
+
+
+def _part(config: Config, structure: Standing, by: str, case: int, slide: Settlements, at_rest: bool) -> CrestPart:
+    drained = reconsolidation_below(config, structure.crest, case)
+    added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
+    value, low, high = (one + added for one in slide)
+    water = water_beside(config, structure.crest)
+    heights = [
+        None if water is None else freeboard(structure.crest.elevation, one, water) for one in (value, high, low)
+    ]
+    return CrestPart(
+        structure=structure.name,
+        by=by,
+        settlement_m=value,
+        settlement_low_m=low,
+        settlement_high_m=high,
+        reconsolidation_m=drained,
+        freeboard_m=heights[0],
+        freeboard_low_m=heights[1],
+        freeboard_high_m=heights[2],
+        water_m=water,
+        at_rest=at_rest,
+    )
+
+
+def reconsolidation_below(config: Config, crest: Crest, case: int) -> float | None:
+    """Settlement (m) of the middle of a crest as what liquefied in a case drains; None where no strain is known.
+
+    The volumetric strain is that of the case where it has one, or else that of the blow counts of each stratum.
+    """
+    levels = config.section.layering.interfaces(np.array([0.5 * (crest.left + crest.right)]))[0]
+    strata = [k for k, stratum in enumerate(config.section.strata) if case in stratum.liquefies_in]
+    strain = config.cases[case - 1].volumetric_strain
+    known = dict.fromkeys(strata, strain) if strain > 0.0 else _strains_of_borings(config)
+    if not any(k in known for k in strata):
+        return None
+    thickness = [float(levels[k] - levels[k + 1]) for k in strata]
+    return reconsolidation_settlement(thickness, [known.get(k, 0.0) for k in strata])
+
+
+def _strains_of_borings(config: Config) -> dict[int, float]:
+    if not config.triggering.borings:
+        return {}
+    try:
+        return {one.stratum: one.volumetric_strain for one in left(config.assessment(), config.triggering)}
+    except InputError:
+        return {}
+
+
+def water_beside(config: Config, crest: Crest) -> float | None:
+    """Elevation (m) of the water that a structure holds back: that of the criteria, or the higher one at its feet."""
+    limit = config.criteria.freeboard
+    if limit is not None and limit.water is not None:
+        return float(limit.water)
+    points = config.section.water_points()
+    return None if points is None else float(np.interp([crest.start, crest.end], *points.T).max())
+
+
+def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
+    """Every crest after every slide."""
+    for part in parts:
+        low, high = metres(part.settlement_low_m), metres(part.settlement_high_m)
+        spread = "" if low == high else f" ({low} to {high} over packings)"
+        drained = "" if not part.reconsolidation_m else f", {metres(part.reconsolidation_m)} of it by reconsolidation"
+        left_over = "" if part.freeboard_m is None else f"; freeboard {metres(part.freeboard_m)} is left"
+        moves = "" if part.at_rest else "; the slide is not at rest"
+        yield (
+            f"Crest of {part.structure}, {part.by}: it settles {metres(part.settlement_m)}{spread}{drained}{left_over}"
+            f"{moves}."
+        )

@@ -1,0 +1,191 @@
+"""What was found against the criteria: satisfied, not satisfied, or not decided."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from workflow.config import Config
+from workflow.criteria.verdict import judge, together
+from workflow.estimates.structures import structures_of
+from workflow.report.crests import crest_parts
+from workflow.report.findings import lies_still
+from workflow.report.numbers import listed
+from workflow.report.structures import face_rows
+from workflow.results.answer import Line
+from workflow.results.results import Results
+from workflow.results.slices import CirclePart, SlicesAnswer
+from workflow.results.verdicts import Criterion, VerdictPart
+
+Found = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
+AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
+OPEN = float("inf")  # the upper end of what still grows
+
+
+def verdicts(results: Results) -> list[VerdictPart]:
+    """Every quantity that has a limit, of every structure and by every method that has it."""
+    limits = results.config.criteria
+    told: list[VerdictPart] = []
+    if (factor := limits.factor_of_safety) is not None:
+        told += _judged("factor of safety", factor.limit, factor.source, _factors(results, factor.kh), factor.kh)
+    if (kh := limits.critical_kh) is not None:
+        told += _judged("critical Kh", kh.limit, kh.source, _critical(results))
+    if (far := limits.displacement) is not None:
+        told += _judged("displacement", float(far.limit), far.source, _displacements(results))
+    if (fall := limits.crest_settlement) is not None:
+        told += _judged("crest settlement", float(fall.limit), fall.source, _settlements(results))
+    if (height := limits.freeboard) is not None:
+        told += _judged("freeboard", float(height.limit), height.source, _freeboards(results))
+    return told
+
+
+def _judged(
+    criterion: Criterion, limit: float, source: str, found: Iterator[Found], kh: float | None = None
+) -> Iterator[VerdictPart]:
+    answers = list(found) or [("the section", None, None, "there is no answer")]
+    for of, low, high, reason in answers:
+        verdict = judge(low, high, limit, criterion in AT_LEAST)
+        if verdict == "not decided" and not reason:
+            reason = "the limit lies inside the interval"
+        yield VerdictPart(
+            criterion=criterion,
+            of=of,
+            low=None if low is None or abs(low) == OPEN else low,
+            high=None if high is None or abs(high) == OPEN else high,
+            limit=limit,
+            kh=kh,
+            source=source,
+            verdict=verdict,
+            reason=reason if verdict == "not decided" else "",
+        )
+
+
+def _factors(results: Results, kh: float) -> Iterator[Found]:
+    if results.slices is not None:
+        faces = [(f"{one.structure}, towards the {one.towards}", one.factors) for one in results.slices.faces]
+        for of, groups in faces or [("the section", results.slices.factors)]:
+            yield from _by_slices(of, [circle for one in groups if one.kh == kh for circle in one.circles])
+    fem = results.fem
+    for one in fem.safety_factors if fem is not None and not _has_faces(results.slices) else ():
+        if one.kh == kh:
+            yield "the section by finite elements", one.factor, max(one.factor, one.upper), ""
+
+
+def _critical(results: Results) -> Iterator[Found]:
+    if results.slices is not None:
+        faces = [
+            (f"{one.structure}, towards the {one.towards}", [] if one.critical is None else [one.critical])
+            for one in results.slices.faces
+        ]
+        for of, circles in faces or [("the section", list(results.slices.critical))]:
+            yield from _by_slices(of, circles)
+    if results.kc is not None and results.fem is not None and not _has_faces(results.slices):
+        yield "the section by finite elements", results.kc, max(results.kc, results.fem.kc_upper), ""
+
+
+def _has_faces(slices: SlicesAnswer | None) -> bool:
+    return slices is not None and bool(slices.faces)
+
+
+def _by_slices(of: str, circles: list[CirclePart]) -> Iterator[Found]:
+    """The interval between Bishop's and Spencer's numbers on the circle with the least one."""
+    if not circles:
+        yield f"{of}, by slices", None, None, "no circle slides"
+        return
+    least = min(circles, key=lambda circle: circle.bishop)
+    both = [least.bishop, *([] if least.spencer is None else [least.spencer])]
+    yield f"{of}, by slices", min(both), max(both), ""
+
+
+def _displacements(results: Results) -> Iterator[Found]:
+    config = results.config
+    for row in face_rows(config, results.slices) if results.slices is not None else ():
+        if row.block is not None:
+            yield f"{row.name}, rigid block with its strength", row.block.low, row.block.high, ""
+    _, cases = results.case_set()
+    slides = [
+        (f"discs, {config.called(number)}", case.slide_along, case.settled or lies_still(case))
+        for number, case in sorted(cases.items())
+    ]
+    slides += [
+        (f"material points, {config.called(number)}", case.slide_along, case.settled)
+        for number, case in (sorted(results.mpm.cases.items()) if results.mpm is not None else ())
+    ]
+    for structure in structures_of(config.section):
+        for by, along, at_rest in slides:
+            far = _largest(along, structure.crest.start, structure.crest.end)
+            if far is not None:
+                reason = "" if at_rest else "the slide is not at rest"
+                yield f"{structure.name}, {by}", far, far if at_rest else OPEN, reason
+    yield from _not_computed(config, bool(slides))
+
+
+def _largest(along: Line, start: float, end: float) -> float | None:
+    points = np.array(along).reshape(-1, 2)
+    inside = points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
+    return float(inside.max()) if len(inside) else None
+
+
+def _settlements(results: Results) -> Iterator[Found]:
+    for part in crest_parts(results.config, results.cases, results.mpm):
+        high = part.settlement_high_m if part.at_rest else OPEN
+        yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
+    yield from _not_computed(results.config, results.cases is not None or results.mpm is not None)
+
+
+def _freeboards(results: Results) -> Iterator[Found]:
+    for part in crest_parts(results.config, results.cases, results.mpm):
+        of = f"{part.structure}, {part.by}"
+        if part.freeboard_high_m is None:
+            yield of, None, None, "the water has no elevation"
+        else:
+            yield of, part.freeboard_low_m if part.at_rest else -OPEN, part.freeboard_high_m, _why(part.at_rest)
+    yield from _not_computed(results.config, results.cases is not None or results.mpm is not None)
+
+
+def _why(at_rest: bool) -> str:
+    return "" if at_rest else "the slide is not at rest"
+
+
+def _not_computed(config: Config, computed: bool) -> Iterator[Found]:
+    """That layers liquefy, and no slide was computed."""
+    if config.section.liquefies and not computed:
+        yield "after liquefaction", None, None, "no slide was computed"
+
+
+def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
+    """Every criterion in a sentence, with what decides it."""
+    told = []
+    for criterion in dict.fromkeys(part.criterion for part in parts):
+        its = [part for part in parts if part.criterion == criterion]
+        verdict = together(tuple(part.verdict for part in its))
+        deciding = [part for part in its if part.verdict == verdict]
+        worst = deciding[:3] if verdict != "satisfied" else []
+        why = "" if not worst else f" ({listed([_words(part) for part in worst])})"
+        least = "at least" if criterion in AT_LEAST else "at most"
+        source = f" [{its[0].source}]" if its[0].source else ""
+        told.append(f"{criterion} {least} {limit_words(its[0])}{source}: {verdict}{why}")
+    if told:
+        yield f"Criteria: {'; '.join(told)}."
+
+
+def _words(part: VerdictPart) -> str:
+    return f"{part.of}: {part.reason or interval_words(part)}"
+
+
+def limit_words(part: VerdictPart) -> str:
+    """The limit with its unit, and the Kh at which it is asked for."""
+    return _number(part.criterion, part.limit) + ("" if part.kh is None else f" at Kh = {part.kh:g}")
+
+
+def interval_words(part: VerdictPart) -> str:
+    """The interval of the quantity with its unit, or a dash."""
+    ends = [_number(part.criterion, one) for one in (part.low, part.high) if one is not None]
+    if len(ends) == 1:
+        return f"{'at least' if part.high is None else 'at most'} {ends[0]}"
+    return "–" if not ends else ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
+def _number(criterion: Criterion, value: float) -> str:
+    if criterion == "factor of safety":
+        return f"{value:.2f}"
+    return f"{value:.3f}" if criterion == "critical Kh" else f"{value:.2f} m"
