@@ -5,20 +5,25 @@ one behind the magnitude scaling factor of the triggering relations; their perio
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram
-from workflow.earthquake.attenuation import Motion
+from workflow.earthquake.attenuation import Motion, Site
 
 SHARE = 0.65  # of the peak: the mean of the cycles that count (Seed & Idriss 1971), as in the cyclic stress ratio
 LARGEST = 1.0  # of the Kh that slides take
 POWER = 0.34  # by which the strength of sand falls with the number of cycles, N^-0.34 (Idriss & Boulanger 2008)
 CYCLES_OF_7_5 = 15.0  # uniform cycles of an earthquake of magnitude 7.5 (Seed & Idriss 1982)
 REFERENCE = 7.5  # the magnitude where an input gives none: the one at which triggering relations are drawn
-SITES = {"rock": 0.0, "average": 0.27, "soft": 0.27}  # ground that liquefies lies on deep soil unless rock is said
+SITES: Mapping[Site, float] = {
+    "rock": 0.0,
+    "average": 0.27,
+    "soft": 0.27,
+}  # ground that liquefies lies on deep soil unless rock is said
 BAND = (0.25, 20.0)  # Hz over which the mean period of a record is taken
 IDRISS_BOULANGER = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
 RATHJE = "E. M. Rathje, F. Faraj, S. Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119-144"
@@ -43,7 +48,7 @@ def cycles_of_magnitude(magnitude: float) -> float:
     return max(1.0, CYCLES_OF_7_5 * factor ** (-1.0 / POWER))
 
 
-def mean_period(magnitude: float, distance: float | None = None, site: str = "average") -> float:
+def mean_period(magnitude: float, distance: float | None = None, site: Site = "average") -> float:
     """Mean period T_m (s): ln T_m = -1.00 + 0.18 (M - 6) + 0.0038 R + 0.27 on deep soil (Rathje et al. 2004).
 
     M counts up to 7.25. ``distance`` R to the fault in m, 20 km where it is not known: T_m changes by 4 % in 10 km.
@@ -71,7 +76,7 @@ def mean_period_of_record(record: Accelerogram) -> float:
 
 
 def equivalent_kh(
-    motion: Motion, magnitude: float | None, distance: float | None, site: str, record: Accelerogram | None
+    motion: Motion, magnitude: float | None, distance: float | None, site: Site, record: Accelerogram | None
 ) -> EquivalentKh:
     """Cycles of Kh = 0.65 a_max/g that stand for an earthquake.
 
