@@ -43,3 +43,19 @@ def test_a_column_of_clay_that_stands() -> None:
     assert rest.rested
     assert out.loose < 0.03  # some discs of the face have too few neighbours to hold on to
     assert (out.front - width) / height < 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="pore pressure of a sheared packing bears shear: 1.27 of what was asked")
+def test_a_liquefied_layer_between_dry_ones_holds_what_was_asked() -> None:
+    """Statics of an endless slope (Newmark 1965): accelerations at twice the yield coefficient show the strength."""
+    angle, ratio, radius = np.radians(2.6), 0.2, 0.25
+    contacts = sand(12.0)
+    slope = dem.UniformSlope(
+        angle, [2.0, 2.0, 5.0], radius,
+        lambda e: [contacts.discs(name, DENSITY, radius, e) for name in ("base", "loose", "crust")], length=12.0,
+    )  # fmt: skip
+    slope.liquefy([1], dem.Case(residual=ratio))
+    critical = (ratio - np.tan(angle)) / (1.0 + ratio * np.tan(angle))
+    push = slope.push(2.0 * critical, 6.0, layer=1, later=1.0)
+    assert push.strength()[0] == pytest.approx(ratio, rel=0.1)
