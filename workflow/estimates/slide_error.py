@@ -7,7 +7,10 @@ import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from typing import Literal
 
+Judge = Literal["discs", "mpm"]
+BY: dict[Judge, str] = {"discs": "", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
 MOST = 2.0 / 3.0  # of the cases that the factor is to hold
@@ -26,18 +29,22 @@ class SlideError:
         Within which a prediction was of what was measured.
     held, cases : int
         In how many of how many cases.
+    judge : str
+        Whose predictions they were: "discs" or "mpm".
     """
 
     kind: str
     factor: float
     held: int
     cases: int
+    judge: Judge = "discs"
 
     def sentence(self) -> str:
         """What a reader has to know of a slide."""
+        named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
-            f"{self.kind[0].upper()}{self.kind[1:]} of the collection were predicted within a factor of "
-            f"{self.factor:g} in {self.held} of {self.cases} cases"
+            f"{named} were predicted{BY[self.judge]} within a factor of {self.factor:g} in {self.held} of {self.cases} "
+            "cases"
         )
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
@@ -45,30 +52,32 @@ class SlideError:
         return low / self.factor, high * self.factor
 
 
-def slide_error(flows: bool | None = None) -> SlideError | None:
+def slide_error(flows: bool | None = None, judge: Judge = "discs") -> SlideError | None:
     """The error on known slides of the field, of flow failures or spreads alone where there are enough.
 
     Parameters
     ----------
     flows
         Whether the slide flows by its weight alone; None where that is not known.
+    judge
+        Whose predictions count.
 
     Returns
     -------
     SlideError or None
         None where the collection has no field case that was run.
     """
-    rows = _rows()
+    rows = _rows(judge)
     field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]
     if flows is not None:
         wanted = "flow" if flows else "spread"
         chosen = [ratio for kind, ratio in field if kind == wanted]
         if len(chosen) >= FEW:
-            return error_of("flow failures" if flows else "lateral spreads", chosen)
-    return error_of("slides of the field", [ratio for _, ratio in field])
+            return error_of("flow failures" if flows else "lateral spreads", chosen, judge)
+    return error_of("slides of the field", [ratio for _, ratio in field], judge)
 
 
-def error_of(kind: str, ratios: Sequence[float]) -> SlideError | None:
+def error_of(kind: str, ratios: Sequence[float], judge: Judge = "discs") -> SlideError | None:
     """The least factor of `FACTORS` that holds two thirds of the ratios, or the largest; None without any."""
     if not ratios:
         return None
@@ -77,12 +86,13 @@ def error_of(kind: str, ratios: Sequence[float]) -> SlideError | None:
         held = sum(one <= factor for one in off)
         if held >= MOST * len(off):
             break
-    return SlideError(kind, factor, held, len(off))
+    return SlideError(kind, factor, held, len(off), judge)
 
 
-def _rows() -> list[tuple[str, str, float]]:
+def _rows(judge: Judge) -> list[tuple[str, str, float]]:
     place = files("workflow.estimates") / TABLE
     if not place.is_file():
         return []
     with place.open(encoding="utf-8") as source:
-        return [(row["group"], row["kind"], float(row["ratio"])) for row in csv.DictReader(source)]
+        rows = [row for row in csv.DictReader(source) if row["judge"] == judge]
+    return [(row["group"], row["kind"], float(row["ratio"])) for row in rows]

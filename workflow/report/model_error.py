@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-from workflow.estimates.slide_error import slide_error
+from workflow.estimates.slide_error import Judge, slide_error
 from workflow.report.numbers import span
 from workflow.results.results import Results
+
+NAMES: dict[Judge, str] = {"discs": "these discs", "mpm": "material points"}
 
 
 def model_error(results: Results) -> Iterator[str]:
@@ -18,18 +20,21 @@ def model_error(results: Results) -> Iterator[str]:
     flows = known.pop() if len(known) == 1 else None
     if said := error_sentence(slides, flows):
         yield said
+    points = [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
+    if said := error_sentence(points, flows, "mpm"):
+        yield said
 
 
-def error_sentence(slides: Sequence[float], flows: bool | None) -> str:
-    """How far off the discs were on known slides, and between what these slides (m) lie with that.
+def error_sentence(slides: Sequence[float], flows: bool | None, judge: Judge = "discs") -> str:
+    """How far off the discs, or material points, were on known slides, and between what these slides (m) lie with that.
 
     Empty where the collection has nothing to say, or nothing slides. flows: whether they flow by their weight alone;
     None where that is not known.
     """
-    error = slide_error(flows)
+    error = slide_error(flows, judge)
     moved = [one for one in slides if one > 0.0]
     if error is None or not moved:
         return ""
     if 2 * error.held < error.cases:
-        return f"{error.sentence()}: how far such ground slides is not predicted by these discs."
+        return f"{error.sentence()}: how far such ground slides is not predicted by {NAMES[judge]}."
     return f"{error.sentence()}; with that the largest slide is {span(error.interval(min(moved), max(moved)))}."

@@ -1,5 +1,6 @@
 """The stage `mpm`: every case of liquefaction by the material point method, a second opinion beside the discs."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,25 +67,62 @@ def _slid(
     job: Job, number: int, affine_flip: bool, done: int, count: int
 ) -> "tuple[PointSlide, tuple[int, float, float, tuple[str, ...]]]":
     """One slide with one transfer, and the ground's points, cell, movement in coming to rest, softened strata."""
+    config = job.config
+    name = "affine FLIP" if affine_flip else "APIC"
+
+    def told(share: float, time: float, slide: np.ndarray) -> None:
+        share = (done + 0.5 * ((not affine_flip) + share)) / count
+        job.progress(f"{config.called(number)}, {name}: {time:.1f} s, slide {slide.max():.2f} m", share)
+
+    return slide_of_points(config, number, affine_flip, told)
+
+
+def slide_of_points(
+    config: Config,
+    number: int,
+    affine_flip: bool = True,
+    told: Callable[[float, float, np.ndarray], None] | None = None,
+) -> "tuple[PointSlide, tuple[int, float, float, tuple[str, ...]]]":
+    """One case by material points.
+
+    Parameters
+    ----------
+    config : Config
+        The section, and the strength that is left in its cases.
+    number : int
+        Of the case, from 1.
+    affine_flip : bool
+        Whether velocities go over by affine FLIP; by APIC otherwise.
+    told : callable or None
+        Hears at every look of the share of the time that is done, of the time (s), and of the slide (k,) in m.
+
+    Returns
+    -------
+    PointSlide, (int, float, float, tuple of str)
+        The slide; and how many points there are, the side of a cell (m), how far the ground moved in coming to rest
+        (m), and the strata that were made less stiff.
+
+    Raises
+    ------
+    FloatingPointError
+        Where the ground has no equilibrium under its weight.
+    """
     from fem.continuum.loads import downhill
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    config = job.config
-    case = config.cases[number - 1]
-    strata = liquefying(config)[number]
+    case, strata = config.cases[number - 1], liquefying(config)[number]
     ground = ground_of(config.section, config.slide.mpm_cells)
     remains = {k: _remains(config.section, case, k) for k in strata}
     slider = PointSlider(ground, downhill(config.section), remains, case.volumetric_strain, affine_flip=affine_flip)
     far = slider.settle()
     programme = programme_of(config, strata)
-    name = "affine FLIP" if affine_flip else "APIC"
 
-    def told(time: float, slide: np.ndarray) -> None:
-        share = (done + 0.5 * ((not affine_flip) + min(time / programme.duration, 1.0))) / count
-        job.progress(f"{config.called(number)}, {name}: {time:.1f} s, slide {slide.max():.2f} m", share)
+    def look(time: float, slide: np.ndarray) -> None:
+        if told is not None:
+            told(min(time / programme.duration, 1.0), time, slide)
 
-    found = slider.run(programme, told)
+    found = slider.run(programme, look)
     return found, (len(ground.points.x), ground.grid.cell, far, ground.softened)
 
 

@@ -11,7 +11,7 @@ from workflow.run.store import Store
 from workflow.verify.record import version_of
 from workflow.verify.slides.case import Ground, SlideCase, read_cases
 from workflow.verify.slides.record import FILE, SlideAnswer, read_answers, write_answers
-from workflow.verify.slides.verdict import SlideVerdict, judge
+from workflow.verify.slides.verdict import SlideVerdict, judge, judge_points
 
 
 @dataclass(frozen=True)
@@ -54,16 +54,17 @@ def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> st
     """The table of errors that the report of a slide leans on: every case that was run, as CSV."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(["name", "group", "kind", "ratio"])
+    table.writerow(["name", "group", "kind", "judge", "ratio"])
     for case in cases:
-        verdict = judge(case, answers.get(case.name))
-        if verdict.ratio is None:
-            continue
+        found = answers.get(case.name)
+        verdicts = {"discs": judge(case, found), "mpm": judge_points(case, found)}
         problem = case.known.problem
         kind: str = problem.kind
         if case.known.group == "field":
             kind = "flow" if isinstance(problem, Ground) and problem.flow else "spread"
-        table.writerow([case.name, case.known.group, kind, f"{verdict.ratio:.3g}"])
+        for who, verdict in verdicts.items():
+            if verdict is not None and verdict.ratio is not None:
+                table.writerow([case.name, case.known.group, kind, who, f"{verdict.ratio:.3g}"])
     return text.getvalue()
 
 

@@ -21,10 +21,12 @@ from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
+from fem.mpm.slide import PointSlide
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.quantity import GRAVITY
 from workflow.config import Config
 from workflow.earthquake import accelerogram
+from workflow.stages.mpm import slide_of_points
 from workflow.stages.shaking import shaking_of
 from workflow.verify.slides.case import Column, Ground, SlideCase, UniformSlope
 from workflow.verify.slides.record import Line, SlideAnswer
@@ -63,7 +65,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     values, loose, rested, before, after = zip(*found, strict=True)
     return SlideAnswer(
         case.name, tuple(round(float(v), 4) for v in values), tuple(round(float(v), 4) for v in loose), rested,
-        before[0], after[0], seconds,
+        before[0], after[0], seconds, points=_by_points(case),
     )  # fmt: skip
 
 
@@ -146,6 +148,25 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> Found:
     return value, slide.loose_share, slide.settled, _thinned(before), _thinned(after)
 
 
+def _by_points(case: SlideCase) -> float | None:
+    """The same number by material points, where the section names them among its judges; None for a front."""
+    config, wanted = case.config, case.known.problem
+    if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.judges or wanted.at == "front":
+        return None
+    slide = _points_slid(Sliding(config), _number(wanted.case, config.cases))
+    if wanted.at == "crest":
+        return round(float(slide.before[:, 1].max() - slide.after[:, 1].max()), 4)
+    if wanted.at == "largest":
+        return round(slide.slide_max, 4)
+    return round(float(np.interp(wanted.at, slide.before[:, 0], slide.slide[-1])), 4)
+
+
+@lru_cache(maxsize=8)
+def _points_slid(sliding: "Sliding", number: int) -> PointSlide:
+    """A slide by material points, of the transfer that counts."""
+    return slide_of_points(sliding.config, number)[0]
+
+
 class Sliding:
     """An input, told from another by what it says and not by what it is called: several cases may be of one ground."""
 
@@ -168,6 +189,8 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     settings = config.dem.model_copy(update={"seed": seed})
     lies = deposit(config.section, settings, lambda radius, voids: [layer.springs(radius, voids) for layer in soil])
     strata = [k for k, stratum in enumerate(config.section.strata) if number in stratum.liquefies_in]
+    if not strata:
+        raise ValueError("nothing liquefies in it")
     shaking = shaking_of(config, strata)
     slider = Slider(lies.settled, lies.ground, strata, config.cases[number - 1], config.slide, shaking=shaking)
     slide = slider.run()

@@ -37,6 +37,8 @@ class SlideAnswer:
         Version of the program.
     failure : str
         Why there is no prediction; empty where there is one.
+    points : float or None
+        What material points predict, where the case asks for that judge, too.
     """
 
     name: str
@@ -48,6 +50,7 @@ class SlideAnswer:
     seconds: float = 0.0
     commit: str = ""
     failure: str = ""
+    points: float | None = None
 
 
 def read_answers(path: Path) -> dict[str, SlideAnswer]:

@@ -45,10 +45,17 @@ def judge(case: SlideCase, found: SlideAnswer | None) -> SlideVerdict:
     """The verdict on a case."""
     if found is None:
         return SlideVerdict("not run")
-    if not found.values:
-        return SlideVerdict("failed")
+    return _judged(case, found.values) if found.values else SlideVerdict("failed")
+
+
+def judge_points(case: SlideCase, found: SlideAnswer | None) -> SlideVerdict | None:
+    """The same of what material points predict; None where they were not asked."""
+    return None if found is None or found.points is None else _judged(case, (found.points,))
+
+
+def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
     low, high = case.measured
-    values = np.array(found.values)
+    values = np.array(predicted)
     mean = float(values.mean())
     if high <= case.known.zero:
         return SlideVerdict("stands" if float(values.max()) <= case.known.zero else "moved")
