@@ -9,7 +9,7 @@ from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model
 
 Element = Literal["quadratic", "reduced", "bilinear"]
-Sides = Literal["roller", "smooth", "fixed", "tied"]
+Sides = Literal["free-field", "smooth", "fixed", "periodic"]
 DirectionSetting = Literal["both", "downhill", "uphill"]
 
 # Accuracies are shares of Kh, or of this Kh where Kh is smaller: nobody designs by the fourth decimal. In the factor of
@@ -35,9 +35,11 @@ class FemSettings(Model):
         "reduced where the flow is associated (the default), quadratic elsewhere",
     )
     sides: Sides = Field(
-        default="roller",
-        description='"roller" (free horizontally under the K0 stress, held vertically), "smooth" (held horizontally, '
-        'free vertically), "fixed" (held in both) or "tied" (both sides move alike)',
+        default="free-field",
+        description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
+        'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
+        "alike). Free-field is the default since smooth and fixed sides hold the slope back where the section ends: "
+        "Kh is larger between them where the sides matter, and the same where they do not. Discs lie in a fixed box",
     )
     rigid_box: StrictBool = Field(
         default=True,

@@ -12,6 +12,7 @@ from workflow import stages
 from workflow.exits import ended, ended_as_program
 from workflow.help_text import literal_help
 from workflow.making.command import section
+from workflow.migrate import migrate
 from workflow.options import (
     Columns,
     Folder,
@@ -85,8 +86,8 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
         draw_section(request.config.section, path)
     if json:
         return say_data(of_section(request.config, picture))
-    for notice in request.config.notices:
-        say(f"Mind: {notice}.")
+    for line in (*request.notices, *(f"Mind: {notice}." for notice in request.config.notices)):
+        say(line)
     verdict = "is sound" if request.config.section.uplift is None else "can be computed, but its water lifts the ground"
     return say(f"The section {verdict}. Picture: {picture}")
 
@@ -166,7 +167,7 @@ def fem(
     kh: Annotated[
         list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="roller, smooth, fixed or tied.")] = None,
+    sides: Annotated[str | None, typer.Option(help="free-field, smooth, fixed or periodic.")] = None,
     element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
@@ -262,10 +263,11 @@ def report(
 ) -> None:
     """Write summary and report of a run again, from what is there."""
     from workflow.run.plan import Choice
-    from workflow.terminal import Voice, execute
+    from workflow.terminal import Voice, execute, warn_of_old_words
 
-    job = stages.stored_job(folder)
-    execute(job, Choice.of(job.stages, only=["report"], force=True), Voice.of(quiet, verbose, json), pdf=pdf)
+    job, voice = stages.stored_job(folder), Voice.of(quiet, verbose, json)
+    warn_of_old_words(folder / "section.toml", voice)
+    execute(job, Choice.of(job.stages, only=["report"], force=True), voice, pdf=pdf)
 
 
 @app.command()
@@ -298,7 +300,7 @@ def bounds(
     safety_factor: Annotated[
         bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="roller, smooth or fixed.")] = None,
+    sides: Annotated[str | None, typer.Option(help="free-field, smooth, fixed or periodic.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
     settings: Set = None,
     force: Force = False,
@@ -363,7 +365,7 @@ def slide(
     _up_to("mpm" if model == "mpm" else "slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
 
 
-for command in (section, study, converge, verify):
+for command in (section, migrate, study, converge, verify):
     app.command()(command)
 
 

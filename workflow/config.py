@@ -19,6 +19,7 @@ from meshes.section.sentences import sentences
 from workflow.earthquake.column import column_of
 from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import EARTHQUAKE, push_of_slides
+from workflow.renamed import current
 from workflow.tables import Tables
 from workflow.triggering.assessment import Assessment, assess, off_the_section
 from workflow.triggering.consequences import left, pore_pressures
@@ -129,6 +130,7 @@ class Config(Tables):
         Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none; cases that follow
         from the blow counts take the place of the default ones.
         """
+        data = current(data)
         slide = data.get("slide", {}) if isinstance(data.get("slide", {}), Mapping) else {}
         triggering = data.get("triggering")
         if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:

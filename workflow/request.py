@@ -9,7 +9,8 @@ from typing import Any
 
 from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
-from workflow import stages
+from meshes.section.section import read_toml
+from workflow import renamed, stages
 from workflow.config import Config, merged
 from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import kept
@@ -60,7 +61,7 @@ class Request:
         carried = {} if mesh or afresh else kept(store)
         if carried:
             read = _with(section, tables, carried, store)
-        if read.fem.sides == "tied":
+        if read.fem.sides == "periodic":
             refuse_other_sides(read.section)
         list(records(read))  # a record that cannot be read is told now, not after minutes
         if read.slide.accelerogram:
@@ -104,11 +105,12 @@ class Request:
 
     @property
     def notices(self) -> list[str]:
-        """That options of an earlier command hold, and how to be rid of them; none where there are none."""
+        """Old words of file and command line with the new ones, and options of an earlier command that still hold."""
+        old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.carried:
-            return []
+            return old_words
         told = ", ".join(f"{key} = {value}" for key, value in self.mesh_options.items())
-        return [f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."]
+        return [*old_words, f"Meshed as before in this folder: {told} (noshiro mesh without options forgets that)."]
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -14,7 +15,8 @@ from rich.table import Table
 
 from meshes.errors import NoAnswerError
 from meshes.executor import Processes
-from meshes.section.section import Section
+from meshes.section.section import Section, read_toml
+from workflow.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, plan
 from workflow.run.record import Record
@@ -56,6 +58,11 @@ def warn(lines: Iterable[str], voice: Voice) -> list[str]:
     for line in told:
         (out if voice.speaks else err).print(line, soft_wrap=True, markup=False)
     return told
+
+
+def warn_of_old_words(section: Path, voice: Voice) -> None:
+    """Name the new word for every old one in the file of a section."""
+    warn(notices(read_toml(section)), voice)
 
 
 def say_data(what: Any) -> None:

@@ -84,7 +84,7 @@ class PlaneStrain:
     region : ndarray (points,)
         Part of the yield surface that every point is on, see ``mohr_coulomb.REGIONS``.
     repeats : bool
-        Whether two sides are tied.
+        Whether the sides are periodic.
     free : ndarray (dofs,)
         Which displacement components are not held.
     overstress : float
@@ -179,8 +179,8 @@ class PlaneStrain:
         )
         here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
         if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
-            wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
-            raise InputError(section.name, [f'fem, sides = "tied": the {one} and {other} sides differ; {wish}'])
+            wish = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
+            raise InputError(section.name, [f'fem, sides = "periodic": the {one} and {other} sides differ; {wish}'])
         self.tie_nodes(masters, slaves)
         self.repeats = True
         self.hold({"base": "xy"})

@@ -1,9 +1,9 @@
-"""Sections whose sides are tied: one period of a row of equal ones, each of them higher or lower than the one before.
+"""Sections with periodic sides: one period of a row of equal ones, each of them higher or lower than the one before.
 
 Weight, strength and effective stress repeat from period to period; so does the slope of the pore pressure, which is all
 of it that acts on the skeleton. The pore pressure itself need not: under still water each period that lies lower has
 more by γw times the difference in height. Along the sides that is a load on the section, -u n on either of them, for
-the effective stresses on tied sides balance each other and total ones do not.
+the effective stresses on periodic sides balance each other and total ones do not.
 """
 
 import numpy as np
@@ -21,8 +21,8 @@ def refuse_other_sides(section: Section) -> None:
     layers = section.layering
     thickness = [-np.diff(end) for end in (layers.left[0], layers.right[-1])]
     if np.abs(thickness[0] - thickness[1]).max() > layers.tolerance:
-        wish = 'expected the same layers and the same height at both; use sides = "roller" or "fixed"'
-        raise InputError(section.name, [f'fem, sides = "tied": the left and right sides differ; {wish}'])
+        wish = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
+        raise InputError(section.name, [f'fem, sides = "periodic": the left and right sides differ; {wish}'])
 
 
 def refuse_other_water(section: Section) -> None:
@@ -52,7 +52,7 @@ def refuse_other_water(section: Section) -> None:
     if np.abs(shaken[1] - shaken[0]).max() > SAME:
         problems.append("the pore pressure that shaking adds differs between the sides; expected the same at one depth")
     if problems:
-        raise InputError(section.name, [f'fem, sides = "tied": {text}' for text in problems])
+        raise InputError(section.name, [f'fem, sides = "periodic": {text}' for text in problems])
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Nodal forces of the K0 stress on the sides of a section on rollers (``side_stress.py``), of water there, too."""
+"""Nodal forces of the K0 stress on free-field sides (``side_stress.py``), of water there, too."""
 
 import numpy as np
 

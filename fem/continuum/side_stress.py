@@ -1,4 +1,4 @@
-"""The K0 stress that stays on the sides of a section on rollers: for finite elements and limit analysis alike.
+"""The K0 stress that stays on free-field sides: for finite elements and limit analysis alike.
 
 It grows with depth as it does without horizontal strain, ν / (1 - ν) of the weight of the column above, times a factor
 for each stratum that makes its resultant there the one of plane elasticity under weight with the sides held

@@ -74,7 +74,7 @@ class _Ground:
         if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:
             mesh = after.found.mesh
         else:
-            mesh = first_mesh(self.section, self.max_cells, self.fem.sides == "tied")
+            mesh = first_mesh(self.section, self.max_cells, self.fem.sides == "periodic")
         direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
         towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
         body = body_of(self.section, mesh, self.fem, davis=after is not None)
@@ -86,8 +86,8 @@ def kh_bounds(
 ) -> KhBounds:
     """Lower and upper bound of Kh. Sides, directions and vertical coefficient are those of the finite elements.
 
-    Raises InputError if the section lacks what the analysis needs or its sides are tied and differ, UnstableError if it
-    is proven to fail whatever the push, BadMeshError if there are no triangles.
+    Raises InputError if the section lacks what the analysis needs or its sides are periodic and differ, UnstableError
+    if it is proven to fail whatever the push, BadMeshError if there are no triangles.
     """
     strata = soils(section, fem)
     if all(s.density_seismic == 0.0 for s in strata):
@@ -156,7 +156,7 @@ def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings, davis: bool) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
-    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "tied")
+    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
     body = body_of(section, mesh, fem, davis)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf
@@ -185,7 +185,7 @@ def body_of(
     """The section, or its substitute of Davis, as a problem of limit analysis whose multiplier is Kh.
 
     The pore pressure that shaking adds is there if the ground is ``shaken``. Smooth sides have no normal velocity and
-    no shear traction. Roller sides carry the K0 stress and move horizontally; ``held``, they are smooth.
+    no shear traction. Free-field sides carry the K0 stress and move horizontally; ``held``, they are smooth.
     """
     cohesion, friction = strengths(section.strata, davis)
     growth = np.array([s.cohesion_increase for s in section.strata])
@@ -196,11 +196,11 @@ def body_of(
     nothing = np.zeros(len(ordinary))
     water = section.water_pressure
     sides = {"surface": _ground(section, push(section, fem)), **dict.fromkeys(("base", "left", "right"), Side("xy"))}
-    if fem.sides == "tied":
-        sides |= dict.fromkeys(("left", "right"), Side(tied=True))
-    elif fem.sides == "smooth" or (fem.sides == "roller" and held):
+    if fem.sides == "periodic":
+        sides |= dict.fromkeys(("left", "right"), Side(periodic=True))
+    elif fem.sides == "smooth" or (fem.sides == "free-field" and held):
         sides |= {"left": Side("x"), "right": Side("x")}
-    elif fem.sides == "roller":
+    elif fem.sides == "free-field":
         for name, stress in side_stresses(section, mesh).items():
             # The total stress stays when shaking adds to the pore pressure.
             pressing = _pressing(stress, -1.0 if name == "left" else 1.0)

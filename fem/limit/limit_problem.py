@@ -56,7 +56,7 @@ class Side:
         Traction in the other components that the multiplier acts on; None for zero.
     pressure : Outside or None
         Pressure of the water outside, which acts beside the dead traction; None for zero.
-    tied : bool
+    periodic : bool
         Whether it is one with another side: velocities there are equal, effective tractions opposite.
     """
 
@@ -64,7 +64,7 @@ class Side:
     dead: Traction | None = None
     live: Traction | None = None
     pressure: Outside | None = None
-    tied: bool = False
+    periodic: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class Outline:
         The cell inside each edge.
     held : ndarray (k, 2) of bool
         Which components of the velocity are zero, of whose traction nothing is given.
-    tied : ndarray (k,) of bool
+    periodic : ndarray (k,) of bool
         Edges of which no traction is given, since they are one with others.
     dead : ndarray (k, 2 ends, 2)
         Traction at both ends that does not depend on the multiplier.
@@ -147,14 +147,14 @@ class Outline:
     ends: np.ndarray
     cells: np.ndarray
     held: np.ndarray
-    tied: np.ndarray
+    periodic: np.ndarray
     dead: np.ndarray
     live: np.ndarray
 
     @property
     def reacts(self) -> np.ndarray:
         """Components (k, 2) of the traction, as a mask, that are not given."""
-        return self.held | self.tied[:, None]
+        return self.held | self.periodic[:, None]
 
     @property
     def loaded(self) -> np.ndarray:
@@ -323,15 +323,15 @@ def _outline(mesh: TriMesh, body: RigidPlasticBody) -> Outline:
         edges = mesh.edge_numbers(ends)
         cells = mesh.edge_cells[edges, 0]
         held = np.tile([axis in side.held for axis in "xy"], (len(ends), 1))
-        tied = np.full(len(ends), side.tied)
+        periodic = np.full(len(ends), side.periodic)
         places = edge_ends(mesh, ends, cells)
         dead, live = (_traction(given, places) for given in (side.dead, side.live))
-        if body.pore_pressure is not None and not side.tied:
+        if body.pore_pressure is not None and not side.periodic:
             inside = at_ends(mesh, pressure, cells, ends)
             outside = np.zeros(inside.shape) if side.pressure is None else side.pressure(places).reshape(-1, 2)
             left = np.where(np.abs(inside - outside) > SAME_PRESSURE * pressure.max(initial=0.0), inside - outside, 0.0)
             dead = dead + left[:, :, None] * places.normal.reshape(-1, 2, 2)
-        parts.append((edges, ends, cells, held, tied, dead, live))
+        parts.append((edges, ends, cells, held, periodic, dead, live))
     outline = Outline(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     outer = np.flatnonzero(mesh.edge_cells[:, 1] < 0)
     if not np.array_equal(np.sort(outline.edges), outer):

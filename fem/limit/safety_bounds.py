@@ -82,7 +82,7 @@ def safety_bounds(
 def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> bool:
     """Whether the section as it is given fails at a smaller factor than grains roll down its faces at, by a mechanism
     on coarse triangles."""
-    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "tied")
+    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
     searches = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
     return any(search.measure(start.factor, lower=False) and search.upper <= start.factor for search in searches)
 
@@ -95,12 +95,12 @@ def _bounds_of(
     def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
-    searches = [search(first_mesh(section, settings.max_cells, fem.sides == "tied"), 1, start)]
+    searches = [search(first_mesh(section, settings.max_cells, fem.sides == "periodic"), 1, start)]
     searches[0].find()
     searches.append(search(searches[0].mesh, -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
         start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
-        searches.append(search(first_mesh(section, settings.max_cells, fem.sides == "tied"), -1, start))
+        searches.append(search(first_mesh(section, settings.max_cells, fem.sides == "periodic"), -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     if lower <= 0.0 and not math.isfinite(upper):

@@ -25,8 +25,8 @@ from meshes.section.section import Section, Stratum
 
 # What is held under gravity, so that the sides bear K0 stress.
 UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
-# Components of the displacement that are held at both sides once the weight is carried; none where they are tied.
-HELD_AT_SIDES: Mapping[Sides, str] = {"roller": "y", "smooth": "x", "fixed": "xy", "tied": ""}
+# Components of the displacement that are held at both sides once the weight is carried; none where they are periodic.
+HELD_AT_SIDES: Mapping[Sides, str] = {"free-field": "y", "smooth": "x", "fixed": "xy", "periodic": ""}
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 # Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
@@ -65,7 +65,7 @@ def gravity_equilibrium(
     """The section in equilibrium under its weight, the nodal forces (N/m) that act on it, and the path that led there.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
-    forces. Tied sides are tied from the start and have no reactions: such a section is one period of a row of equal
+    forces. Periodic sides are so from the start and have no reactions: such a section is one period of a row of equal
     ones (``repetition.py``). Displacement and strain are counted from here. ``faces`` as in ``under_weight``;
     ``strength_factor`` divides cohesion and tan φ. The pore pressure that shaking adds is there if the ground is
     ``shaken``. Raises InputError, UnstableError.
@@ -96,12 +96,12 @@ def at_the_sides(
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
     """The section without stress, held as in the search for Kh; nodal forces (N/m) of its weight, and all that stay.
 
-    On rollers the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking adds is
-    there if the ground is ``shaken``. Raises InputError.
+    On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. The pore pressure that shaking
+    adds is there if the ground is ``shaken``. Raises InputError.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     constant = weight
-    if settings.sides == "roller":
+    if settings.sides == "free-field":
         constant = constant + side_force(problem, mesh, section, weight)
     problem.hold(sides_held(settings))
     if settings.vertical != 0.0:
@@ -118,7 +118,7 @@ def bring_to_rest(
 
     Displacement and strain are counted from there. Raises UnstableError.
     """
-    if settings.sides != "tied":
+    if settings.sides != "periodic":
         problem.hold(UNDER_GRAVITY)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
@@ -159,14 +159,14 @@ def under_weight(
     _lay(strata if mesh.method == "free" else [], strong, problem)
     _lay(strips, strong, problem)
     _lay_levels(len(strata) + len(strips), mesh, problem)
-    if settings.sides == "tied":
+    if settings.sides == "periodic":
         refuse_other_water(section)
         problem.tie("left", "right", section)
     else:
         problem.hold(UNDER_GRAVITY)
     weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
     weight = weight + still_load(problem, mesh, section)
-    if settings.sides == "tied":
+    if settings.sides == "periodic":
         weight = weight + pressed_sides(problem, mesh, section)
     if problem.exchange.norm(weight) == 0.0:
         raise InputError(section.name, ["density_ordinary is 0 in all strata: there is no weight to carry"])

@@ -309,7 +309,7 @@ class _Search:
         start, limit = None, None
         if below_faces:
             limit = self.at_once("Kh, fixed sides", fixed) if is_associated(self.section.strata, fixed.flow) else None
-        elif adapted and settings.sides != "tied":
+        elif adapted and settings.sides != "periodic":
             limit = answer_between(
                 self.section, self.meshing, adapted, fixed, self.comm, self._saying("Kh, fixed sides")
             )

@@ -121,7 +121,7 @@ def of_boundaries(mesh: QuadMesh, mechanism: State, verdict: "PathVerdict") -> I
     if sides:
         yield Doubt(
             f"The ground that slides reaches the {' and the '.join(sides)} side: what is assumed there decides.",
-            'make the section wider, or compare sides = "fixed", "smooth" and "roller"',
+            'make the section wider, or compare sides = "fixed", "smooth" and "free-field"',
             contradiction=False,
         )
     if touches_base(mesh, mechanism):

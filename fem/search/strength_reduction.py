@@ -98,7 +98,7 @@ def safety_at_once(
     """
     settings = settings.model_copy(update={"element": "reduced"})
     faces = faces_at(section, settings, kh)
-    if kh == 0.0 and settings.sides != "tied":  # sides that stay held have no stress of their own
+    if kh == 0.0 and settings.sides != "periodic":  # sides that stay held have no stress of their own
         problem, constant = under_weight(section, mesh, settings, comm, faces)
         constant = constant + lift_of(problem, settings)
     else:
@@ -122,7 +122,7 @@ def safety_factor(
     """The factor of safety of a meshed section under its weight and ``kh``; at once where the flow is associated.
 
     Where the ground does not stand as it is, it is first made stronger, so that factors below 1 come out as well.
-    Without shaking, sides that are not tied stay held horizontally, as is usual in strength reduction: were the K0
+    Without shaking, sides that are not periodic stay held horizontally, as is usual in strength reduction: were the K0
     stress left on them as a force, it could fail ground that is weakened there before the slope does. Raises InputError
     as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
     """
@@ -138,7 +138,7 @@ def safety_factor(
         try:
             problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
             load = kh * seismic_load(problem, mesh, section, push(section, settings))
-            if kh == 0.0 and settings.sides != "tied":
+            if kh == 0.0 and settings.sides != "periodic":
                 problem.hold(UNDER_GRAVITY)
             if kh != 0.0:
                 apply_load(problem, constant, load, settings)

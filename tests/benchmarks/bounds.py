@@ -1,4 +1,4 @@
-"""What the strict bounds of S-13 cost, mesh by mesh: `python -m tests.benchmarks.bounds [roller|fixed] [gap]`."""
+"""What the strict bounds of S-13 cost, mesh by mesh: `python -m tests.benchmarks.bounds [free-field|fixed] [gap]`."""
 
 import resource
 import sys

@@ -104,7 +104,7 @@ class ShearedBox:
 
 
 class LayeredSlope:
-    """An endless slope of 4 degrees, its sides tied: 14 m of sand on 6 m that have liquefied under it."""
+    """An endless slope of 4 degrees, its sides periodic: 14 m of sand on 6 m that have liquefied under it."""
 
     ANGLE, LENGTH, LOW, HIGH = np.radians(4.0), 40, 6, 20
 

@@ -132,7 +132,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folder = tmp_path_factory.mktemp("two")
     path = small(folder)
     outs = []
-    for sides in ("roller", "fixed"):
+    for sides in ("free-field", "fixed"):
         outs.append(folder / sides)
         only = [word for name in ("mesh", "fem", "report") for word in ("--only", name)]
         assert run("run", path, "--out", outs[-1], *only, "-q", "--set", f"fem.sides={sides}") == 0
@@ -142,7 +142,7 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 def test_runs_side_by_side(two: list[Path], capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert run("compare", *two, "--page", tmp_path / "both.html") == 0
     said = words(capsys)
-    assert "fem.sides roller fixed" in said
+    assert "fem.sides free-field fixed" in said
     kc = [json.loads((out / "summary.json").read_text())["fem"]["kc"] for out in two]
     assert f"{kc[0]:.3f} (plateau) {kc[1]:.3f} (plateau)" in said
     html = (tmp_path / "both.html").read_text()

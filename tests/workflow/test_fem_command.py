@@ -80,7 +80,7 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
         (("--element", "cubic"), "fem, element = 'cubic'"),
         (("--vertical", "2"), "fem, vertical = 2.0"),
         (("--kh", "nan"), "fem, kh"),
-        (("--sides", "tied"), 'sides = "tied": the left and right sides differ'),
+        (("--sides", "periodic"), 'sides = "periodic": the left and right sides differ'),
     ],
 )
 def test_settings_that_cannot_be(

@@ -46,7 +46,7 @@ def test_all_that_the_contract_names(whole: Path) -> None:
     assert summary["fem"]["kc"] == fem["kc"] == fem["kc_lower"] <= summary["fem"]["kc_upper"]
     assert summary["mesh"]["quadrilaterals"] == fem["mesh"]["quadrilaterals"]
     assert summary["dem"] == {
-        "model": "paper", "elements": 320, "boundary_elements": 50, "sides": "roller", "kc_uncalibrated": 0.31,
+        "model": "paper", "elements": 320, "boundary_elements": 50, "sides": "free-field", "kc_uncalibrated": 0.31,
         "kc_target": fem["kc"], "strength_factor": None, "slip_surface_distance_m": 1.25, "layers": [],
         "kc_table2": 0.31, "kc": fem["kc"], "kc_lower": fem["kc"] - 0.005,
         "kc_upper": fem["kc"] + 0.005, "calibrated": {"parameter": "stiffness", "value": 0.0075},

@@ -20,7 +20,7 @@ SAMPLES = 10
 UNCERTAIN = {
     "strata.upper.friction_angle": {"normal": ["25 deg", "2 deg"]},
     "strata.*.cohesion": {"lognormal": [1.0, 0.3], "does": "factor"},
-    "fem.sides": {"list": ["roller", "fixed"]},
+    "fem.sides": {"list": ["free-field", "fixed"]},
 }
 
 
@@ -64,7 +64,7 @@ def test_a_study_leaves_a_table_an_answer_and_a_page(alone: str, section: Path) 
     answer = json.loads((folder / "study.json").read_text())
     assert (answer["samples"], answer["failed"]) == (SAMPLES, 0)
     groups = {group["value"]: group["spread"]["mean"] for group in answer["results"][0]["groups"]}
-    assert groups["fixed"] > groups["roller"]  # a rigid box holds more
+    assert groups["fixed"] > groups["free-field"]  # a rigid box holds more
     page = (folder / "study.html").read_text()
     assert "what if?" in page
     assert "which blocks resist with as well, is with ψ = φ." in page

@@ -9,10 +9,10 @@ from workflow.config import Config
 from workflow.report.flow_rule import BLOCKS, DISCS, LIQUEFIED
 
 SIDES: Mapping[Sides, str] = {
-    "roller": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
+    "free-field": "The sides keep their stress at rest, K0 = ν / (1 - ν), and may move horizontally, not vertically.",
     "smooth": "The sides are held horizontally and free vertically, without shear stress, as in slope programs.",
     "fixed": "The sides are held in both directions, which helps it to stand.",
-    "tied": "Both sides move alike, as if the section were one of many in a row.",
+    "periodic": "Both sides move alike, as if the section were one of many in a row.",
 }
 FLOWS: Mapping[Flow, str] = {
     "associated": "Ground that yields dilates with ψ = φ, as strict bounds and limit equilibrium have it; Davis's "

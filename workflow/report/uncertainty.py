@@ -16,10 +16,10 @@ from workflow.results.variants import Variant
 
 NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 SIDES: Mapping[Sides, str] = {
-    "roller": "The sides may move horizontally under their K0 stress, and not vertically",
+    "free-field": "The sides may move horizontally under their K0 stress, and not vertically",
     "smooth": "The sides are held horizontally, and may move vertically without shear stress",
     "fixed": "The sides are held in both directions, which helps the slope to stand",
-    "tied": "Both sides move alike: the section is one of many in a row",
+    "periodic": "Both sides move alike: the section is one of many in a row",
 }
 FLOWS: Mapping[Flow, str] = {
     "associated": "The ground yields with ψ = φ: ground that dilates less bears no more (Radenkovic 1961).",

@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from meshes.section.section import Section
+from workflow.renamed import current_answer
 from workflow.run.errors import OtherVersionError
 from workflow.run.store import Store
 
@@ -69,7 +70,7 @@ class Answer(Part):
 
         Raises InputError if there is none or if it is no JSON, OtherVersionError if another version wrote it.
         """
-        data = store.read_json(cls.FILE)
+        data = current_answer(store.read_json(cls.FILE))
         found = data.pop("version", None) if isinstance(data, dict) else None
         try:
             answer = cls.model_validate(data)

@@ -141,7 +141,7 @@ class Results:
         if fem is None or bounds is None or self.kc is None:
             return []
         same = bounds.sides == fem.settings.sides
-        if not same and (bounds.sides != "fixed" or fem.settings.sides == "tied"):
+        if not same and (bounds.sides != "fixed" or fem.settings.sides == "periodic"):
             return []
         judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same else ())]
         found = [

@@ -108,8 +108,8 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
     if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(config.section, fem):
         step = min(2.0 * fem.first_step, LARGEST_STEP)
         return name, f"first step of Kh {step:g} instead of {fem.first_step:g}", _with(config, "fem", first_step=step)
-    if name == "sides" and fem.sides != "tied":
-        sides = "fixed" if fem.sides == "roller" else "roller"
+    if name == "sides" and fem.sides != "periodic":
+        sides = "fixed" if fem.sides == "free-field" else "free-field"
         return name, f"sides {sides} instead of {fem.sides}", _with(config, "fem", sides=sides)
     if name == "dilation" and not is_dilating_fully(config.section.strata):
         own = flow_of(config.section.strata, fem.flow)

@@ -32,7 +32,9 @@ def study(
 
     The same command goes on where it was stopped, and computes only what is new.
     """
+    from meshes.section.section import read_toml
     from workflow.config import Config, merged
+    from workflow.renamed import notices
     from workflow.report.study import sentences, write_page
     from workflow.request import dotted
     from workflow.run.store import Store
@@ -48,7 +50,8 @@ def study(
     config = Config.load(section, merged(changed, asked))
     store = Store(folder or Path("runs") / f"{config.section.name}_study")
     parts = only or ["fem", "block"]
-    warnings = warn(_unread(changed, "study", parts), Voice.of(quiet, False, json))
+    old_words = notices(merged(read_toml(section), changed))
+    warnings = warn([*old_words, *_unread(changed, "study", parts)], Voice.of(quiet, False, json))
     with Counted(silent=quiet or json) as counted:
         found = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
     draw_all(config.section, found.table, found.answer, store)
@@ -80,8 +83,10 @@ def converge(
 
     The same command goes on where it was stopped.
     """
-    from workflow.config import Config
+    from meshes.section.section import read_toml
+    from workflow.config import Config, merged
     from workflow.figures.convergence import draw
+    from workflow.renamed import notices
     from workflow.request import dotted
     from workflow.run.store import Store
     from workflow.study.converge import run
@@ -92,7 +97,8 @@ def converge(
     changed = dotted(settings or [])
     config = Config.load(section, changed)
     store = Store(folder or Path("runs") / f"{config.section.name}_converge")
-    warnings = warn(_unread(changed, "converge", ["slide"]), Voice.of(quiet, False, json))
+    old_words = notices(merged(read_toml(section), changed))
+    warnings = warn([*old_words, *_unread(changed, "converge", ["slide"])], Voice.of(quiet, False, json))
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)

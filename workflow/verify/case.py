@@ -12,6 +12,7 @@ from fem.settings import FemSettings
 from meshes.errors import InputError
 from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
+from workflow.renamed import current
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/published")
@@ -60,7 +61,7 @@ class Case:
 
 def read_case(path: Path) -> Case:
     """The case in a file; raises InputError with every problem found."""
-    data = read_toml(path)
+    data = current(read_toml(path))
     try:
         published = TypeAdapter(Published).validate_python(data.pop("published", {}))
         fem = FemSettings.model_validate(data.pop("fem", {}))

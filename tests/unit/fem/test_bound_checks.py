@@ -179,8 +179,8 @@ def test_the_reduction_of_davis():
 
 def test_tied_sides_that_differ_and_ground_without_strength_are_refused():
     section = Section.parse(slope())
-    with pytest.raises(InputError, match='sides = "tied": the left and right sides differ'):
-        kh_bounds(section, FemSettings(sides="tied"), BoundsSettings())
+    with pytest.raises(InputError, match='sides = "periodic": the left and right sides differ'):
+        kh_bounds(section, FemSettings(sides="periodic"), BoundsSettings())
     weak = Section.parse({**slope(), "strata": [layer("weak", cohesion=0.0, friction_angle="0 deg")]})
     with pytest.raises(InputError, match="cohesion and friction angle are both 0"):
         kh_bounds(weak, FemSettings(), BoundsSettings())

@@ -83,7 +83,7 @@ def test_contacts_that_are_all_but_straight_do_not_cost_the_bounds(noise):
     assert mechanism.multiplier == pytest.approx(found.meshes[-1].upper, rel=1e-3)
 
 
-@pytest.mark.parametrize("sides", ["fixed", "roller"])
+@pytest.mark.parametrize("sides", ["fixed", "free-field"])
 def test_a_slope_of_46_degrees_of_friction_has_both_bounds(sides):
     data = Section.read(SECTIONS / "slope_2to1.toml").model_dump(exclude_none=True, by_alias=True)
     data["strata"][0]["friction_angle"] = "46 deg"

@@ -68,7 +68,7 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
     for far, said in (("0.2 m", True), ("3 m", False)):
         given = Config.parse({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
         cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
-        found = LiquefiedAnswer(section=SectionLabel.of(given.section), sides="roller", cases=cases)
+        found = LiquefiedAnswer(section=SectionLabel.of(given.section), sides="free-field", cases=cases)
         told = "\n".join(findings(results(given, liquefied=found)))
         assert 'To stand without shaking it needs about 6 kPa in "upper" (0.15 of its mean effective stress).' in told
         assert ("At most 0.2 m were measured, on 10 m of height, where a flow would not have stopped." in told) == said
@@ -83,7 +83,7 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
     for kh, far, said in ((0.0, 3.0, True), (0.0, 0.5, False), (0.1, 3.0, False)):
         given = Config.parse({**data, "slide": {"kh": kh}})
         found = LiquefiedAnswer(
-            section=SectionLabel.of(given.section), sides="roller", cases=(after_liquefaction(1, 9.0, 1.3),)
+            section=SectionLabel.of(given.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
         )
         slides = CasesAnswer(sets={"calibrated": {1: dem_fixture.case(0.1, far)}}, random=None)
         told = "\n".join(findings(results(given, liquefied=found, cases=slides)))

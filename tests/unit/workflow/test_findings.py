@@ -52,7 +52,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
     variants = VariantsAnswer(
         variants=(
             variant("element", "bilinear element instead of quadratic", 0.268),
-            variant("sides", "sides fixed instead of roller", 0.338),
+            variant("sides", "sides fixed instead of free-field", 0.338),
             variant("dilation", "ψ = φ instead of ψ as given", None),
         )
     )
@@ -61,11 +61,13 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
     assert "it fails downhill, to the right, at Kh of about 0.23 with ψ = φ. A Kh of 0.23 is a horizontal acce" in told
     assert "a horizontal acceleration of 2.3 m/s²." in told
     assert "Numerical error is below 0.006, by strict bounds." in told
-    assert "The assumptions matter more: kc = 0.34 with sides fixed instead of roller." in told
+    assert "The assumptions matter more: kc = 0.34 with sides fixed instead of free-field." in told
     assert "instead of ψ as given" not in told  # that one came to nothing
     assert "Limit analysis proves that it is 0.229 to 0.235 for ground that dilates fully" in told
     [sides] = doubtful(found)
-    assert sides.startswith("With sides fixed instead of roller the section fails at Kh of about 0.34, and not 0.23: ")
+    assert sides.startswith(
+        "With sides fixed instead of free-field the section fails at Kh of about 0.34, and not 0.23: "
+    )
     assert sides.endswith('decides, and beyond = "50 m" takes them further away.')
 
 
@@ -76,13 +78,13 @@ def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: C
 
 
 def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:
-    same = variant("sides", "sides fixed instead of roller", 0.2331)
+    same = variant("sides", "sides fixed instead of free-field", 0.2331)
     answer = fem(run, 0.2345).model_copy(update={"kc_upper": 0.2346})
     found = results(run, fem=answer, variants=VariantsAnswer(variants=(same,)))
     told = text(found)
     assert not doubtful(found)
     assert "How large its numerical error is, is not known: there is one mesh" in told
-    assert "With other assumptions: kc = 0.23 with sides fixed instead of roller." in told
+    assert "With other assumptions: kc = 0.23 with sides fixed instead of free-field." in told
 
 
 def test_what_stands_beside_the_critical_kh(run: Config) -> None:
@@ -95,7 +97,7 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     answer = fem(run).model_copy(update={**more, "doubts": (doubt, known)})
     told = text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
     out = "it slides out at the left side, where the section was cut off"
-    assert f"(ψ = φ, sides roller, seismic force downhill; {out})" in told
+    assert f"(ψ = φ, sides free-field, seismic force downhill; {out})" in told
     assert "at Kh of about 0.24 by Davis's estimate for ψ = 0, which is no bound; with ψ = φ: 0.31." in told
     assert "Pushed uphill it fails at Kh of about 0.17, but only at the left side, where the section was cut" in told
     assert "Before that, at Kh = 0.05, single grains of upper roll down its face from x = 20 to 44 m." in told
@@ -298,7 +300,7 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
     assert not any("held against" in told for told in doubtful(found))
     wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
     told = doubtful(results(run, dem=dem_fixture.critical(run, 0.16), like_discs=wide))
-    assert "held against (roller sides, ψ as given) fail at Kh of 0.16 to 0.23; discs that fail between" in told[0]
+    assert "held against (free-field sides, ψ as given) fail at Kh of 0.16 to 0.23; discs that fail between" in told[0]
 
 
 def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> None:

@@ -55,8 +55,8 @@ def test_what_is_no_setting(text: str) -> None:
 def test_the_command_line_stands_above_the_file(tmp_path: Path) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps({**slope(), "fem": {"sides": "fixed", "vertical": 0.1}, "mesh": {"columns": 30}}))
-    run = Config.load(path, dotted(["fem.sides=tied", "mesh.size=2 m"]))
-    assert (run.fem.sides, run.fem.vertical) == ("tied", 0.1)
+    run = Config.load(path, dotted(["fem.sides=periodic", "mesh.size=2 m"]))
+    assert (run.fem.sides, run.fem.vertical) == ("periodic", 0.1)
     assert run.mesh.columns is None  # a size takes its place
     with pytest.raises(InputError, match='fem, sidez: unknown key; did you mean "sides"'):
         Config.load(path, dotted(["fem.sidez=tied"]))
@@ -176,8 +176,8 @@ def test_cases_are_called_by_number_and_name() -> None:
 def test_tied_sides_that_differ_are_told_before_anything_runs(tmp_path: Path) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(slope()))
-    with pytest.raises(InputError, match='sides = "tied": the left and right sides differ'):
-        Request.of(path, tmp_path, {}, ["fem.sides=tied"])
+    with pytest.raises(InputError, match='sides = "periodic": the left and right sides differ'):
+        Request.of(path, tmp_path, {}, ["fem.sides=periodic"])
 
 
 def test_factors_of_safety_read_whether_bounds_are_wanted(tmp_path: Path) -> None:

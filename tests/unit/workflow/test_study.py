@@ -86,7 +86,7 @@ def table_of(values: list[float | None], **drawn: list[object]) -> Table:
 
 
 def test_rank_correlation_and_words() -> None:
-    x, sides = [1.0, 2.0, 3.0, 4.0, 9.0], ["roller", "fixed", "roller", "fixed", "roller"]
+    x, sides = [1.0, 2.0, 3.0, 4.0, 9.0], ["free-field", "fixed", "free-field", "fixed", "free-field"]
     table = table_of([1.0, 4.0, 9.0, 16.0, None], x=x, sides=sides)
     found = {one.path: one.correlation for one in effects(table, "kc", ["sides"], indices=False)}
     assert found["x"] == pytest.approx(1.0)

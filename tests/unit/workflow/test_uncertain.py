@@ -40,8 +40,8 @@ def test_quantiles_are_those_of_the_textbooks() -> None:
 
 
 def test_a_list_has_its_chances() -> None:
-    even = Distribution(list=("roller", "fixed"))
-    assert [even.at(chance) for chance in (0.0, 0.49, 0.51, 0.99)] == ["roller", "roller", "fixed", "fixed"]
+    even = Distribution(list=("free-field", "fixed"))
+    assert [even.at(chance) for chance in (0.0, 0.49, 0.51, 0.99)] == ["free-field", "free-field", "fixed", "fixed"]
     odd = Distribution(list=(1, 2, 3), chances=(1.0, 0.0, 3.0))
     assert [odd.at(chance) for chance in (0.2, 0.3, 0.9)] == [1, 3, 3]
     assert (even.is_words, odd.is_words) == (True, False)
@@ -71,7 +71,7 @@ def test_values_go_where_their_paths_lead() -> None:
         "strata.*.cohesion": {"uniform": [0.5, 1.5], "does": "factor"},
         "strata.upper.bottom": {"uniform": ["-1 m", "1 m"], "does": "shift"},
         "surface.2": {"uniform": [9.0, 11.0]},
-        "fem.sides": {"list": ["roller", "fixed"]},
+        "fem.sides": {"list": ["free-field", "fixed"]},
         "dem.radius": {"uniform": ["1 m", "2 m"]},
     }
     drawn = [31.0, 1.1, 0.25, 9.5, "fixed", 1.5]
@@ -103,7 +103,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
             "strata.uper.cohesion": {"normal": ["10 kPa", "1 kPa"]},
             "strata.upper.friction_angle": {"normal": ["30 kPa", "2 kPa"]},
             "strata.upper.bottom": {"uniform": [-1.0, 1.0], "does": "factor"},
-            "fem.sidez": {"list": ["roller"]},
+            "fem.sidez": {"list": ["free-field"]},
             "surface": {"uniform": [0.0, 1.0]},
         })  # fmt: skip
     told = "\n".join(caught.value.problems)
@@ -170,13 +170,13 @@ def test_correlation_is_that_of_the_normal_variables_and_marginals_stay() -> Non
 
 
 def test_samples_have_what_was_drawn_by_path(tmp_path: Path) -> None:
-    table = {"strata.1.cohesion": {"normal": ["10 kPa", "1 kPa"]}, "fem.sides": {"list": ["roller", "fixed"]}}
+    table = {"strata.1.cohesion": {"normal": ["10 kPa", "1 kPa"]}, "fem.sides": {"list": ["free-field", "fixed"]}}
     file = tmp_path / "s.toml"
     file.write_text(tomli_w.dumps({**slope(), "uncertain": table, "study": {"samples": 8}}))
     read = Config.load(file)
     drawn = samples(read.uncertain, read.study)
     assert len(drawn) == 8
-    assert sorted(one["fem.sides"] for one in drawn) == ["fixed"] * 4 + ["roller"] * 4
+    assert sorted(one["fem.sides"] for one in drawn) == ["fixed"] * 4 + ["free-field"] * 4
     assert drawn == samples(read.uncertain, StudySettings(samples=16))[:8]
 
 

@@ -21,8 +21,8 @@ from workflow.stages.variants import PATH_CELLS, changed, on_a_mesh
         ({}, "element", "bilinear element instead of quadratic"),
         ({"fem": {"element": "quadratic"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
-        ({}, "sides", "sides fixed instead of roller"),
-        ({"fem": {"sides": "fixed"}}, "sides", "sides roller instead of fixed"),
+        ({}, "sides", "sides fixed instead of free-field"),
+        ({"fem": {"sides": "fixed"}}, "sides", "sides free-field instead of fixed"),
         ({}, "dilation", "the non-associated path with ψ as given instead of ψ = φ"),
         ({"fem": {"flow": "davis"}}, "dilation", "the non-associated path with ψ as given instead of Davis's estimate"),
         (
@@ -44,11 +44,11 @@ def test_one_thing_is_changed(settings: dict[str, object], name: str, words: str
 
 
 def test_what_would_change_nothing_is_left_out() -> None:
-    tied = Config.parse(
-        {**slope(), "surface": [[0.0, 20.0], [100.0, 20.0]], "fem": {"sides": "tied", "first_step": 0.1}}
+    periodic = Config.parse(
+        {**slope(), "surface": [[0.0, 20.0], [100.0, 20.0]], "fem": {"sides": "periodic", "first_step": 0.1}}
     )
-    assert changed(tied, "sides", "quadratic") is None
-    assert changed(tied, "step", "quadratic") is None
+    assert changed(periodic, "sides", "quadratic") is None
+    assert changed(periodic, "step", "quadratic") is None
     limit_load = Config.parse(slope())  # ψ = φ and its element: there is no path, and so no step
     assert changed(limit_load, "step", "reduced") is None
     data = slope()

@@ -18,7 +18,7 @@ every_element = pytest.mark.parametrize("element", ELEMENTS)
 
 
 @every_element
-@pytest.mark.parametrize("sides", ["roller", "smooth", "tied"])
+@pytest.mark.parametrize("sides", ["free-field", "smooth", "periodic"])
 def test_level_layers_carry_their_weight_and_press_sideways_by_k0(element, sides):
     """σ_z = Σ ρ g h and σ_x = σ_y = ν/(1 - ν) σ_z; the bilinear element has both as means over its cells."""
     layers = [

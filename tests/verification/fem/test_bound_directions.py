@@ -78,12 +78,12 @@ def test_both_directions_give_the_smaller_of_either_alone(number):
 
 
 def test_a_force_uphill_does_not_count_where_ground_leaves_through_the_side_that_was_cut_off():
-    """On rollers the upper part of a long slope is pushed out through its side before its face fails downhill."""
+    """The upper part of a slope between free-field sides leaves through its side before its face fails downhill."""
     soil = layer("soil", cohesion="5 kPa", friction_angle="30 deg")
     ground = {"name": "cut", "surface": [[0.0, 10.0], [40.0, 0.0]], "base": {"elevation": -4.0}, "strata": [soil]}
     section = Section.parse(ground)
-    found = kh_bounds(section, FemSettings(sides="roller"), ROUGHLY)
-    alone = kh_bounds(section, FemSettings(sides="roller", direction="uphill"), ROUGHLY)
+    found = kh_bounds(section, FemSettings(sides="free-field"), ROUGHLY)
+    alone = kh_bounds(section, FemSettings(sides="free-field", direction="uphill"), ROUGHLY)
     assert found.directions[0].direction == "downhill"
     by_direction = {one.direction: one for one in found.directions}
     assert by_direction["uphill"].leaves == ("left",)

@@ -154,9 +154,9 @@ def test_s13_fixed_within_3_percent_in_less_than_a_minute():
 
 
 @slow
-def test_s13_roller():
+def test_s13_free_field():
     """Measured: 0.2799 to 0.2815 on 8824 cells."""
-    contains(kh_bounds(S13, FemSettings(sides="roller"), BoundsSettings(gap=0.01, davis=False)), 0.2807, 0.01)
+    contains(kh_bounds(S13, FemSettings(sides="free-field"), BoundsSettings(gap=0.01, davis=False)), 0.2807, 0.01)
 
 
 @slow
@@ -169,9 +169,9 @@ def test_davis_substitute_of_s13():
 
 
 @slow
-@pytest.mark.parametrize("sides", ["fixed", "roller"])
+@pytest.mark.parametrize("sides", ["fixed", "free-field"])
 def test_finite_elements_with_associated_flow_converge_into_the_bracket(sides):
-    """Reduced cells, 1x and 2x: 0.3585, 0.3557 (fixed), 0.2845, 0.2826 (roller)."""
+    """Reduced cells, 1x and 2x: 0.3585, 0.3557 (fixed), 0.2845, 0.2826 (free-field)."""
     from mpi4py import MPI
 
     from fem.search.critical import critical_coefficient
@@ -204,7 +204,7 @@ def test_a_long_flat_layer_cannot_be_pushed_by_less_than_it_takes_to_slide(c, ph
 
 def test_the_bank_without_cohesion_has_a_skin_and_a_bracket_of_the_whole():
     """A river bank of 8 m at 1:3 of layered ground: the skin of the submerged sand, tan(φ - β) γ/γs = 0.1231, in closed
-    form; the bank as a whole, deeper than 0.5 m, measured on rollers: 0.1618 to 0.1643 on 5249 triangles."""
+    form; the bank as a whole, deeper than 0.5 m, measured with free-field sides: 0.1618 to 0.1643 on 5249 triangles."""
     found = kh_bounds(Section.read(RIVER_BANK), FemSettings(), BoundsSettings(gap=0.05, davis=False))
     [face] = found.skins
     assert face.kh == pytest.approx(0.9 / 1.9 * math.tan(math.radians(33.0) - math.atan(1.0 / 3.0)))

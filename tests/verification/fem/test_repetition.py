@@ -1,4 +1,4 @@
-"""One period of an endless slope, its sides tied, in water: against closed forms."""
+"""One period of an endless slope, its sides periodic, in water: against closed forms."""
 
 import math
 from typing import Any
@@ -22,7 +22,7 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.water import WATER, section, soil
 
-TIED = FemSettings(sides="tied", flow="associated", direction="downhill", kh=())
+PERIODIC = FemSettings(sides="periodic", flow="associated", direction="downhill", kh=())
 MESH = MeshSettings(columns=4, rows=48)
 FALL = 0.25
 DEPTH = 6.0
@@ -52,16 +52,16 @@ def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float,
     ground = endless(level, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg")
     mesh = generate(ground, MESH)
     kc, factor = closed_form(1e3 * cohesion, phi)
-    found = critical_at_once(ground, mesh, TIED, MPI.COMM_SELF)
+    found = critical_at_once(ground, mesh, PERIODIC, MPI.COMM_SELF)
     assert found.kc == pytest.approx(kc, rel=0.02)
     assert found.mechanism is not None
     assert touched_sides(mesh, found.mechanism) == ()  # it goes on past both sides
-    assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.01)
+    assert safety_at_once(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.01)
 
 
 def test_the_path_of_equilibria_comes_there_too() -> None:
     ground = endless(12.0, cohesion="5 kPa", friction_angle="20 deg", dilation_angle="20 deg")
-    mesh, path = generate(ground, MESH), TIED.model_copy(update={"element": "quadratic", "flow": "section"})
+    mesh, path = generate(ground, MESH), PERIODIC.model_copy(update={"element": "quadratic", "flow": "section"})
     kc, factor = closed_form(5e3, 20.0)
     found = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
     assert found.kc == pytest.approx(kc, rel=0.03)
@@ -80,8 +80,8 @@ def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
     ]
     ground = section(*layers, surface=[[0.0, height], [60.0, 0.0]], base={"depth": 15.0}, water={"table": 24.0})
     mesh = generate(ground, MeshSettings(size=0.5))
-    assert critical_at_once(ground, mesh, TIED, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
-    assert safety_at_once(ground, mesh, TIED, 0.0, MPI.COMM_SELF).factor == pytest.approx(3.684, rel=0.006)
+    assert critical_at_once(ground, mesh, PERIODIC, MPI.COMM_SELF).kc == pytest.approx(0.0724, rel=0.012)
+    assert safety_at_once(ground, mesh, PERIODIC, 0.0, MPI.COMM_SELF).factor == pytest.approx(3.684, rel=0.006)
 
 
 @pytest.mark.parametrize(("cohesion", "phi", "level"), [(20.0, 0.0, 9.0), (5.0, 20.0, 40.0), (5.0, 20.0, None)])
@@ -90,10 +90,10 @@ def test_bounds_of_one_period_bracket_the_endless_slope(cohesion: float, phi: fl
     ground = endless(level or -20.0, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg", density="20 kN/m^3")
     kc, factor = closed_form(1e3 * cohesion, phi, WATER if level else 0.0)
     wish = BoundsSettings(gap=0.06, max_cells=2500, davis=False)
-    found = kh_bounds(ground, TIED, wish)
+    found = kh_bounds(ground, PERIODIC, wish)
     assert 0.999 * kc < found.lower <= kc * (1.0 + 1e-9)
     assert kc <= found.upper < 1.08 * kc
-    safety = safety_bounds(ground, TIED, wish, guess=factor)
+    safety = safety_bounds(ground, PERIODIC, wish, guess=factor)
     assert 0.99 * factor < safety.lower <= factor * (1.0 + 1e-9)
     assert factor <= safety.upper < 1.08 * factor
 
@@ -106,12 +106,12 @@ def test_bounds_of_one_period_bracket_elements_where_layers_and_ground_are_not_s
         soil("Crust", bottom={"depth": 1.5}), soft, soil("Rest"), water={"table": 8.0}, base={"depth": DEPTH},
         surface=[[0.0, 5.0], [8.0, 2.0], [12.0, 2.0], [20.0, 0.0]],
     )  # fmt: skip
-    found = kh_bounds(ground, TIED, BoundsSettings(gap=0.1, max_cells=4000, davis=False))
+    found = kh_bounds(ground, PERIODIC, BoundsSettings(gap=0.1, max_cells=4000, davis=False))
     left, right = found.mesh.matched
     shift = found.mesh.points[right] - found.mesh.points[left]
     assert len(left) > 3
     np.testing.assert_allclose(shift, np.broadcast_to([20.0, -5.0], shift.shape), atol=1e-9)
-    elements = critical_at_once(ground, generate(ground, MeshSettings(size=0.5)), TIED, MPI.COMM_SELF).kc
+    elements = critical_at_once(ground, generate(ground, MeshSettings(size=0.5)), PERIODIC, MPI.COMM_SELF).kc
     assert 0.98 * found.lower < elements < 1.03 * found.upper
     assert found.upper < 1.15 * found.lower
 
@@ -126,13 +126,13 @@ def test_water_that_repeats_with_the_ground_is_taken(changes: dict[str, Any]) ->
 def test_water_that_does_not_repeat_is_refused(level: Any) -> None:
     ground = endless(level)
     with pytest.raises(
-        InputError, match=r'sides = "tied": the pore pressure changes from the left to the right side by'
+        InputError, match=r'sides = "periodic": the pore pressure changes from the left to the right side by'
     ):
-        critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), TIED, MPI.COMM_SELF)
+        critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
 
 
 def test_an_embankment_under_a_lake_may_stand_between_ends_of_one_height() -> None:
     bank = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 0.0], [40.0, 0.0]]
     ground = section(soil(), surface=bank, base={"elevation": -3.0}, water={"table": 7.0})
-    found = critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), TIED, MPI.COMM_SELF)
+    found = critical_at_once(ground, generate(ground, MeshSettings(size=1.0)), PERIODIC, MPI.COMM_SELF)
     assert np.isfinite(found.kc)

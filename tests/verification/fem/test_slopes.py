@@ -44,7 +44,7 @@ def infinite_slope(beta, c, friction, depth=DEPTH):
 
 def result(ground, element, rows=24, direction="downhill", **settings):
     mesh = generate(ground, MeshSettings(columns=4, rows=rows))
-    wish = FemSettings(element=element, sides="tied", direction=direction, kh=(), **settings)
+    wish = FemSettings(element=element, sides="periodic", direction=direction, kh=(), **settings)
     return critical_coefficient(ground, mesh, wish, MPI.COMM_SELF)
 
 
@@ -72,7 +72,7 @@ def test_ground_that_may_fail_no_deeper_than_a_line_slides_along_it():
     cell. Measured: within 0.1 %."""
     ground, line = strip(10.0, 6e4, 0.0, 0.0), 0.5 * DEPTH
     mesh = generate(ground, MeshSettings(columns=4, rows=24))
-    wish = FemSettings(sides="tied", direction="downhill")
+    wish = FemSettings(sides="periodic", direction="downhill")
     found = critical_above(ground, mesh, wish, ground.ground - [0.0, line], MPI.COMM_SELF)
     lift = 0.5 * (1.0 - 1.0 / math.sqrt(3.0)) * (DEPTH + ROCK) / 24
     assert found.kc == pytest.approx(infinite_slope(10.0, 6e4, 0.0, DEPTH - lift), rel=0.002)
@@ -84,7 +84,7 @@ def test_a_line_below_its_own_slip_surface_changes_nothing():
     ground = strip(10.0, 6e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=4, rows=24))
     line = ground.ground - [0.0, DEPTH + 0.5 * ROCK]
-    found = critical_above(ground, mesh, FemSettings(sides="tied", direction="downhill"), line, MPI.COMM_SELF)
+    found = critical_above(ground, mesh, FemSettings(sides="periodic", direction="downhill"), line, MPI.COMM_SELF)
     assert found.kc_above == pytest.approx(found.kc, rel=1e-3)
 
 
@@ -94,7 +94,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     0.02 m."""
     ground = strip(10.0, 3e4, 0.0, 0.0)
     mesh = generate(ground, MeshSettings(columns=16, rows=8))
-    wish = FemSettings(element="quadratic", sides="roller", direction="downhill", kh=(0.1,))
+    wish = FemSettings(element="quadratic", sides="free-field", direction="downhill", kh=(0.1,))
     found = as_discs(ground, mesh, wish, MPI.COMM_SELF)
     due = critical_at_once(ground, mesh, wish.model_copy(update={"sides": "fixed"}), MPI.COMM_SELF)
     assert found.verdict == "plateau"

@@ -77,7 +77,7 @@ def test_far_sides_do_not_matter() -> None:
     """Kh and the factor of safety of a bank with wide margins are the same with all kinds of sides."""
     ground = embankment(water={"table": -0.5})
     mesh = generate(ground, MeshSettings(size=1.0))
-    kinds: list[Sides] = ["roller", "smooth", "fixed", "tied"]
+    kinds: list[Sides] = ["free-field", "smooth", "fixed", "periodic"]
     all_kinds = [SMOOTH.model_copy(update={"sides": sides}) for sides in kinds]
     kc = [critical_at_once(ground, mesh, settings, MPI.COMM_SELF).kc for settings in all_kinds]
     factor = [safety_at_once(ground, mesh, settings, 0.1, MPI.COMM_SELF).factor for settings in all_kinds]

@@ -1,0 +1,111 @@
+"""Old words of settings: read, told in one line, and rewritten in a file whose comments stay."""
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from meshes.errors import InputError
+from tests.support import SECTIONS
+from tests.support.command_line import run
+from workflow import renamed
+from workflow.config import Config
+from workflow.renamed import Renamed, current, current_answer, notices, rewritten
+from workflow.request import Request
+
+OLD = """# sides = "roller" is an old word
+name = "roller"
+[fem]   # elements
+sides = 'roller'  # as before
+[uncertain]
+"fem.sides" = { list = [
+    "roller",  # one
+    "tied",
+] }
+"""
+
+
+def test_old_values_are_replaced_where_the_setting_stands_and_nowhere_else() -> None:
+    text, changes = rewritten(OLD, "old.toml")
+    expected = OLD.replace("sides = 'roller'", "sides = 'free-field'")
+    expected = expected.replace('    "roller"', '    "free-field"').replace('"tied"', '"periodic"')
+    assert text == expected
+    assert changes == [
+        "line 4: 'roller' -> 'free-field'",
+        'line 7: "roller" -> "free-field"',
+        'line 8: "tied" -> "periodic"',
+    ]
+    assert tomllib.loads(text) == current(tomllib.loads(OLD))
+    assert rewritten(text, "new.toml") == (text, [])
+    assert notices(tomllib.loads(text)) == []
+
+
+def test_each_old_word_is_told_once() -> None:
+    told = notices(tomllib.loads(OLD))
+    assert [line.split(";")[0] for line in told] == [
+        'fem.sides = "roller" is now fem.sides = "free-field"',
+        'fem.sides = "tied" is now fem.sides = "periodic"',
+    ]
+
+
+@pytest.mark.parametrize("text", ["fem.sides = 'tied'", "fem = { sides = 'tied' }", "[fem]\r\n'sides'='tied'\r\n"])
+def test_every_way_to_write_a_setting_is_rewritten(text: str) -> None:
+    assert rewritten(text, "old.toml")[0] == text.replace("tied", "periodic")
+
+
+def test_a_word_that_is_spelt_out_by_escapes_is_told() -> None:
+    with pytest.raises(InputError, match=r'change by hand: fem.sides = "tied" is now fem.sides = "periodic"'):
+        rewritten('[fem]\nsides = "t\\u0069ed"', "old.toml")
+
+
+@pytest.fixture
+def a_key_of_tomorrow(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A renaming of a key, which is one entry more."""
+    monkeypatch.setattr(renamed, "RENAMED", (*renamed.RENAMED, Renamed("fem", "least_depth", new_key="minimum_depth")))
+    return
+
+
+@pytest.mark.usefixtures("a_key_of_tomorrow")
+def test_a_later_renaming_is_one_entry() -> None:
+    old = '[fem]\nleast_depth = "1 m"  # least_depth\nsides = "tied"\n[uncertain]\n"fem.least_depth" = { list = [1] }\n'
+    text, changes = rewritten(old, "old.toml")
+    new = old.replace('least_depth = "1', 'minimum_depth = "1').replace("fem.least", "fem.minimum")
+    assert text == new.replace("tied", "periodic")
+    assert len(changes) == 3
+    assert notices(tomllib.loads(old))[1].startswith("fem.least_depth is now fem.minimum_depth; ")
+
+
+def test_answers_of_old_folders_are_read() -> None:
+    old = {"settings": {"sides": "roller", "kh": [0.1]}, "name": "tied", "cases": [{"sides": "tied"}]}
+    assert current_answer(old) == {
+        "settings": {"sides": "free-field", "kh": [0.1]}, "name": "tied", "cases": [{"sides": "periodic"}]
+    }  # fmt: skip
+
+
+def test_old_words_in_file_and_on_the_command_line_are_read_with_a_notice(tmp_path: Path) -> None:
+    text = (SECTIONS / "slope_2to1.toml").read_text(encoding="utf-8") + '\n[fem]\nsides = "roller"\n'
+    path = tmp_path / "slope.toml"
+    path.write_text(text, encoding="utf-8")
+    request = Request.of(path, tmp_path, {}, None)
+    assert request.config.fem.sides == "free-field"
+    assert len(request.notices) == 1
+    assert '"free-field"' in request.config.to_toml()
+    asked = Request.of(SECTIONS / "slope_2to1.toml", tmp_path, {"fem": {"sides": "roller"}}, None)
+    assert asked.config.fem.sides == "free-field"
+    assert len(asked.notices) == 1
+    assert Request.of(SECTIONS / "slope_2to1.toml", tmp_path, {}, ["fem.sides=smooth"]).notices == []
+    assert Config.load(path).fem.sides == "free-field"
+
+
+def test_migrate_writes_only_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old, new = tmp_path / "old.toml", tmp_path / "new.toml"
+    old.write_text(OLD, encoding="utf-8")
+    assert run("migrate", old) == 0
+    assert "line 4: 'roller' -> 'free-field'" in capsys.readouterr().out
+    assert old.read_text(encoding="utf-8") == OLD
+    assert run("migrate", old, "-o", new) == 0
+    assert run("migrate", old, "-o", new) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert run("migrate", old, "--write") == 0
+    assert old.read_text(encoding="utf-8") == new.read_text(encoding="utf-8") == rewritten(OLD, "old.toml")[0]

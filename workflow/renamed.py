@@ -1,0 +1,166 @@
+"""Old words of settings: read for now, with a notice, and rewritten by `noshiro migrate`.
+
+No other module knows an old word. A later renaming is one more entry of ``RENAMED``.
+"""
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from meshes.errors import InputError
+
+
+@dataclass(frozen=True)
+class Renamed:
+    """A setting that has a new name, or values that have.
+
+    Attributes
+    ----------
+    table, key : the table of settings, and the key as old files have it
+    new_key : the key now; "" if it is the same
+    values : the value now for every old one
+    """
+
+    table: str
+    key: str
+    new_key: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def key_now(self) -> str:
+        """The key that is written now."""
+        return self.new_key or self.key
+
+    @property
+    def path(self) -> str:
+        """Table and old key, as [uncertain] and --set have them."""
+        return f"{self.table}.{self.key}"
+
+    def value(self, old: Any) -> Any:
+        """A value, or values within a list or a table, in the words of now."""
+        if isinstance(old, str):
+            return self.values.get(old, old)
+        if isinstance(old, list | tuple):
+            return [self.value(each) for each in old]
+        return {key: self.value(each) for key, each in old.items()} if isinstance(old, Mapping) else old
+
+    def moved(self, table: Mapping[str, Any], old: str, new: str) -> dict[str, Any]:
+        """A table whose key ``old`` is ``new``, with its value in the words of now; in the same order."""
+        return {new if key == old else key: self.value(each) if key == old else each for key, each in table.items()}
+
+
+RENAMED = (Renamed("fem", "sides", values={"roller": "free-field", "tied": "periodic"}),)
+
+
+def current(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Replace the old words in what a TOML file of a section holds.
+
+    Parameters
+    ----------
+    data : the tables of the file, as ``tomllib`` reads them
+
+    Returns
+    -------
+    A copy with new words in the tables of settings, and in [uncertain], whose keys are paths such as "fem.sides".
+    """
+    found = dict(data)
+    for one in RENAMED:
+        places = (one.table, one.key, one.key_now), ("uncertain", one.path, f"{one.table}.{one.key_now}")
+        for table, old, new in places:
+            if isinstance(found.get(table), Mapping):
+                found[table] = one.moved(found[table], old, new)
+    return found
+
+
+def current_answer(data: Any) -> Any:
+    """Replace the old words in what a JSON file of a run holds, wherever a key is that of a setting."""
+    if isinstance(data, list):
+        return [current_answer(each) for each in data]
+    if not isinstance(data, dict):
+        return data
+    found = {key: current_answer(each) for key, each in data.items()}
+    for one in RENAMED:
+        found = one.moved(found, one.key, one.key_now)
+    return found
+
+
+def notices(data: Mapping[str, Any]) -> list[str]:
+    """Name the new word for every old one in the tables of a file or of the command line, in one sentence each."""
+    told = []
+    for one in RENAMED:
+        table = data.get(one.table)
+        if isinstance(table, Mapping) and one.key in table:
+            told += [_notice(one, word) for word in (_old_words(one, table[one.key]) or ([""] if one.new_key else []))]
+        uncertain = data.get("uncertain")
+        if isinstance(uncertain, Mapping) and one.path in uncertain:
+            told += [_notice(one, word) for word in _old_words(one, uncertain[one.path])]
+    return list(dict.fromkeys(told))
+
+
+def _old_words(one: Renamed, value: Any) -> list[str]:
+    """The old words within a value."""
+    if isinstance(value, str):
+        return [value] if value in one.values else []
+    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return [word for each in inside for word in _old_words(one, each)]
+
+
+def _notice(one: Renamed, word: str) -> str:
+    now = f"{one.table}.{one.key_now}"
+    is_now = f'{one.path} = "{word}" is now {now} = "{one.values[word]}"' if word else f"{one.path} is now {now}"
+    return f"{is_now}; noshiro migrate writes the new word into the file."
+
+
+def rewritten(text: str, source: str) -> tuple[str, list[str]]:
+    """Rewrite the text of a section file with the new words; all else, comments too, stays as it is.
+
+    A word is replaced where the file then says the same as ``current`` makes of it, so that a stratum may well have the
+    name of an old word.
+
+    Parameters
+    ----------
+    text : the TOML file
+    source : its name, for messages
+
+    Returns
+    -------
+    The new text, and each change as "line 12: old -> new".
+
+    Raises
+    ------
+    InputError
+        If the text is not TOML, or holds an old word in a form that cannot be replaced.
+    """
+    try:
+        wanted = current(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(source, [f"is not TOML: {error}"]) from None
+    changes = []
+    for start, end, new in sorted(_places(text), reverse=True):
+        trial = text[:start] + new + text[end:]
+        try:
+            data = tomllib.loads(trial)
+        except tomllib.TOMLDecodeError:
+            continue
+        if data != tomllib.loads(text) and current(data) == wanted:
+            line = text.count("\n", 0, start) + 1
+            changes.append(f"line {line}: {text[start:end]} -> {new}")
+            text = trial
+    if tomllib.loads(text) != wanted:
+        raise InputError(
+            source, [f"cannot be rewritten; change by hand: {told}" for told in notices(tomllib.loads(text))]
+        )
+    return text, changes[::-1]
+
+
+def _places(text: str) -> Iterator[tuple[int, int, str]]:
+    """Where an old key or an old value may stand in a text: start, end, and what takes its place."""
+    for one in RENAMED:
+        for old, new in one.values.items():
+            for found in re.finditer(f"([\"']){re.escape(old)}\\1", text):
+                yield found.start(), found.end(), f"{found[1]}{new}{found[1]}"
+        if one.new_key:
+            for found in re.finditer(rf"(?<![\w-]){re.escape(one.key)}(?![\w-])", text):
+                yield found.start(), found.end(), one.new_key
