@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from workflow.config import Config
 from workflow.criteria.verdict import judge, together
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts
@@ -19,6 +18,7 @@ from workflow.results.verdicts import Criterion, VerdictPart
 Found = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OPEN = float("inf")  # the upper end of what still grows
+TINY = 1e-3  # m: slides of less have no spread
 
 
 def verdicts(results: Results) -> list[VerdictPart]:
@@ -103,20 +103,34 @@ def _displacements(results: Results) -> Iterator[Found]:
             yield f"{row.name}, rigid block with its strength", row.block.low, row.block.high, ""
     _, cases = results.case_set()
     slides = [
-        (f"discs, {config.called(number)}", case.slide_along, case.settled or lies_still(case))
+        (f"discs, {config.called(number)}", case.slide_along, case.settled or lies_still(case), _share(results, number))
         for number, case in sorted(cases.items())
     ]
     slides += [
-        (f"material points, {config.called(number)}", case.slide_along, case.settled)
+        (
+            f"material points, {config.called(number)}",
+            case.slide_along,
+            case.settled,
+            (case.slide_max_low_m / max(case.slide_max_m, TINY), case.slide_max_high_m / max(case.slide_max_m, TINY)),
+        )
         for number, case in (sorted(results.mpm.cases.items()) if results.mpm is not None else ())
     ]
     for structure in structures_of(config.section):
-        for by, along, at_rest in slides:
+        for by, along, at_rest, (least, most) in slides:
             far = _largest(along, structure.crest.start, structure.crest.end)
             if far is not None:
                 reason = "" if at_rest else "the slide is not at rest"
-                yield f"{structure.name}, {by}", far, far if at_rest else OPEN, reason
-    yield from _not_computed(config, bool(slides))
+                yield f"{structure.name}, {by}", least * far, most * far if at_rest else OPEN, reason
+    yield from _not_computed(results)
+
+
+def _share(results: Results, case: int) -> tuple[float, float]:
+    """The largest slides below and above which 5 % of packings are expected, over that of this packing."""
+    random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
+    largest = results.case_set()[1][case].slide_max_m
+    if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < TINY:
+        return 1.0, 1.0
+    return min(random.slide_max_m.low / largest, 1.0), max(random.slide_max_m.high / largest, 1.0)
 
 
 def _largest(along: Line, start: float, end: float) -> float | None:
@@ -129,7 +143,7 @@ def _settlements(results: Results) -> Iterator[Found]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         high = part.settlement_high_m if part.at_rest else OPEN
         yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
-    yield from _not_computed(results.config, results.cases is not None or results.mpm is not None)
+    yield from _not_computed(results)
 
 
 def _freeboards(results: Results) -> Iterator[Found]:
@@ -139,17 +153,19 @@ def _freeboards(results: Results) -> Iterator[Found]:
             yield of, None, None, "the water has no elevation"
         else:
             yield of, part.freeboard_low_m if part.at_rest else -OPEN, part.freeboard_high_m, _why(part.at_rest)
-    yield from _not_computed(results.config, results.cases is not None or results.mpm is not None)
+    yield from _not_computed(results)
 
 
 def _why(at_rest: bool) -> str:
     return "" if at_rest else "the slide is not at rest"
 
 
-def _not_computed(config: Config, computed: bool) -> Iterator[Found]:
-    """That layers liquefy, and no slide was computed."""
-    if config.section.liquefies and not computed:
-        yield "after liquefaction", None, None, "no slide was computed"
+def _not_computed(results: Results) -> Iterator[Found]:
+    """Cases of liquefaction of which no slide was computed."""
+    computed = {*results.case_set()[1], *(results.mpm.cases if results.mpm is not None else ())}
+    asked = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
+    for number in sorted(asked - computed):
+        yield f"after liquefaction, {results.config.called(number)}", None, None, "no slide was computed"
 
 
 def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
