@@ -36,10 +36,9 @@ class FemSettings(Model):
     )
     sides: Sides = Field(
         default="free-field",
-        description='"free-field" (free horizontally under the K0 stress, held vertically), "smooth" (held '
-        'horizontally, free vertically, as in slope programs), "fixed" (held in both) or "periodic" (both sides move '
-        "alike). Free-field is the default since smooth and fixed sides hold the slope back where the section ends: "
-        "Kh is larger between them where the sides matter, and the same where they do not. Discs lie in a fixed box",
+        description='"free-field" (free horizontally under the K0 stress, held vertically; the default, since the next '
+        'two hold the slope back where the section ends), "smooth" (held horizontally, free vertically, as in slope '
+        'programs), "fixed" (held in both) or "periodic" (both sides move alike)',
     )
     rigid_box: StrictBool = Field(
         default=True,
