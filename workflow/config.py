@@ -1,6 +1,6 @@
 """The config of a run: a section, and how to mesh it, compute with it and draw it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Self
@@ -8,21 +8,17 @@ from typing import Any, Self
 import tomli_w
 from pydantic import PrivateAttr, ValidationError, model_validator
 
-from dem.settings import AVERAGE, Case
+from dem.settings import AVERAGE, Case, SlideSettings
 from meshes.errors import InputError
 from meshes.section.cutting import in_file
-from meshes.section.liquefies import Cases
-from meshes.section.overburden import reaches_water
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
-from workflow.earthquake.column import column_of
 from workflow.earthquake.records_in_use import remarks
-from workflow.earthquake.settings import EARTHQUAKE, push_of_slides
+from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.renamed import current
 from workflow.tables import Tables
-from workflow.triggering.assessment import Assessment, assess, off_the_section
-from workflow.triggering.consequences import left, pore_pressures
+from workflow.triggering.assessment import off_the_section
 from workflow.triggering.plausibility import implausible_triggering
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
@@ -32,6 +28,8 @@ REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns
 
 # Settings that name a file, by table and key.
 K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
+# Settings of [slide] that other tables can decide, and the words that say which.
+OPEN = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
 FILES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
     ("report", "logo"),
@@ -44,7 +42,8 @@ class Config(Tables):
     section: Section
 
     _written: dict[str, Any] = PrivateAttr(default_factory=dict)  # the section as it stood in the file
-    _left_to_the_sample: dict[str, Any] = PrivateAttr(default_factory=dict)  # settings that follow from the ground
+    _left_open: dict[str, str] = PrivateAttr(default_factory=dict)  # keys of [slide] that follow from other tables
+    _derived_cases: tuple[Case, ...] = PrivateAttr(default=())  # cases that follow from blow counts
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
@@ -76,7 +75,7 @@ class Config(Tables):
         return self
 
     def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Config":
-        """The input with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
+        """The config with values in the place of uncertain numbers, by their paths; itself it has no [uncertain].
 
         What is drawn may be beyond what soils usually have, unless it is ``judged`` as what a person wrote. Raises
         ValueError for a path that leads nowhere, InputError for values that do not fit.
@@ -93,7 +92,10 @@ class Config(Tables):
         """The section as it was written, before water cut its strata, with the settings as they are used."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
-        return merged({**self._written, **used}, self._left_to_the_sample)
+        unset = OPEN.keys() - self.slide.model_fields_set
+        slide = {key: value for key, value in used["slide"].items() if key not in unset}
+        left = {key: word for key, word in self._left_open.items() if f"slide.{key}" not in self.uncertain.numbers}
+        return {**self._written, **used, "slide": {**slide, **left}}
 
     def to_data(self, tables: Collection[str] | None = None) -> dict[str, Any]:
         """The config as a TOML file or JSON holds it: the section, and the ``tables``, or all of them."""
@@ -125,39 +127,43 @@ class Config(Tables):
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """The input from what a TOML file holds; raises InputError with every problem found.
+        """The config from what a TOML file holds; raises InputError with every problem found.
 
-        Strata whose `liquefies_in` is left to the blow counts get all cases of the slide, or none; cases that follow
-        from the blow counts take the place of the default ones.
+        What it leaves to analyses is found by `after_triggering`. Cases that follow from blow counts take the place of
+        the default ones.
         """
         data = current(data)
-        slide = data.get("slide", {}) if isinstance(data.get("slide", {}), Mapping) else {}
-        triggering = data.get("triggering")
-        if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
-            return cls.parse(merged(data, {"slide": {"cases": []}}), source)  # not the paper's three beside them
-        if slide.get("kh") == K_MAX:
-            given = cls.parse(merged(data, {"slide": {"kh": cls._average_kh(data, source)}}), source)
-            given._left_to_the_sample = {"slide": {"kh": K_MAX}}
-            return given
-        if push := push_of_slides(data.get("earthquake"), slide, source):
-            given = cls.parse(merged(data, {"slide": push}), source)
-            left = [key for key in push if f"slide.{key}" not in given.uncertain.numbers]
-            given._left_to_the_sample = {"slide": dict.fromkeys(left, EARTHQUAKE)}
-            return given
-        given = cls._validated(data, source)
-        asked = given.triggering.cases or given.triggering.pore_pressure
-        if asked or any(stratum.liquefies_in.triggered for stratum in given.section.strata):
-            try:
-                given = given._triggered(given.assessment())
-            except InputError as error:
-                raise InputError(source, error.problems) from None
-        if given.uncertain.numbers:
-            given._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
-            problems = given.uncertain.problems(partial(given.with_drawn, judged=True))
-            problems += [line for one in given.reach.values() for line in one.problem.splitlines()]
+        slide = data.get("slide", {})
+        left_open: dict[str, str] = {}
+        if isinstance(slide, Mapping):
+            triggering = data.get("triggering")
+            if isinstance(triggering, Mapping) and triggering.get("cases") and "cases" not in slide:
+                data = merged(data, {"slide": {"cases": []}})  # not the paper's three beside them
+            left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
+            if left_open:  # numbers that fit stand in their places
+                data = merged(data, {"slide": {key: 0.1 for key in left_open}})
+        config = cls._validated(data, source)
+        config._left_open = left_open
+        if config.uncertain.numbers:
+            config._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
+            problems = config.uncertain.problems(partial(config.with_drawn, judged=True))
+            problems += [line for one in config.reach.values() for line in one.problem.splitlines()]
             if problems:
                 raise InputError(source, problems)
-        return given
+        return config
+
+    @property
+    def left_open(self) -> dict[str, str]:
+        """The keys of [slide] that other tables decide, each with the word that says which."""
+        return self._left_open
+
+    def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
+        """The config with what analyses found: ground, slides, cases of blow counts; ``keys`` are of the earthquake."""
+        found = {name: getattr(self, name) for name in self.tables()}
+        config = type(self).model_construct(section=section, **{**found, "slide": slide})
+        config._written, config._derived_cases = self._written, tuple(cases)
+        config._left_open = self._left_open | dict.fromkeys(keys, EARTHQUAKE)
+        return config
 
     @classmethod
     def _validated(cls, data: Mapping[str, Any], source: str) -> Self:
@@ -177,88 +183,20 @@ class Config(Tables):
             raise InputError(source, problems)
         try:
             used = {**dict(settings), "criteria": settings.criteria.resolved(_peak(settings))}
-            return cls(section=section, **used)._with_section(section.thinned().cut_at_water())
+            config = cls(section=section, **used)
         except ValidationError as error:
             raise InputError(source, sentences(error, data, cls)) from None
+        return config.analysed(section.thinned().cut_at_water(), config.slide, (), ())
 
-    @classmethod
-    def _average_kh(cls, data: Mapping[str, Any], source: str) -> float:
-        """k_max of all above the slip surface (Makdisi & Seed 1978), for slides whose Kh is left to it."""
-        slide = {key: value for key, value in data["slide"].items() if key != "kh"}
-        given = cls.parse({**data, "slide": slide}, source)
-        response = given.site_response
-        if not response.record or response.slip_depth is None:
-            told = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
-            raise InputError(source, [told])
-        return round(column_of(given.section, response).k_max(float(response.slip_depth)), 4)
-
-    @cached_property
+    @property
     def cases(self) -> tuple[Case, ...]:
-        """The cases of the slide: those of [slide], then those that follow from the blow counts, by their names.
-
-        Raises InputError where no relation of residual strength holds.
-        """
-        if not self.triggering.cases:
-            return self.slide.cases
-        strata = self.section.strata
-        remains = [one for one in left(self.assessment(), self.triggering) if strata[one.stratum].liquefies_in]
-        found = []
-        for name in self.triggering.cases:
-            try:
-                kept = {strata[one.stratum].name: (one.ratio(name), one.strength(name)) for one in remains}
-            except ValueError as error:
-                raise InputError(self.section.name, [f'triggering, cases, "{name}": {error}']) from None
-            drained = min(0.2, max((one.volumetric_strain for one in remains), default=0.0))
-            if self.triggering.residual == "ratio":
-                ratios = {stratum: ratio for stratum, (ratio, _) in kept.items()}
-                found.append(Case(name=name, residual=ratios, volumetric_strain=drained))
-            else:
-                strengths = {stratum: strength for stratum, (_, strength) in kept.items()}
-                found.append(Case(name=name, residual_strength=strengths, volumetric_strain=drained))
-        return (*self.slide.cases, *found)
+        """The cases of the slide: those of [slide], then those that followed from blow counts, by their names."""
+        return (*self.slide.cases, *self._derived_cases)
 
     def called(self, case: int) -> str:
         """What a case is called in pictures: its number, and its name if it has one."""
         name = self.cases[case - 1].name if 0 < case <= len(self.cases) else ""
         return f"case {case}, {name}" if name else f"case {case}"
-
-    def assessment(self) -> Assessment:
-        """F_L at every blow count; raises InputError where borings or the earthquake do not allow it."""
-        return assess(self.section, self.earthquake, self.triggering)
-
-    def _triggered(self, found: Assessment) -> Self:
-        pairs = list(zip(self.section.strata, found.strata, strict=True))
-        names = [stratum.name for stratum in self.section.strata]
-        untested = [
-            in_file(names, k)
-            for k, (own, its) in enumerate(pairs)
-            if own.liquefies_in.triggered and its.share is None and reaches_water(self.section, k)
-        ]
-        if untested:
-            told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
-            raise InputError(self.section.name, [f"{where}, {told}" for where in untested])
-        numbers = range(1, len(self.slide.cases) + len(self.triggering.cases) + 1)
-        strata = [
-            own.model_copy(update={"liquefies_in": Cases(numbers if its.liquefies else (), triggered=True)})
-            if own.liquefies_in.triggered
-            else own
-            for own, its in pairs
-        ]
-        if self.triggering.pore_pressure:
-            strata = [
-                own.model_copy(update={"excess_pore_pressure_ratio": own.excess_pore_pressure_ratio or ratio})
-                if not own.liquefies_in
-                else own
-                for own, ratio in zip(strata, pore_pressures(found, len(strata)), strict=True)
-            ]
-        changed = self._with_section(self.section.with_strata(strata))
-        _ = changed.cases  # raises where no relation of residual strength holds
-        return changed
-
-    def _with_section(self, section: Section) -> Self:
-        changed = type(self).model_construct(section=section, **{name: getattr(self, name) for name in self.tables()})
-        changed._written, changed._left_to_the_sample = self._written, self._left_to_the_sample
-        return changed
 
     @classmethod
     def tables(cls) -> list[str]:

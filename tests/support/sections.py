@@ -14,7 +14,9 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.triggering.assessment import Assessment, assess
 
 SOIL: dict[str, Any] = {
     "youngs_modulus": "30 MPa",
@@ -57,10 +59,27 @@ def spoiled(change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
     return data
 
 
+def analysed(data: dict[str, Any]) -> Config:
+    """A config as stages are given it, with what follows from blow counts, earthquake and site response."""
+    return config_after_triggering(Config.parse(data))
+
+
+def assessment(config: Config) -> Assessment:
+    """F_L at every blow count of a config."""
+    return assess(config.section, config.earthquake, config.triggering)
+
+
+def _read(data: dict[str, Any], model: type[Section] | type[Config]) -> None:
+    """Read a section, or a config with the analyses that it leaves things to."""
+    found = model.parse(data, "slope.toml")
+    if isinstance(found, Config):
+        config_after_triggering(found, "slope.toml")
+
+
 def problems(data: dict[str, Any], model: type[Section] | type[Config] = Section) -> tuple[str, ...]:
     """What is said of bad input; fails if it is accepted."""
     with pytest.raises(InputError) as caught:
-        model.parse(data, "slope.toml")
+        _read(data, model)
     assert caught.value.source == "slope.toml"
     assert str(caught.value).startswith(f"slope.toml: {len(caught.value.problems)} problem")
     return caught.value.problems

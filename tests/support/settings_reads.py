@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from dem.settings import Case
+from workflow.after_triggering import cases_after_triggering
 from workflow.config import FILES, Config
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 from workflow.stages import STAGES
+from workflow.triggering.assessment import assess
 
 TABLES = {type(Config.model_fields[table].default): table for table in Config.tables()}
 KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in model.model_fields)
@@ -63,8 +65,12 @@ def altered(given: Config, name: str) -> Config:
     other = str(Path(__file__)) if (table, key) in FILES else _other(getattr(settings, key))
     other = settings.model_copy(update={key: other})
     found = given.model_copy(update={table: other})
-    found.__dict__.pop("cases", None)  # made of the settings before
-    return found
+    if not found.triggering.cases:
+        return found
+    judged = assess(found.section, found.earthquake, found.triggering)
+    return found.analysed(
+        found.section, found.slide, cases_after_triggering(found.section, judged, found.triggering), ()
+    )
 
 
 def _other(value: Any) -> Any:

@@ -5,8 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.support.sections import slope
-from workflow.config import Config
+from tests.support.sections import analysed, slope
 from workflow.run import pipeline
 from workflow.run.plan import Choice, Decision
 from workflow.run.progress import Progress, silent
@@ -60,7 +59,7 @@ class Toys(dict[str, Stage]):
 
     def job(self, folder: Path, **settings: Any) -> Job:
         """The small slope with some settings."""
-        return Job(Config.parse({**slope(), **settings}), Store(folder), tuple(self.values()))
+        return Job(analysed({**slope(), **settings}), Store(folder), tuple(self.values()))
 
     def choose(self, **options: Any) -> Choice:
         """A choice among them."""

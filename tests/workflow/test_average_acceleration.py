@@ -10,8 +10,7 @@ import pytest
 import tomli_w
 
 from tests.support.command_line import run
-from tests.support.sections import layer
-from workflow.config import Config
+from tests.support.sections import analysed, layer
 from workflow.earthquake.column import column_of
 
 pytestmark = pytest.mark.slow
@@ -75,7 +74,7 @@ def case(folder: Path) -> dict[str, Any]:
 def test_the_discs_go_where_a_record_of_that_average_takes_them(
     data: dict[str, Any], average: Path, tmp_path: Path
 ) -> None:
-    given = Config.parse(data)
+    given = analysed(data)
     column = column_of(given.section, given.site_response)
     felt = column.average_above(SLIP)
     lines = "\n".join(f"{column.step * k!r}, {float(a)!r}" for k, a in enumerate(felt))
@@ -89,7 +88,7 @@ def test_the_discs_go_where_a_record_of_that_average_takes_them(
 
 
 def test_kh_is_k_max_where_it_is_left_to_the_record(data: dict[str, Any], average: Path, tmp_path: Path) -> None:
-    given = Config.parse(data)
+    given = analysed(data)
     k_max = round(column_of(given.section, given.site_response).k_max(SLIP), 4)
     assert 0.02 < k_max < 0.6
     asked = beside(average, tmp_path)

@@ -11,6 +11,7 @@ import pytest
 from meshes.errors import NoAnswerError
 from tests.support import small_run
 from tests.support.borings import bored
+from tests.support.sections import analysed
 from tests.support.settings_reads import KEYS, altered, stale, traced, with_needed
 from tests.support.toy_stages import Heard
 from tests.workflow.test_soil_discs import SECTION
@@ -42,13 +43,13 @@ def papers(folder: Path) -> Config:
     """A few of the paper's discs for a moment, and all that stands beside them."""
     data = tomllib.loads(small_run.written(folder).read_text())
     data["sliding_block"] = {"accelerogram": str(folder / "quake.csv")}
-    return Config.parse({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
+    return analysed({**data, "dem": {**small_run.FEW_DISCS, "model": "paper", "workers": 1}})
 
 
 def soil(folder: Path) -> Config:
     """Soil discs, calibrated on two packings."""
     few = {"elements": 150, "resolution": 0.1, "workers": 1}
-    return Config.parse({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
+    return analysed({**SECTION, "dem": {**SECTION["dem"], **few}, "slide": {**SECTION["slide"], "duration": 1.0}})
 
 
 def shaken(folder: Path) -> Config:
@@ -71,7 +72,7 @@ def shaken(folder: Path) -> Config:
         "slide": {**small_run.SHORT_SLIDE, "cases": cases, "accelerogram": quake},
         "sliding_block": {},
     }
-    return Config.parse(data)
+    return analysed(data)
 
 
 @pytest.fixture(scope="module")
@@ -142,14 +143,14 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
     ],
 )
 def test_which_stages_run_again(key: str, again: set[str]) -> None:
-    given = Config.parse(SECTION)
+    given = analysed(SECTION)
     assert stale(given, altered(given, key)) == {*again, "report"}
 
 
 def test_what_a_section_is_called_changes_no_result() -> None:
-    before = Config.parse(SECTION)
+    before = analysed(SECTION)
     for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
-        assert stale(before, Config.parse({**SECTION, **changes})) == {"report"}
+        assert stale(before, analysed({**SECTION, **changes})) == {"report"}
 
 
 def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:
@@ -161,7 +162,7 @@ def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liq
             stratum |= {"density": "1.7 t/m^3", "density_saturated": "1.9 t/m^3"}
         data["earthquake"] |= changes
         data["slide"] = {**data.get("slide", {}), "kh": 0.1}  # else it follows from the earthquake, and so do slides
-        return Config.parse(data)
+        return analysed(data)
 
     before, as_before, less = (bored_with(peak_acceleration=f"{a} gal") for a in (250, 251, 20))
     assert [bool(s.liquefies_in) for s in less.section.strata] != [bool(s.liquefies_in) for s in before.section.strata]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from dem.settings import SlideSettings
 from meshes.errors import InputError
@@ -171,7 +171,7 @@ class SiteResponseSettings(Model):
     )
 
 
-def push_of_slides(earthquake: Any, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
+def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Kh of the slides, its cycles and their period, where these are left to the earthquake of an input.
 
     Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Kh that is given, or seconds for
@@ -184,10 +184,7 @@ def push_of_slides(earthquake: Any, slide: Mapping[str, Any], source: str) -> di
     left = [key for key in CYCLES if slide.get(key, None if held else EARTHQUAKE) == EARTHQUAKE]
     if slide.get("accelerogram") or not (kh_left or left):
         return {}
-    try:
-        found = EarthquakeSettings.model_validate(earthquake or {}).equivalent()
-    except ValidationError:
-        found = None
+    found = earthquake.equivalent()
     if found is None and asked:
         told = f'slide, {asked[0]} = "{EARTHQUAKE}": expected [earthquake] with a peak, a record, or magnitude and '
         raise InputError(source, [told + "distance"])

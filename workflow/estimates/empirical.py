@@ -38,7 +38,7 @@ from workflow.estimates.slope_displacement import (
     bray_macedo,
     bray_travasarou,
 )
-from workflow.triggering.assessment import Judged, normalised_counts
+from workflow.triggering.assessment import Judged, assess, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
 YOUD_TITLE, ZHANG_TITLE = "Youd, Hansen & Bartlett (2002)", "Zhang, Robertson & Brachman (2004)"
@@ -64,7 +64,7 @@ def empirical(config: Config, kc: float | None, slip_surface: np.ndarray) -> Ite
         yield from _block_under_average(config, kc, slip_surface)
     if config.triggering.borings:
         try:
-            tests = config.assessment().tests
+            tests = assess(config.section, config.earthquake, config.triggering).tests
         except InputError:
             tests = ()
         if tests:

@@ -14,6 +14,7 @@ from workflow.report.numbers import metres
 from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.verdicts import CrestPart
+from workflow.triggering.assessment import assess
 from workflow.triggering.consequences import left
 
 Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
@@ -95,7 +96,8 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
     if not config.triggering.borings:
         return {}
     try:
-        return {one.stratum: one.volumetric_strain for one in left(config.assessment(), config.triggering)}
+        judged = assess(config.section, config.earthquake, config.triggering)
+        return {one.stratum: one.volumetric_strain for one in left(judged, config.triggering)}
     except InputError:
         return {}
 

@@ -4,6 +4,7 @@ from collections.abc import Collection
 from typing import Any
 
 from workflow.config import Config
+from workflow.triggering.assessment import assess
 
 LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, what it does to the strength of strata
 
@@ -17,7 +18,9 @@ def liquefying(config: Config) -> dict[int, list[int]]:
 
 def lowest_factors(config: Config) -> list[float | None]:
     """The smallest F_L of every stratum by its blow counts, None where it has none; empty without any borings."""
-    return [one.lowest for one in config.assessment().strata] if config.triggering.borings else []
+    if not config.triggering.borings:
+        return []
+    return [one.lowest for one in assess(config.section, config.earthquake, config.triggering).strata]
 
 
 def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[dict[str, Any]]:

@@ -2,13 +2,16 @@
 
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.stage import Job, Stage
+from workflow.triggering.assessment import assess
 
 PICTURE = "figures/triggering.png"
 
 
 def work(job: Job) -> None:
     """F_L at every blow count; leaves triggering.json. Raises InputError."""
-    TriggeringAnswer.of(job.config, job.config.assessment()).write(job.store)
+    config = job.config
+    found = assess(config.section, config.earthquake, config.triggering)
+    TriggeringAnswer.of(config, found).write(job.store)
 
 
 def draw(job: Job) -> None:

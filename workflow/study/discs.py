@@ -4,6 +4,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from meshes.errors import InputError
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.results.cases import QUANTITIES, CasesAnswer
 from workflow.run import pipeline
@@ -23,7 +24,7 @@ def discs(sample: Sample) -> Numbers:
 
     Raises NoAnswerError where the discs cannot be calibrated.
     """
-    config = Config.parse(sample.data)
+    config = config_after_triggering(Config.parse(sample.data))
     if not config.section.liquefies:
         raise InputError(
             config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import Spread
@@ -92,7 +93,7 @@ def computed(
 def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
     """The input of a sample, or why there is none."""
     try:
-        return config.with_drawn(drawn)
+        return config_after_triggering(config.with_drawn(drawn))
     except InputError as error:
         return "; ".join(error.problems)
 

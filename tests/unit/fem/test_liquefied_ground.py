@@ -13,12 +13,13 @@ from meshes.section.overburden import mean_effective_stress
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.borings import bored
+from tests.support.sections import analysed
 from workflow.config import Config
 
 
 def test_what_is_left_of_a_stratum() -> None:
     """Loose sand from 0 to 6 m, water at 1 m: at its middle 1.9 t/m³ over 3 m less 2 m of water, 36.28 kPa."""
-    section = Config.parse(bored())
+    section = analysed(bored())
     stress = mean_effective_stress(section.section, 0)
     assert stress == pytest.approx(GRAVITY * (3.0 * 1900.0 - 2.0 * 1000.0))
     kept = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)}).strata[0]

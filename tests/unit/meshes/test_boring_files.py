@@ -14,8 +14,7 @@ from meshes.borings.csv_file import read_csv
 from meshes.borings.section_text import text_of
 from meshes.errors import InputError
 from tests.support import command_line
-from tests.support.sections import slope
-from workflow.config import Config
+from tests.support.sections import analysed, slope
 
 FOOT = 0.3048
 BEYOND = ' is beyond what there is (did you mean "'
@@ -149,7 +148,7 @@ def test_counts_energy_and_water_of_an_ags4_file(tmp_path: Path) -> None:
     assert "B1, SPT at 8 m: has neither ISPT_NVAL nor ISPT_REP, and is not used" in notices
     assert '6.3 m "N=50 (25 for 5mm/50 for 15mm)", N = 50; B1 at 7.3 m "50/75mm", N = 50' in notices
     assert "departs from rules of AGS4, as python-ags4 counts" in notices
-    made = Config.parse({**tomllib.loads(text_of(connected(read.logs), "made")), **COMPLETED}, "made")
+    made = analysed({**tomllib.loads(text_of(connected(read.logs), "made")), **COMPLETED}, "made")
     assert [s.energy_ratio for s in made.triggering.borings[0].spt] == [45, 45, 60, None]
 
 
@@ -333,12 +332,12 @@ def test_numbers_of_borings_that_cannot_be(test: dict[str, object], text: str) -
     kind = "cpt" if "qc" in test else "spt"
     data = {**slope(), "triggering": {"borings": [{"name": "B", "x": 5.0, kind: [test]}]}}
     with pytest.raises(InputError) as caught:
-        Config.parse(data)
+        analysed(data)
     assert any(text in problem and 'borings 1 "B"' in problem for problem in caught.value.problems), (
         caught.value.problems
     )
     if "is beyond" in text:
-        assert Config.parse({**data, "unusual": True}).triggering.borings
+        assert analysed({**data, "unusual": True}).triggering.borings
 
 
 @pytest.mark.parametrize(
@@ -358,7 +357,7 @@ def test_numbers_of_borings_that_cannot_be(test: dict[str, object], text: str) -
 )
 def test_numbers_of_the_earthquake_that_cannot_be(table: dict[str, dict[str, object]], text: str) -> None:
     with pytest.raises(InputError) as caught:
-        Config.parse({**slope(), **table})
+        analysed({**slope(), **table})
     assert any(text in problem for problem in caught.value.problems), caught.value.problems
 
 

@@ -16,6 +16,7 @@ from meshes.errors import InputError
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
 from tests.support import SECTIONS, command_line
+from tests.support.sections import analysed
 from workflow.config import Config
 
 HEAD = "boring,x (m),ground_level (m),top (m),bottom (m),layer,N,fines,unit_weight (kN/m3),water_level"
@@ -79,7 +80,7 @@ def problems(folder: Path, text: str) -> str:
 def test_layers_end_half_way_where_the_next_boring_has_none(tmp_path: Path) -> None:
     """Fill is 1.5 m thick at x = 40 m and gone at 70 m; silt begins at 20 m. The gravel below B-3 is that of B-2."""
     logs = read_csv(written(tmp_path, HEAD + "\n" + LINES)).logs
-    given = Config.parse(tomllib.loads(text_of(connected(logs), "made")))
+    given = analysed(tomllib.loads(text_of(connected(logs), "made")))
     plain = {s.name.split(",")[0]: s for s in given.section.strata}
     assert list(plain) == ["fill", "silt", "sand", "gravel"]
     x = np.array([0.0, 20.0, 40.0, 70.0, 100.0])

@@ -4,8 +4,7 @@ import pytest
 
 from tests.support import dem_fixture
 from tests.support.answers import results
-from tests.support.sections import slope
-from workflow.config import Config
+from tests.support.sections import analysed, slope
 from workflow.report.after import factors, just_enough
 from workflow.report.console import slide_sentences
 from workflow.report.findings import findings
@@ -53,7 +52,7 @@ def test_elements_below_the_strict_bounds_say_why() -> None:
 def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
-    given = Config.parse({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
+    given = analysed({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
     for settlement, said in ((0.25, "settles 0.25 m uphill"), (-0.25, "rises 0.25 m uphill")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
         told = list(slide_sentences(given, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
@@ -66,7 +65,7 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2]
     for far, said in (("0.2 m", True), ("3 m", False)):
-        given = Config.parse({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
+        given = analysed({**data, "report": {"observed": [{"name": "SI-5", "displacement": far}]}})
         cases = (after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3))
         found = LiquefiedAnswer(section=SectionLabel.of(given.section), sides="free-field", cases=cases)
         told = "\n".join(findings(results(given, liquefied=found)))
@@ -81,7 +80,7 @@ def test_discs_that_slide_where_the_continuum_stands_are_told() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
     for kh, far, said in ((0.0, 3.0, True), (0.0, 0.5, False), (0.1, 3.0, False)):
-        given = Config.parse({**data, "slide": {"kh": kh}})
+        given = analysed({**data, "slide": {"kh": kh}})
         found = LiquefiedAnswer(
             section=SectionLabel.of(given.section), sides="free-field", cases=(after_liquefaction(1, 9.0, 1.3),)
         )

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from dem.settings import Case, SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results
-from tests.support.sections import slope
+from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.console import safety_sentence, slide_sentences
 from workflow.report.contradictions import deepest_fall, is_weaker, of_curve, of_order, of_settlement, of_sides
@@ -26,7 +26,7 @@ LEVEE = ({"name": "median", "residual_strength": "9 kPa"}, {"name": "low strengt
 def run() -> Config:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2]
-    return Config.parse(data)
+    return analysed(data)
 
 
 def slides(run: Config, *lengths: float, **more: Any) -> CasesAnswer:

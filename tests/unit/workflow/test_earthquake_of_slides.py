@@ -13,6 +13,8 @@ from meshes.section.quantity import GRAVITY
 from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.records import motion, peer
+from tests.support.sections import analysed
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import (
@@ -33,7 +35,7 @@ LEVEE = {"magnitude": 7.4, "distance": "60 km", "peak_acceleration": "0.25 g"}
 def shaken(earthquake: dict[str, Any], **slide: Any) -> Config:
     data = {**bored(), "earthquake": earthquake, **({"slide": slide} if slide else {})}
     data["triggering"]["share"] = 0.2  # so that one of the strata liquefies
-    return Config.parse(data)
+    return analysed(data)
 
 
 def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
@@ -46,7 +48,7 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     [pushed] = [text for text in given.notices if text.startswith("slide, kh")]
     assert "of [earthquake]: 0.65 of the peak of 0.25 g" in pushed
     assert "both ways in 13.9 cycles of M 7.4" in pushed
-    again = Config.parse(tomllib.loads(given.to_toml()))
+    again = analysed(tomllib.loads(given.to_toml()))
     assert (again.slide, again.notices) == (given.slide, given.notices)
     assert given.slide.shaking == f"Kh = {given.slide.kh:g} both ways, 13.9 cycles of {given.slide.kh_period:g} s"
 
@@ -72,7 +74,7 @@ def test_layers_liquefy_when_their_cycles_have_passed() -> None:
     assert shaking.onsets[stratum] == pytest.approx(lasts * factor ** (1.0 / 0.34))
     assert np.abs(shaking.push[shaking.time < 5.0]).max() == 0.0
     assert np.abs(shaking.push).max() == pytest.approx(given.slide.kh * GRAVITY, rel=2e-3)
-    untested = Config.parse({**_without_borings(), "slide": {"kh": 0.1, "kh_cycles": 8.0, "kh_period": 0.5}})
+    untested = analysed({**_without_borings(), "slide": {"kh": 0.1, "kh_cycles": 8.0, "kh_period": 0.5}})
     calm = shaking_of(untested, [0])
     assert calm is not None
     assert calm.onsets == {0: 0.0}
@@ -84,7 +86,7 @@ def test_cycles_want_a_period_and_no_seconds() -> None:
         ({"kh_cycles": 8.0, "kh_period": 0.5, "kh_seconds": 4.0}, "kh_cycles and kh_seconds: expected one"),
     ):
         with pytest.raises(InputError, match=told):
-            Config.parse({**_without_borings(), "slide": {"kh": 0.1, **slide}})
+            analysed({**_without_borings(), "slide": {"kh": 0.1, **slide}})
 
 
 def _without_borings() -> dict[str, Any]:
@@ -105,9 +107,9 @@ def test_what_the_slides_are_given_goes_before_the_earthquake(tmp_path: Path) ->
     (tmp_path / "a.AT2").write_text(peer(motion(1, 400, 0.01) / GRAVITY, 0.01, "G"))
     assert shaken(LEVEE, accelerogram=str(tmp_path / "a.AT2")).slide.kh == 0.1
     without = _without_borings()
-    assert Config.parse(without).slide.kh == 0.1
+    assert analysed(without).slide.kh == 0.1
     with pytest.raises(InputError, match='kh = "earthquake": expected'):
-        Config.parse({**without, "slide": {"kh": "earthquake"}})
+        analysed({**without, "slide": {"kh": "earthquake"}})
     assert shaken(LEVEE, kh="earthquake").slide == shaken(LEVEE).slide
 
 
@@ -115,7 +117,7 @@ def test_the_block_is_driven_as_the_slides() -> None:
     both_ways = block_drive(shaken(LEVEE))
     assert (both_ways.cycles, both_ways.period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
     assert block_drive(shaken(LEVEE, kh=0.1)).seconds == 10.0
-    assert block_drive(Config.parse({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
+    assert block_drive(analysed({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
     # nothing below yield, and far less than a push of one way that lasts as long
     assert both_ways.slide(0.2, 0.16) == 0.0
     assert 0.0 < both_ways.slide(0.04, 0.16) < 0.1 * block_drive(shaken(LEVEE, kh_seconds=10.5)).slide(0.04, 0.16)
@@ -137,11 +139,11 @@ def test_the_cycles_of_a_record_are_counted(tmp_path: Path) -> None:
 
 
 def test_a_sample_of_the_earthquake_pushes_its_own_slides() -> None:
-    given = Config.parse({
+    given = analysed({
         **bored(), "earthquake": LEVEE,
         "uncertain": {"earthquake.magnitude": {"normal": [7.4, 0.1]}},
     })  # fmt: skip
-    drawn = given.with_drawn({"earthquake.magnitude": 7.0})
+    drawn = config_after_triggering(given.with_drawn({"earthquake.magnitude": 7.0}))
     assert drawn.slide.kh_cycles == pytest.approx(cycles_of_magnitude(7.0), abs=0.05)
 
 
@@ -177,7 +179,7 @@ def test_the_distance_that_was_overruled_is_not_used() -> None:
     data["surface"] = [[0.0, 1.0], [100.0, 0.0]]
 
     def youd(earthquake: dict[str, Any]) -> Any:
-        found = empirical(Config.parse({**data, "earthquake": earthquake}), 0.1, np.zeros((0, 2)))
+        found = empirical(analysed({**data, "earthquake": earthquake}), 0.1, np.zeros((0, 2)))
         return next(one for one in found if one.method.startswith("Youd"))
 
     assert youd({**LEVEE, "peak_acceleration": "150 gal"}).displacement_m is not None

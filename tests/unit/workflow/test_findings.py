@@ -5,7 +5,7 @@ import pytest
 from dem.settings import SlideSettings
 from tests.support import dem_fixture
 from tests.support.answers import bounds, fem, results, variant
-from tests.support.sections import slope
+from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.doubtful import doubtful, joined
 from workflow.report.findings import fail_alike, findings, springs_of
@@ -24,7 +24,7 @@ from workflow.run.store import Store
 def run() -> Config:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2, 3]
-    return Config.parse(data)
+    return analysed(data)
 
 
 def text(found: Results) -> str:
@@ -43,7 +43,7 @@ def test_before_anything_was_computed_all_is_open(run: Config) -> None:
 
 
 def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> None:
-    told = text(results(Config.parse(slope())))
+    told = text(results(analysed(slope())))
     assert "No layer is said to liquefy, so no slide was computed." in told
     assert "How far the section slides" not in told
 
@@ -229,7 +229,7 @@ def test_what_was_measured_stands_beside_the_discs() -> None:
     data["strata"][0]["liquefies_in"] = [1, 2]
     data["slide"] = {"kh": 0}
     places = ({"name": "SI-5", "displacement": "0.2 m", "x": 35.0}, {"name": "SI-2", "displacement": "0.45 m"})
-    measured = Config.parse({**data, "report": {"observed": list(places)}})
+    measured = analysed({**data, "report": {"observed": list(places)}})
     told = text(results(measured))
     assert "under its weight alone once upper has liquefied" in told
     assert "Measured were" not in told  # stands beside slides alone, and there are none yet
@@ -252,7 +252,7 @@ def test_what_must_be_known_to_believe_a_case_is_told_with_the_discs_own_predict
 
 
 def test_what_is_doubtful_is_told(run: Config) -> None:
-    guessed = Config.parse({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
+    guessed = analysed({**slope(), "reconstruction": True, "reconstruction_note": "drawn from memory"})
     calibration = dem_fixture.calibration(0.24, True)
     discs = dem_fixture.critical(guessed, 0.24)
     told = doubtful(results(guessed, dem=discs, calibration=calibration))

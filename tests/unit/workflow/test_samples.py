@@ -13,8 +13,8 @@ from scipy import stats
 
 from meshes.errors import InputError, NoAnswerError
 from tests.support.borings import bored
-from tests.support.sections import slope
-from workflow.config import Config
+from tests.support.sections import analysed, slope
+from workflow.after_triggering import config_after_triggering
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.parts import PARTS
@@ -76,10 +76,10 @@ KINDS = (plain, water, cones, residual, shaken)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
 def test_a_sample_is_the_same_input_where_it_is_computed(kind: Any, part: Any, tmp_path: Path) -> None:
-    read = Config.parse({**kind(tmp_path), "uncertain": FRICTION, "study": {"samples": 4}})
+    read = analysed({**kind(tmp_path), "uncertain": FRICTION, "study": {"samples": 4}})
     for drawn in samples(read.uncertain, read.study, read.reach):
-        sample = read.with_drawn(drawn)
-        there = Config.parse(task_of(sample, part, Store(tmp_path)).given.data)
+        sample = config_after_triggering(read.with_drawn(drawn))
+        there = analysed(task_of(sample, part, Store(tmp_path)).given.data)
         assert kind is plain or any(stratum.liquefiable for stratum in sample.section.strata)
         if part.name == "slide":
             assert there.cases == sample.cases
@@ -94,7 +94,7 @@ def test_a_sample_is_the_same_input_where_it_is_computed(kind: Any, part: Any, t
 
 def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path: Path) -> None:
     def prints(data: dict[str, Any]) -> dict[str, str]:
-        read = Config.parse(data)
+        read = analysed(data)
         return {part.name: task_of(read, part, Store(tmp_path)).fingerprint for part in PARTS}
 
     before, after = prints(water(tmp_path)), prints({**water(tmp_path), "earthquake": {"magnitude": 6.5,
@@ -104,14 +104,16 @@ def test_a_part_that_reads_no_borings_is_not_computed_again_for_others(tmp_path:
 
 def test_the_mean_acceleration_of_a_sample_is_that_of_its_own_ground(tmp_path: Path) -> None:
     stiffness = {"strata.*.youngs_modulus": {"uniform": [0.5, 2.0], "does": "factor"}}
-    read = Config.parse({**shaken(tmp_path), "uncertain": stiffness})
-    soft, stiff = (read.with_drawn({"strata.*.youngs_modulus": factor}) for factor in (0.5, 2.0))
+    read = analysed({**shaken(tmp_path), "uncertain": stiffness})
+    soft, stiff = (
+        config_after_triggering(read.with_drawn({"strata.*.youngs_modulus": factor})) for factor in (0.5, 2.0)
+    )
     assert soft.slide.kh != stiff.slide.kh
 
 
 @pytest.mark.parametrize(("mean", "deviation"), [(5.0, 3.0), (10.0, 5.0)])
 def test_a_normal_strength_is_cut_off_at_zero_and_a_person_hears_how_much_of_it(mean: float, deviation: float) -> None:
-    read = Config.parse({
+    read = analysed({
         **slope(), "uncertain": {"strata.upper.cohesion": {"normal": [f"{mean} kPa", f"{deviation} kPa"]}},
         "study": {"samples": 64},
     })  # fmt: skip
@@ -137,7 +139,7 @@ def test_an_end_that_was_written_down_and_cannot_be_is_refused(
     path: str, distribution: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        Config.parse({**slope(), "uncertain": {path: distribution}})
+        analysed({**slope(), "uncertain": {path: distribution}})
     assert len(caught.value.problems) == 1
     assert words in caught.value.problems[0]
     assert caught.value.problems[0].startswith(f'uncertain, "{path}": ')
@@ -162,7 +164,7 @@ def test_whatever_is_drawn_is_an_input(data: st.DataObject, path: str, spread: f
     low, high, unit = PATHS[path]
     mean = data.draw(st.floats(max(low, SMALLEST.get(path, 0.05 * high)), high))
     law = {"normal": [f"{mean}{unit}" if unit else mean, f"{spread * mean}{unit}" if unit else spread * mean]}
-    read = Config.parse({**bored(), "uncertain": {path: law}, "study": {"samples": 16}})
+    read = analysed({**bored(), "uncertain": {path: law}, "study": {"samples": 16}})
     for drawn in samples(read.uncertain, read.study, read.reach):
         read.with_drawn(drawn)
 
@@ -170,18 +172,18 @@ def test_whatever_is_drawn_is_an_input(data: st.DataObject, path: str, spread: f
 def test_what_is_drawn_is_not_judged_as_what_a_person_writes() -> None:
     data = copy.deepcopy(slope())
     data["uncertain"] = {"strata.upper.cohesion": {"uniform": ["0 kPa", "6 kPa"]}}
-    read = Config.parse(data)
+    read = analysed(data)
     assert read.with_drawn({"strata.upper.cohesion": 0.0415}).section.strata[0].cohesion == pytest.approx(41.5)
     data["strata"][0]["cohesion"] = "0.0415 kPa"
     with pytest.raises(InputError, match="beyond what there is"):
-        Config.parse(data)
+        analysed(data)
     data["uncertain"] = {"strata.upper.cohesion": {"uniform": ["0.03 kPa", "0.05 kPa"]}}  # its median is a person's
     with pytest.raises(InputError, match="beyond what there is"):
-        Config.parse(data)
+        analysed(data)
 
 
 def answer_of(rows: list[SampleRow], parts: tuple[str, ...]) -> StudyAnswer:
-    read = Config.parse({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
+    read = analysed({**slope(), "uncertain": {"strata.upper.cohesion": {"uniform": ["1 kPa", "6 kPa"]}}})
     return told(read, Table({"strata.upper.cohesion": "kPa"}, rows), parts)
 
 

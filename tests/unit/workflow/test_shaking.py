@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from meshes.errors import InputError
-from tests.support.sections import problems, slope
+from tests.support.sections import analysed, assessment, problems, slope
 from workflow.config import Config
 from workflow.run.pipeline import leave_input
 from workflow.run.store import Store
@@ -18,7 +18,7 @@ def shaken(tmp_path: Path, **settings: Any) -> Config:
     time = np.linspace(0.0, 10.0, 101)
     lines = "\n".join(f"{t:.2f}, {-0.3 * t / 10.0:.5f}" for t in time)
     (tmp_path / "record.csv").write_text(f"time (s), a (g)\n{lines}\n")
-    return Config.parse({**slope(), "slide": {"accelerogram": str(tmp_path / "record.csv"), **settings}})
+    return analysed({**slope(), "slide": {"accelerogram": str(tmp_path / "record.csv"), **settings}})
 
 
 def test_at_a_time_or_at_the_peak_where_nothing_says_f_l(tmp_path: Path) -> None:
@@ -43,8 +43,8 @@ def test_as_f_l_says(tmp_path: Path) -> None:
         stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
     data["earthquake"] = {"magnitude": 7.5, "peak_acceleration": "300 gal"}
     data["triggering"] = {"borings": [{"name": "B-1", "x": 50.0, "spt": spt}]}
-    read = Config.parse(data)
-    lowest = [one.lowest for one in read.assessment().strata]
+    read = analysed(data)
+    lowest = [one.lowest for one in assessment(read).strata]
     found = shaking_of(read, range(len(lowest)))  # the water table cuts the upper one in two
     assert found is not None
     assert any(factor is not None and factor < 0.9 for factor in lowest)
@@ -53,7 +53,7 @@ def test_as_f_l_says(tmp_path: Path) -> None:
 
 
 def test_kh_that_is_held_has_no_record_and_a_missing_one_is_told(tmp_path: Path) -> None:
-    assert shaking_of(Config.parse(slope()), [0]) is None
+    assert shaking_of(analysed(slope()), [0]) is None
     (tmp_path / "record.csv").unlink(missing_ok=True)
     given = shaken(tmp_path)
     (tmp_path / "record.csv").unlink()
@@ -69,16 +69,16 @@ def test_the_average_above_the_slip_surface_in_time(tmp_path: Path) -> None:
     (tmp_path / "rock.csv").write_text(f"time (s), a (g)\n{lines}\n")
     response = {"record": str(tmp_path / "rock.csv"), "slip_depth": "6 m", "x": 10.0}
     data = {**slope(), "site_response": response}
-    given = Config.parse({**data, "slide": {"accelerogram": "average", "liquefies_at": 3.0}})
+    given = analysed({**data, "slide": {"accelerogram": "average", "liquefies_at": 3.0}})
     found = shaking_of(given, [0])
     assert found is not None
-    largest = Config.parse({**data, "slide": {"kh": "k_max"}}).slide.kh
+    largest = analysed({**data, "slide": {"kh": "k_max"}}).slide.kh
     assert np.abs(found.push).max() / 9.80665 == pytest.approx(largest, abs=1e-4)
     assert len(found.push) == len(time)
     assert found.onsets == {0: 3.0}
     assert given.files() == {"site_response, record": tmp_path / "rock.csv"}
     assert given.slide.shaking == "the average acceleration above the slip surface"
-    twice = Config.parse({**data, "slide": {"accelerogram": "average", "scale": -2.0}})
+    twice = analysed({**data, "slide": {"accelerogram": "average", "scale": -2.0}})
     pushed = shaking_of(twice, [0])
     assert pushed is not None
     np.testing.assert_allclose(pushed.push, -2.0 * found.push)
@@ -93,7 +93,7 @@ def test_two_records_of_one_name_are_both_left_with_the_input(tmp_path: Path) ->
         (tmp_path / folder / "record.csv").write_text(f"time (s), a (g)\n0.0, 0.0\n1.0, {size}\n2.0, 0.0\n")
     data = {**slope(), "site_response": {"record": str(tmp_path / "rock/record.csv")}}
     data["slide"] = {"accelerogram": str(tmp_path / "ground/record.csv")}
-    leave_input(Config.parse(data), Store(tmp_path / "out"))
+    leave_input(analysed(data), Store(tmp_path / "out"))
     again = Config.load(tmp_path / "out/section.toml")
     found = {name: path.read_text() for name, path in again.files().items()}
     assert "0.1" in found["site_response, record"]

@@ -12,7 +12,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from tests.support import command_line
 from tests.support.borings import bored, test
-from tests.support.sections import problems
+from tests.support.sections import analysed, assessment, problems
 from workflow.config import Config
 
 
@@ -24,7 +24,7 @@ def told(change: Any) -> str:
 
 def test_stresses_before_the_earthquake() -> None:
     """5 m of 1.9 t/m³ weigh 93.163 kPa, 4 m of water carry 39.227 kPa."""
-    section = Config.parse(bored())
+    section = analysed(bored())
     found = overburden(section.section, 50.0, 5.0)
     assert found.total == pytest.approx(1900.0 * GRAVITY * 5.0)
     assert found.effective == pytest.approx(1900.0 * GRAVITY * 5.0 - 1000.0 * GRAVITY * 4.0)
@@ -41,13 +41,13 @@ def test_density_and_saturated_density_and_water_on_the_ground() -> None:
         stratum.pop("density_seismic")
         stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3"}
     data.pop("water_table")
-    found = overburden(Config.parse({**data, "water": {"table": -1.0}}).section, 50.0, 5.0)
+    found = overburden(analysed({**data, "water": {"table": -1.0}}).section, 50.0, 5.0)
     assert found.total == pytest.approx(GRAVITY * 9700.0)
     assert found.effective == pytest.approx(GRAVITY * 5700.0)
-    cut = Config.parse({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
+    cut = analysed({**data, "water": {"table": -1.0}})  # the loose sand above the water is a stratum of its own
     assert len(cut.section.strata) == 3
     assert cut.section.strata[0].liquefies_in == ()
-    drowned = overburden(Config.parse({**data, "water": {"table": 3.0}}).section, 50.0, 5.0)
+    drowned = overburden(analysed({**data, "water": {"table": 3.0}}).section, 50.0, 5.0)
     assert drowned.total == pytest.approx(GRAVITY * 10000.0)
     assert drowned.effective == pytest.approx(GRAVITY * 5000.0)
 
@@ -62,16 +62,16 @@ def test_water_under_pressure_saturates_ground_above_the_table() -> None:
         stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3", "piezometric_level": 0.2}
     data.pop("water_table")
     for water in ({"water": {"table": -1.0}}, {}):
-        section = Config.parse({**data, **water})
+        section = analysed({**data, **water})
         found = overburden(section.section, 50.0, 0.5)
         assert found.below_water
         assert found.effective == pytest.approx(GRAVITY * (0.5 * 2000.0 - 0.7 * 1000.0))
-        assert all(one.reason != "above the water table" for one in section.assessment().tests)
+        assert all(one.reason != "above the water table" for one in assessment(section).tests)
 
 
 def test_what_tests_stand_for() -> None:
     """B-1 has loose sand from the water, at 1 m, to 6 m; B-2 as much of dense sand: half of it liquefies."""
-    found = Config.parse(bored()).assessment()
+    found = assessment(analysed(bored()))
     loose, dense = found.strata
     pieces = np.array([(t.top, t.bottom) for t in found.tests[:4]])
     np.testing.assert_allclose(pieces, [(0.0, 1.75), (1.75, 4.0), (4.0, 6.0), (6.0, 20.0)])
@@ -85,11 +85,11 @@ def test_what_tests_stand_for() -> None:
 
 def test_a_stratum_that_is_triggered_liquefies_in_all_cases_or_in_none() -> None:
     data = bored()
-    assert [stratum.liquefies_in for stratum in Config.parse(data).section.strata] == [(), ()]
+    assert [stratum.liquefies_in for stratum in analysed(data).section.strata] == [(), ()]
     data["triggering"]["share"] = 0.3
-    given = Config.parse(data)
+    given = analysed(data)
     assert [tuple(stratum.liquefies_in) for stratum in given.section.strata] == [(1, 2, 3), ()]
-    again = Config.parse({**data, "strata": given.to_data()["strata"]})
+    again = analysed({**data, "strata": given.to_data()["strata"]})
     assert 'liquefies_in = "triggered"' in given.to_toml()
     assert again.section.strata == given.section.strata
 
@@ -133,13 +133,13 @@ def test_a_record_of_the_surface_says_the_peak(tmp_path: Path) -> None:
     path = tmp_path / "bored.toml"
     path.write_text(tomli_w.dumps(data))
     given = Config.load(path)
-    motion = given.assessment().motion
+    motion = assessment(given).motion
     assert motion.median == pytest.approx(0.25 * GRAVITY)
     assert motion.relation == "the peak of surface.csv"
     assert given.files("earthquake") == {"earthquake, record": tmp_path / "surface.csv"}
     assert given.files("slide") == {}
     data["earthquake"] |= {"peak_acceleration": "0.1 g"}
-    assert Config.parse(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
+    assert analysed(data).earthquake.motion().median == pytest.approx(0.1 * GRAVITY)
     data["earthquake"] = {"magnitude": 7.5, "record": str(tmp_path / "none.csv")}
     assert "there is no such accelerogram" in "\n".join(problems(data, Config))
 
@@ -176,7 +176,7 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     data["triggering"] = {
         "method": "boulanger_idriss_2014", "cases": ["median"], "borings": [{"name": "C-1", "x": 50.0, "cpt": cone}]
     }  # fmt: skip
-    given = Config.parse(data)
+    given = analysed(data)
     assert [bool(stratum.liquefies_in) for stratum in given.section.strata] == [True, False]
     assert 1e3 < given.cases[0].strength_of("loose") < 10e3
     path = tmp_path / "cone.toml"
@@ -196,9 +196,9 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     data["triggering"] |= {"share": 0.3, "pore_pressure": True}
     data["triggering"]["borings"] = [{"name": "B-1", "x": 50.0, "spt": [test(3.0, 5), test(8.0, 26), test(14.0, 30)]}]
     data["earthquake"]["peak_acceleration"] = "200 gal"
-    given = Config.parse(data)
+    given = analysed(data)
     loose, dense = given.section.strata
-    tests = [one for one in given.assessment().tests if one.where.stratum == 1]
+    tests = [one for one in assessment(given).tests if one.where.stratum == 1]
     each = [2.0 / np.pi * np.arcsin(one.factor ** (-1.0 / 0.476)) for one in tests]
     assert all(1.0 < one.factor < 2.0 for one in tests)
     areas = [one.area for one in tests]
@@ -206,10 +206,10 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     assert dense.excess_pore_pressure_ratio == pytest.approx(np.average(each, weights=areas))
     at = np.array([[50.0, -10.0]])
     assert given.section.water_pressure.shaken(at, at, np.array([1]))[0] > 0.0
-    again = Config.parse({**data, "strata": given.to_data()["strata"]})
+    again = analysed({**data, "strata": given.to_data()["strata"]})
     assert again.section.strata == given.section.strata
     data["strata"][1]["excess_pore_pressure_ratio"] = 0.77
-    assert Config.parse(data).section.strata[1].excess_pore_pressure_ratio == 0.77
+    assert analysed(data).section.strata[1].excess_pore_pressure_ratio == 0.77
 
 
 def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
@@ -227,7 +227,7 @@ def test_what_a_relation_misses_is_told_though_nothing_is_triggered() -> None:
     data["earthquake"] |= {"vs30": 270.0, "magnitude": 9.2}
     assert "magnitude = 9.2: outside the range of Boore et al. (2014)" in "\n".join(problems(data, Config))
     data["earthquake"] |= {"peak_acceleration": "0.2 g"}
-    motion = Config.parse(data).earthquake.motion()
+    motion = analysed(data).earthquake.motion()
     assert motion is not None
     assert motion.relation == "as given"
 
@@ -245,9 +245,9 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     """The three relations at two tests: the median lies between the low and the high strength, and sand drains."""
     data = bored()
     data["triggering"] |= {"share": 0.3, "cases": ["median", "low strength", "high strength"]}
-    assert [case.name for case in Config.parse(data).cases] == data["triggering"]["cases"]  # not the paper's as well
+    assert [case.name for case in analysed(data).cases] == data["triggering"]["cases"]  # not the paper's as well
     data["slide"] = {"cases": [{"stiffness": 0.1}, {"stiffness": 0.02}, {"stiffness": 0.01}]}
-    given = Config.parse(data)
+    given = analysed(data)
     assert tuple(given.section.strata[0].liquefies_in) == (1, 2, 3, 4, 5, 6)
     median, low, high = given.cases[3:]
     assert [case.name for case in given.cases] == ["", "", "", "median", "low strength", "high strength"]
@@ -255,11 +255,11 @@ def test_cases_by_name_follow_those_of_the_slide() -> None:
     assert 1e3 < strengths[0] < strengths[1] < strengths[2] < 10e3
     assert median.strength_of("dense") == median.residual_of("loose") == 0.0
     assert 0.01 < median.volumetric_strain < 0.06
-    assert Config.parse(given.to_data()).cases == given.cases
+    assert analysed(given.to_data()).cases == given.cases
     data["triggering"] |= {"residual": "ratio"}
-    ratios = [case.residual_of("loose") for case in Config.parse(data).cases[3:]]
+    ratios = [case.residual_of("loose") for case in analysed(data).cases[3:]]
     assert 0.02 < ratios[1] < ratios[0] < ratios[2] < 0.2
-    assert all(not case.residual_strength for case in Config.parse(data).cases)
+    assert all(not case.residual_strength for case in analysed(data).cases)
 
 
 def test_no_relation_of_residual_strength_holds_for_dense_sand() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from tests.support import TOP, dem_fixture
 from tests.support.answers import results
+from tests.support.sections import analysed
 from workflow.config import Config
 from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts
@@ -21,7 +22,7 @@ from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesA
 def levee(**tables: Any) -> Config:
     data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
     del data["sliding_block"]
-    return Config.parse({**data, **tables})
+    return analysed({**data, **tables})
 
 
 def sunk(config: Config, by: float, far: float = 0.0, **more: Any) -> CaseAnswer:

@@ -8,7 +8,7 @@ import pytest
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.borings import bored
-from tests.support.sections import problems
+from tests.support.sections import analysed, problems
 from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import (
@@ -75,7 +75,7 @@ def test_a_bank_in_place_of_the_slope() -> None:
         boring["x"] = min(boring["x"], 50.0)
         for sample in boring["spt"]:
             sample |= {"fines": 5.0, "d50": "0.3 mm"}
-    found = {one.method: one for one in empirical(Config.parse(data), 0.2, np.zeros((0, 2)))}
+    found = {one.method: one for one in empirical(analysed(data), 0.2, np.zeros((0, 2)))}
     by_strain = found["Zhang, Robertson & Brachman (2004)"]
     index = float(by_strain.words.split("LDI = ")[1].split(" m")[0])
     assert by_strain.displacement_m == pytest.approx(1.1368 * index, rel=0.01)
@@ -176,7 +176,7 @@ def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
-    found = {one.method: one for one in empirical(Config.parse(data), 0.2, np.zeros((0, 2)))}
+    found = {one.method: one for one in empirical(analysed(data), 0.2, np.zeros((0, 2)))}
     level = found["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words

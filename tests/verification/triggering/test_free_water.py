@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from liquepy.trigger import boulanger_and_idriss_2014 as liquepy
 from scipy.optimize import brentq
 
-from workflow.config import Config
+from tests.support.sections import analysed, assessment
 from workflow.triggering.assessment import Judged
 
 WATER, GROUND, ATMOSPHERE = 9.81, 10.0, 101.325  # kN/m³, m, kPa
@@ -77,7 +77,7 @@ def judged(column: dict[str, Any], method: str) -> list[Judged]:
         "earthquake": {"magnitude": MAGNITUDE, "peak_acceleration": f"{PEAK} g"},
         "triggering": {"method": method, "borings": [{"name": "B", "x": 25.0, "spt": spt, "cpt": cpt}]},
     }
-    tests = Config.parse(data).assessment().tests
+    tests = assessment(analysed(data)).tests
     assert [test.sample.depth for test in tests] == list(DEPTHS)
     return list(tests)
 
@@ -203,7 +203,7 @@ def test_the_submarine_sand_by_hand() -> None:
         "strata": [sand("Sand", 18, 20)], "earthquake": {"magnitude": 7.5, "peak_acceleration": "0.3 g"},
         "triggering": {"borings": [{"name": "B-1", "x": 25, "spt": [{"depth": 1, "N": 5, "fines": 5}]}]},
     }  # fmt: skip
-    [test] = Config.parse(data).assessment().tests
+    [test] = assessment(analysed(data)).tests
     assert test.found is not None
     assert (test.found.load, test.factor) == pytest.approx((0.3823, 0.2715), abs=1e-4)
 
@@ -218,7 +218,7 @@ def test_after_a_drawdown_the_water_that_has_gone_weighs_nothing() -> None:
         "earthquake": {"magnitude": 7.5, "peak_acceleration": "0.3 g"},
         "triggering": {"borings": [{"name": "B-1", "x": 25, "spt": [{"depth": 1, "N": 5}, {"depth": 7, "N": 5}]}]},
     }  # fmt: skip
-    dry, wet = Config.parse(data).assessment().tests
+    dry, wet = assessment(analysed(data)).tests
     assert dry.reason == "above the water table"
     assert (wet.where.total, wet.where.effective) == pytest.approx(
         tuple(1e3 * s for s in by_hand(column, 7.0)), rel=1e-6
@@ -233,4 +233,4 @@ def test_ground_that_its_water_lifts_is_not_judged() -> None:
         "triggering": {"borings": [{"name": "B-1", "x": 25, "spt": [{"depth": 2, "N": 5}]}]},
     }  # fmt: skip
     with pytest.raises(ValueError, match="vertical effective stress is -"):
-        Config.parse(data).assessment()
+        assessment(analysed(data))

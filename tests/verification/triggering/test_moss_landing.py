@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from tests.support import SECTIONS
+from tests.support.sections import assessment
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.lateral_spread import Spreading, why_not_youd, youd, zhang_free_face
 
-GIVEN = Config.load(SECTIONS / "moss_landing.toml")
+GIVEN = config_after_triggering(Config.load(SECTIONS / "moss_landing.toml"))
 
 # Depth (m) and F_L as LiquePy (github LiquePy/LiquePy, zhang2004_lateral_spread_analysis.xls) has them for this boring.
 # Its C_N is that of 2004, ours solves for (N1)60cs.
@@ -18,12 +20,12 @@ FACTORS = [(2.6, 0.566), (3.4, 0.598), (4.1, 0.645), (4.9, 0.688), (6.4, 1.223),
 
 def test_what_liquefied_is_found_to_liquefy() -> None:
     """The clean sand under the water spread, as the inclinometers say; the dense sand below it does not liquefy."""
-    found = {test.sample.depth: test.factor for test in GIVEN.assessment().tests}
+    found = {test.sample.depth: test.factor for test in assessment(GIVEN).tests}
     for depth, factor in FACTORS:
         assert found[depth] == pytest.approx(factor, rel=0.05)
     assert found[5.6] > 1.8  # LiquePy: 2.0 here and at 7.2 m
     assert found[7.2] == 2.0
-    liquefies = {one.name: one.liquefies for one in GIVEN.assessment().strata if one.tests}
+    liquefies = {one.name: one.liquefies for one in assessment(GIVEN).strata if one.tests}
     assert liquefies == {
         "Loose sand": False, "Loose sand, below water": True, "Dense sand": False, "Silty sand": True,
     }  # fmt: skip

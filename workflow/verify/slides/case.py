@@ -10,6 +10,7 @@ from dem.settings import Case
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length
 from meshes.section.section import Model, read_toml
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 
 # Where the cases are in a checkout, seen from its top.
@@ -130,8 +131,8 @@ def read_case(path: Path) -> SlideCase:
             raise InputError(str(path), [f"{', '.join(unknown)}: not used by a problem of this kind"])
         return SlideCase(name, title, known, None, path.parent)
     if known.problem.section:
-        return SlideCase(name, title, known, Config.load(path.parent / known.problem.section))
-    return SlideCase(name, title, known, Config.parse(data, str(path)))
+        return SlideCase(name, title, known, config_after_triggering(Config.load(path.parent / known.problem.section)))
+    return SlideCase(name, title, known, config_after_triggering(Config.parse(data, str(path)), str(path)))
 
 
 def read_cases(folder: Path, names: tuple[str, ...] = ()) -> list[SlideCase]:

@@ -1,0 +1,126 @@
+"""What a config leaves to analyses: which strata liquefy, what is left of them, and the Kh that drives their slides."""
+
+from typing import Any
+
+from dem.settings import Case, SlideSettings
+from meshes.errors import InputError
+from meshes.section.cutting import in_file
+from meshes.section.liquefies import Cases
+from meshes.section.overburden import reaches_water
+from meshes.section.section import Section
+from workflow.config import K_MAX, Config
+from workflow.earthquake.column import column_of
+from workflow.earthquake.settings import SiteResponseSettings, push_of_slides
+from workflow.triggering.assessment import Assessment, assess
+from workflow.triggering.consequences import left, pore_pressures
+from workflow.triggering.settings import TriggeringSettings
+
+
+def config_after_triggering(config: Config, source: str = "section") -> Config:
+    """The config with all that it leaves to triggering, site response and earthquake.
+
+    Parameters
+    ----------
+    config : Config
+        As it was read.
+    source : str
+        The file that it was read from, as errors name it.
+
+    Returns
+    -------
+    Config
+        With strata that liquefy in all cases of the slides where their blow counts say so, the excess pore pressure
+        ratios of others where these are left to them, the cases that follow from blow counts, and a Kh in numbers.
+
+    Raises
+    ------
+    InputError
+        With every problem of borings, earthquake or site response.
+    """
+    try:
+        return _analysed(config)
+    except InputError as error:
+        raise InputError(source if error.source == config.section.name else error.source, error.problems) from None
+
+
+def _analysed(config: Config) -> Config:
+    slide, of_the_earthquake = _driven(config)
+    section, cases = config.section, list[Case]()
+    triggered = any(stratum.liquefies_in.triggered for stratum in section.strata)
+    if config.triggering.cases or config.triggering.pore_pressure or triggered:
+        assessment = assess(section, config.earthquake, config.triggering)
+        count = len(slide.cases) + len(config.triggering.cases)
+        section = ground_after_triggering(section, assessment, config.triggering, count)
+        cases = cases_after_triggering(section, assessment, config.triggering)
+    return config.analysed(section, slide, cases, of_the_earthquake)
+
+
+def ground_after_triggering(
+    section: Section, assessment: Assessment, settings: TriggeringSettings, cases: int
+) -> Section:
+    """The section whose triggered strata liquefy in all of so many ``cases``, or in none, and with pore pressures.
+
+    Raises InputError for triggered strata below water in which no boring has a blow count.
+    """
+    names = [stratum.name for stratum in section.strata]
+    pairs = list(zip(section.strata, assessment.strata, strict=True))
+    told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
+    untested = [
+        f"{in_file(names, k)}, {told}"
+        for k, (stratum, found) in enumerate(pairs)
+        if stratum.liquefies_in.triggered and found.share is None and reaches_water(section, k)
+    ]
+    if untested:
+        raise InputError(section.name, untested)
+    numbers = range(1, cases + 1)
+    strata = [
+        stratum.model_copy(update={"liquefies_in": Cases(numbers if found.liquefies else (), triggered=True)})
+        if stratum.liquefies_in.triggered
+        else stratum
+        for stratum, found in pairs
+    ]
+    if settings.pore_pressure:
+        strata = [
+            stratum
+            if stratum.liquefies_in or stratum.excess_pore_pressure_ratio
+            else stratum.model_copy(update={"excess_pore_pressure_ratio": ratio})
+            for stratum, ratio in zip(strata, pore_pressures(assessment, len(strata)), strict=True)
+        ]
+    return section.with_strata(strata)
+
+
+def cases_after_triggering(section: Section, assessment: Assessment, settings: TriggeringSettings) -> list[Case]:
+    """The cases that follow from blow counts, by their names; raises InputError where no relation of strength holds."""
+    strata = section.strata
+    remains = [one for one in left(assessment, settings) if strata[one.stratum].liquefies_in]
+    drained = min(0.2, max((one.volumetric_strain for one in remains), default=0.0))
+    found = []
+    for name in settings.cases:
+        try:
+            if settings.residual == "ratio":
+                kept: dict[str, Any] = {"residual": {strata[one.stratum].name: one.ratio(name) for one in remains}}
+            else:
+                kept = {"residual_strength": {strata[one.stratum].name: one.strength(name) for one in remains}}
+        except ValueError as error:
+            raise InputError(section.name, [f'triggering, cases, "{name}": {error}']) from None
+        found.append(Case(name=name, volumetric_strain=drained, **kept))
+    return found
+
+
+def average_kh(section: Section, response: SiteResponseSettings) -> float:
+    """k_max of all above the slip surface (Makdisi & Seed 1978); raises InputError without a record or a depth."""
+    if not response.record or response.slip_depth is None:
+        told = f'slide, kh = "{K_MAX}": expected record and slip_depth in [site_response], or a number'
+        raise InputError(section.name, [told])
+    return round(column_of(section, response).k_max(float(response.slip_depth)), 4)
+
+
+def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
+    """The settings of the slides with a Kh in numbers, and those of its keys that are of the earthquake."""
+    written = {key: getattr(config.slide, key) for key in config.slide.model_fields_set} | config.left_open
+    if written.get("kh") == K_MAX:
+        numbers, keys = {"kh": average_kh(config.section, config.site_response)}, list[str]()
+    else:
+        numbers = push_of_slides(config.earthquake, written, config.section.name)
+        keys = list(numbers)
+    return SlideSettings.model_validate({**written, **numbers}), keys
