@@ -150,7 +150,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
         if thick < 4.0 * ground.radius:
             told.append(
                 f"stratum {spoken(start.springs.layers[k].name)} liquefies and is {thick:.2g} m thick in discs, less "
-                f"than two discs: it moves by up to a fifth of that before it holds, even at half of its yield Kh; a "
+                f"than two discs: it yields early, and the slide is likely to be too long; a "
                 f"radius of {thick / 4.0:.2g} m would show it"
             )
     return told
