@@ -10,6 +10,7 @@ import pytest
 
 from meshes import gmsh_model
 from meshes.errors import InputError
+from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh, check, read, save
 from meshes.section.naming import BOUNDARIES
@@ -109,7 +110,7 @@ def test_a_folded_cell_is_refused_by_its_place() -> None:
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     """Lets gmsh make free meshes in this process."""
-    monkeypatch.setattr(gmsh_model, "in_process_of_its_own", lambda work, *given: work(*given))
+    monkeypatch.setattr(gmsh_model, "_in_fresh_processes", SERIAL)
     return monkeypatch
 
 
