@@ -93,35 +93,41 @@ def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path:
     """The same in this process."""
     layers, _ = settings.meshed_layers(section)
     failure: BadMeshError | None = None
-    made: list[tuple[float, QuadMesh, Path | None]] = []
+    best: QuadMesh | None = None
+    tries = 0
     for scale, algorithm in product(SCALES, ALGORITHMS):
         build = partial(build_free, section, layers, sizes.times(scale), algorithm)
-        file = None if path is None else Path(path).with_name(f"{len(made)}_{Path(path).name}")
         try:
-            mesh = _built(section, "free", build, file, layers)
+            mesh = _built(section, "free", build, path, layers, best)
         except BadMeshError as error:
             failure = failure or error
             continue
-        made.append((float(corner_angles(mesh.points, mesh.cells).min()), mesh, file))
-        if made[-1][0] >= NARROW or len(made) == TRIES:
+        tries += 1
+        if best is None or _narrowest(mesh) > _narrowest(best):
+            best = mesh
+        if _narrowest(best) >= NARROW or tries == TRIES:
             break
-    if not made:
+    if best is None:
         assert failure is not None
         raise failure
-    _, best, written = max(made, key=lambda each: each[0])
-    if path is not None and written is not None:
-        written.replace(path)
-        for _, _, file in made:
-            if file is not None:
-                file.unlink(missing_ok=True)
     return best
 
 
+def _narrowest(mesh: QuadMesh) -> float:
+    """The smallest angle (deg) at a corner of a cell."""
+    return float(corner_angles(mesh.points, mesh.cells).min())
+
+
 def _built(
-    section: Section, method: str, build: Callable[[], None], path: Path | str | None, layers: Layering | None = None
+    section: Section,
+    method: str,
+    build: Callable[[], None],
+    path: Path | str | None,
+    layers: Layering | None = None,
+    best: QuadMesh | None = None,
 ) -> QuadMesh:
     """Mesh in a gmsh session of its own, check the mesh, against ``layers`` where they are given, and write it if a
-    path is given.
+    path is given, unless the ``best`` mesh so far, which was written there, has no narrower corner.
     """
     with session(section.name):
         try:
@@ -134,7 +140,7 @@ def _built(
         check(mesh)
         if layers is not None:
             refuse_other_ground(mesh, layers)
-        if path is not None:
+        if path is not None and (best is None or _narrowest(mesh) > _narrowest(best)):
             gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
             _write(Path(path), section)
     return mesh

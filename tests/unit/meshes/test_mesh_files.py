@@ -13,6 +13,7 @@ from meshes.errors import InputError
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh, check, read, save
+from meshes.quality import corner_angles
 from meshes.section.naming import BOUNDARIES
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -112,6 +113,25 @@ def here(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     """Lets gmsh make free meshes in this process."""
     monkeypatch.setattr(gmsh_model, "_in_fresh_processes", SERIAL)
     return monkeypatch
+
+
+def test_of_several_free_meshes_the_best_is_written_and_no_other_file(here: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As if all had a narrow corner, so that four are made."""
+    angles: list[float] = []
+
+    def narrowest(mesh: QuadMesh) -> float:
+        angles.append(float(corner_angles(mesh.points, mesh.cells).min()))
+        return angles[-1]
+
+    here.setattr(gmsh_model, "NARROW", 180.0)
+    here.setattr(gmsh_model, "_narrowest", narrowest)
+    mesh = generate(Section.parse(slope()), MeshSettings(method="free", size=2.0), tmp_path / "section.msh")
+    assert len(set(angles)) > 1
+    assert corner_angles(mesh.points, mesh.cells).min() == max(angles)
+    again = read(tmp_path / "section.msh")
+    corners, written = (np.sort(one.points[one.cells].mean(axis=1), axis=0) for one in (mesh, again))
+    np.testing.assert_allclose(written, corners, rtol=1e-14, atol=1e-12)
+    assert [file.name for file in tmp_path.iterdir()] == ["section.msh"]
 
 
 def test_a_triangle_is_refused_by_its_place(here: pytest.MonkeyPatch) -> None:
