@@ -161,6 +161,8 @@ def _library() -> ctypes.CDLL:
     version = (c_int * 3)()
     if not hasattr(library, "cholmod_version") or (library.cholmod_version(version), version[0])[1] not in VERSIONS:
         raise OSError("CHOLMOD has another version")
+    if not hasattr(library, "cholmod_metis"):
+        raise OSError("CHOLMOD was built without METIS")
     pointer, flag = c_void_p, c_int
     types = {
         "cholmod_start": (flag, pointer),

@@ -241,8 +241,8 @@ def _by_interior_point(
             met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
             if met:
                 break
-    except MemoryError:
-        return _End("MemoryError", np.empty(0), np.empty(0), False, 0, 0.0)
+    except (MemoryError, ArithmeticError) as error:  # the second where there is no place to begin
+        return _End(type(error).__name__, np.empty(0), np.empty(0), False, 0, 0.0)
     z = np.empty(len(found.z))
     z[order] = found.z / magnified
     work = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT * iterations

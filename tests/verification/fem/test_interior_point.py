@@ -77,6 +77,9 @@ def test_what_has_no_answer_is_left_to_clarabel(monkeypatch):
     unmoved = ConeProgram(sparse.csr_matrix([[1.0], [1.0], [0.0]]), one, 0.0 * one, one, np.zeros(1), np.ones(1))
     found = cone_program.solve(unmoved)
     assert (found.none, found.fallback) == ("no mechanism", True)
+    unloaded = ConeProgram(sparse.csr_matrix(strain), one, 0.0 * one, one, 0.0 * dead, 0.0 * live)
+    found = cone_program.solve(unloaded)  # the method has no place to begin at
+    assert (found.none, found.fallback) == ("no mechanism", True)
 
 
 def test_a_mesh_that_was_solved_before_takes_half_of_the_iterations(monkeypatch):
