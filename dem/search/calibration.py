@@ -214,7 +214,7 @@ class Calibrator:
     def search_all(self, wanted: Sequence[Key], *, fine: bool = True) -> list[Search]:
         """Several searches, by the executor. What is known is not searched for again."""
         new = [key for key in wanted if key not in self.searches]
-        if self.executor is SERIAL or len(new) < 2:
+        if self.executor.count < 2 or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
         self.executor.compute(
             _searched, [(self, *key, fine) for key in new], done=lambda k, found: self._know(new[k], found)

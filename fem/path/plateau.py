@@ -151,7 +151,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
 
 
 def _ending(path: EquilibriumPath, ductility: float, limit: float, rule: PlateauRule) -> Ending | None:
-    """PathVerdict, reason and remedy if the path is over."""
+    """Verdict, reason and remedy if the path is over."""
     growth = growth_per_doubling(path)
     moving = [step.factor for step in path.steps if not step.at_rest]  # relaxed states lie below these, peak or not
     highest, last = max(moving), moving[-1]
