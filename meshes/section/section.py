@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -36,6 +37,9 @@ from meshes.section.water_problems import surcharge_problems, water_problems
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
 NARROWEST, LONGEST = 1e-3, 1000.0
+
+# Names of tables that are more alike than this (difflib's ratio) are one, misspelt.
+ALIKE = 0.75
 
 
 class Section(Model):
@@ -290,14 +294,19 @@ class Section(Model):
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
         """The section from what a TOML file holds; raises InputError with every problem found.
 
-        Tables that no section has belong to those who mesh, solve and draw, and are passed over.
+        Tables that no section has belong to those who mesh, solve and draw, and are passed over; one whose name is
+        nearly that of a key of a section is refused.
         """
         return cls.as_written(data, source).thinned().cut_at_water()
 
     @classmethod
     def as_written(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
         """The same with the lines and strata of the file, neither thinned nor cut."""
-        known = {key: value for key, value in data.items() if key in cls.model_fields or not isinstance(value, Mapping)}
+        known = {
+            key: value
+            for key, value in data.items()
+            if not isinstance(value, Mapping) or get_close_matches(key, cls.model_fields, n=1, cutoff=ALIKE)
+        }
         try:
             return cls.model_validate(known)
         except ValidationError as error:

@@ -310,3 +310,10 @@ def test_reading_toml_gives_what_the_file_holds(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("a = 1\n[b]\nc = 'd'\n")
     assert read_toml(path) == {"a": 1, "b": {"c": "d"}}
+
+
+def test_a_table_of_a_section_that_is_misspelt_is_refused() -> None:
+    """Tables of settings are passed over; a misspelt [water] would leave a dry slope."""
+    assert Section.parse({**slope(), "fem": {"sides": "fixed"}}).water is None
+    with pytest.raises(InputError, match='watr: unknown key; did you mean "water"'):
+        Section.parse({**slope(), "watr": {"table": {"elevation": 3.0}}})
