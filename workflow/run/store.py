@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
@@ -56,11 +57,18 @@ class Store:
             raise InputError(str(target), [f"cannot be written: {reason}"]) from error
 
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
-        """Write a VTK file; returns its path."""
-        with self.writing(name) as path:
-            grid.save(path)
-            if not path.read_bytes().rstrip().endswith(b"</VTKFile>"):  # VTK prints that the disk is full, and goes on
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        """Write a VTK file; returns its path.
+
+        VTK writes it into the system's temporary folder: where a disk is full VTK prints so and goes on, or ends the
+        program.
+        """
+        with self.writing(name) as path, TemporaryDirectory() as elsewhere:
+            written = Path(elsewhere) / path.name
+            grid.save(written)
+            data = written.read_bytes()
+            if not data.rstrip().endswith(b"</VTKFile>"):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(written))
+            path.write_bytes(data)
         return self.folder / name
 
     def write_text(self, name: str, text: str) -> Path:
