@@ -89,7 +89,7 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     capsys.readouterr()
     assert run("run", whole / "slope.toml", "--out", out) == 0
     told = capsys.readouterr().out
-    assert told.count("nothing has changed: reused") == 8
+    assert told.count("nothing has changed: reused") == 9
     after = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     assert {path.name for path in after if after[path] != before.get(path)} == {"log.txt", "lock"}
     # the folder knows its own input, the record with it

@@ -148,7 +148,7 @@ def test_counts_energy_and_water_of_an_ags4_file(tmp_path: Path) -> None:
     assert "B1, SPT at 8 m: has neither ISPT_NVAL nor ISPT_REP, and is not used" in notices
     assert '6.3 m "N=50 (25 for 5mm/50 for 15mm)", N = 50; B1 at 7.3 m "50/75mm", N = 50' in notices
     assert "departs from rules of AGS4, as python-ags4 counts" in notices
-    made = analysed({**tomllib.loads(text_of(connected(read.logs), "made")), **COMPLETED}, "made")
+    made = analysed({**tomllib.loads(text_of(connected(read.logs), "made")), **COMPLETED})
     assert [s.energy_ratio for s in made.triggering.borings[0].spt] == [45, 45, 60, None]
 
 

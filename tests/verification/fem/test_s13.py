@@ -32,7 +32,7 @@ def mesh_of(refine):
 def found(element, sides="free-field", flow=AS_GIVEN, refine=1, direction="downhill", **settings) -> CriticalResult:
     run, mesh = mesh_of(refine)
     wish = FemSettings(element=element, sides=sides, flow=flow, direction=direction, **settings)
-    return critical_coefficient(run, mesh, wish, MPI.COMM_SELF)
+    return critical_coefficient(run.section, mesh, wish, MPI.COMM_SELF)
 
 
 def test_the_papers_611_cells_fail_at_about_a_quarter():
@@ -68,7 +68,7 @@ def test_states_are_kept_where_the_ground_stands_and_marked_where_it_does_not():
     assert 0.24 < plateau.kh < 0.25
     assert "out of reach" in beyond.label
     run, mesh = mesh_of(1)
-    failed = {run.strata[k].name for k in np.unique(mesh.stratum[wanted.failed])}
+    failed = {run.section.strata[k].name for k in np.unique(mesh.stratum[wanted.failed])}
     assert failed & {"4 Asd", "5 Asd"}, "the paper has the Asd layers below water at failure for 0.2"
     assert np.abs(plateau.displacement).max() > np.abs(wanted.displacement).max() > 0.01
 
@@ -140,7 +140,7 @@ def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
 def test_two_runs_agree_to_the_last_bit():
     run, mesh = mesh_of(1)
     wish = FemSettings(element="bilinear", flow=AS_GIVEN, direction="downhill")
-    first, second = (critical_coefficient(run, mesh, wish, MPI.COMM_SELF) for _ in range(2))
+    first, second = (critical_coefficient(run.section, mesh, wish, MPI.COMM_SELF) for _ in range(2))
     assert (first.kc, first.upper) == (second.kc, second.upper)
     assert first.steps == second.steps
     assert np.array_equal(first.states[-1].displacement, second.states[-1].displacement)
@@ -157,7 +157,7 @@ from tests.support import SECTIONS, TOP
 run = Config.load(sys.argv[1])
 for flow in ("associated", "section"):
     wish = FemSettings(element=sys.argv[2], flow=flow, direction="downhill")
-    result = critical_coefficient(run, generate(run, run.mesh), wish, MPI.COMM_WORLD)
+    result = critical_coefficient(run.section, generate(run.section, run.mesh), wish, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:
         assert MPI.COMM_WORLD.size == 2
         print(repr(result.kc), flush=True)
