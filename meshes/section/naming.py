@@ -1,8 +1,11 @@
-"""Names of strata, each once and none that belongs to a boundary of the mesh."""
+"""Names of strata, each once and none that belongs to a boundary of the mesh, and of the tables of a section."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
 
 BOUNDARIES = ("surface", "base", "left", "right")
+ALIKE = 0.75  # names that are more alike than this (difflib's ratio) are one, misspelt
 
 
 def naming_problems(names: Sequence[str]) -> Iterator[str]:
@@ -12,3 +15,13 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
             yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
         if name in BOUNDARIES:
             yield f'strata: the name "{name}" is taken by a boundary of the mesh'
+
+
+def without_other_tables(data: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """What a file holds without the tables that are not among ``names``; one that is nearly one of them is kept."""
+    known = list(names)
+    return {
+        key: value
+        for key, value in data.items()
+        if not isinstance(value, Mapping) or get_close_matches(key, known, n=1, cutoff=ALIKE)
+    }

@@ -3,7 +3,6 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -20,7 +19,7 @@ from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinne
 from meshes.section.growth import growth_problems
 from meshes.section.layering import Layering, Layers, above_ground, layering
 from meshes.section.model import Model
-from meshes.section.naming import naming_problems
+from meshes.section.naming import naming_problems, without_other_tables
 from meshes.section.plausibility import against_the_water, implausible, implausible_as_written, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
@@ -37,9 +36,6 @@ from meshes.section.water_problems import surcharge_problems, water_problems
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
 NARROWEST, LONGEST = 1e-3, 1000.0
-
-# Names of tables that are more alike than this (difflib's ratio) are one, misspelt.
-ALIKE = 0.75
 
 
 class Section(Model):
@@ -302,11 +298,7 @@ class Section(Model):
     @classmethod
     def as_written(cls, data: Mapping[str, Any], source: str = "section") -> "Section":
         """The same with the lines and strata of the file, neither thinned nor cut."""
-        known = {
-            key: value
-            for key, value in data.items()
-            if not isinstance(value, Mapping) or get_close_matches(key, cls.model_fields, n=1, cutoff=ALIKE)
-        }
+        known = without_other_tables(data, cls.model_fields)
         try:
             return cls.model_validate(known)
         except ValidationError as error:
