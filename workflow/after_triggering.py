@@ -119,8 +119,6 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
     """The settings of the slides with a Kh in numbers, and those of its keys that are of the earthquake."""
     written = {key: getattr(config.slide, key) for key in config.slide.model_fields_set} | config.left_open
     if written.get("kh") == K_MAX:
-        numbers, keys = {"kh": average_kh(config.section, config.site_response)}, list[str]()
-    else:
-        numbers = push_of_slides(config.earthquake, written, config.section.name)
-        keys = list(numbers)
-    return SlideSettings.model_validate({**written, **numbers}), keys
+        written["kh"] = average_kh(config.section, config.site_response)
+    numbers = push_of_slides(config.earthquake, written, config.section.name)
+    return SlideSettings.model_validate({**written, **numbers}), list(numbers)

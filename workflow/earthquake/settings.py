@@ -176,12 +176,15 @@ def push_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], sou
 
     Nothing where there is no earthquake, or it is not sound, which is told elsewhere. Kh that is given, or seconds for
     which it is held, leave the cycles out unless these are asked for. Raises InputError where ``"earthquake"`` is asked
-    for and nothing says its peak.
+    for and nothing says its peak, or a record shakes the slides instead.
     """
     asked = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
     held = "kh_seconds" in slide or not kh_left
     left = [key for key in CYCLES if slide.get(key, None if held else EARTHQUAKE) == EARTHQUAKE]
+    if asked and slide.get("accelerogram"):
+        told = f'slide, {asked[0]} = "{EARTHQUAKE}": expected no accelerogram beside it, which shakes the slides itself'
+        raise InputError(source, [told])
     if slide.get("accelerogram") or not (kh_left or left):
         return {}
     found = earthquake.equivalent()

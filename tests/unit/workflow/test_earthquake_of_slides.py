@@ -113,6 +113,22 @@ def test_what_the_slides_are_given_goes_before_the_earthquake(tmp_path: Path) ->
     assert shaken(LEVEE, kh="earthquake").slide == shaken(LEVEE).slide
 
 
+def test_a_record_and_the_earthquake_do_not_both_shake_the_slides(tmp_path: Path) -> None:
+    (tmp_path / "a.AT2").write_text(peer(motion(1, 400, 0.01) / GRAVITY, 0.01, "G"))
+    with pytest.raises(InputError, match='kh = "earthquake": expected no accelerogram beside it'):
+        shaken(LEVEE, kh="earthquake", accelerogram=str(tmp_path / "a.AT2"))
+
+
+def test_the_kh_of_a_site_response_reverses_in_the_cycles_of_the_earthquake(tmp_path: Path) -> None:
+    (tmp_path / "rock.csv").write_text("time (s), a (g)\n0.0, 0.0\n0.1, 0.1\n0.2, -0.1\n0.3, 0.0\n")
+    response = {"record": str(tmp_path / "rock.csv"), "slip_depth": "6 m"}
+    asked = {"kh": "k_max", "kh_cycles": "earthquake", "kh_period": "earthquake"}
+    found = analysed({**bored(), "earthquake": LEVEE, "site_response": response, "slide": asked}).slide
+    alone = analysed({**bored(), "earthquake": LEVEE, "site_response": response, "slide": {"kh": "k_max"}}).slide
+    assert (found.kh, alone.kh_cycles) == (alone.kh, None)
+    assert (found.kh_cycles, found.kh_period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
+
+
 def test_the_block_is_driven_as_the_slides() -> None:
     both_ways = block_drive(shaken(LEVEE))
     assert (both_ways.cycles, both_ways.period) == (shaken(LEVEE).slide.kh_cycles, shaken(LEVEE).slide.kh_period)
