@@ -40,7 +40,9 @@ class Column:
 
 
 def column_of(given: Section, settings: SiteResponseSettings) -> Column:
-    """The response of a section to the record that the settings name. Raises InputError."""
+    """The response of a section to the record that the settings name. Raises InputError, without a record too."""
+    if not settings.record:
+        raise InputError(given.name, ["site_response, record: missing; expected a file with a record of the rock"])
     record = accelerogram.read(Path(settings.record), settings.unit, settings.component).scaled(settings.scale)
     left, right = given.given_extent
     x = 0.5 * (left + right) if settings.x is None else float(settings.x)

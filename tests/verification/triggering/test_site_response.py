@@ -176,3 +176,9 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("response", path, "--out", tmp_path / "run") == 2
     assert 'there is no stratum "clay"' in capsys.readouterr().err
+
+
+def test_a_response_needs_a_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bored.toml").write_text(tomli_w.dumps(bored()))
+    assert command_line.run("response", tmp_path / "bored.toml", "--out", tmp_path / "run") == 2
+    assert "site_response, record: missing; expected a file with a record of the rock" in capsys.readouterr().err
