@@ -68,25 +68,16 @@ class CriteriaSettings(Model):
     )
 
     def resolved(self, peak: float | None) -> Self:
-        """The limits with those of the preset, for a ``peak`` acceleration of the ground (over gravity)."""
-        if self.preset is None or peak is None:
+        """The limits with those of the preset, its factor for a ``peak`` acceleration of the ground (over gravity)."""
+        if self.preset is None:
             return self
-        told = PRESETS[self.preset]
-        factor = FactorCriterion(limit=told.factor, kh=round(told.share * peak, 4), source=told.source)
-        displacement = LengthCriterion(limit=told.displacement, source=told.source)
-        return self.model_copy(
-            update={
-                "factor_of_safety": self.factor_of_safety or factor,
-                "displacement": self.displacement or displacement,
-            }
-        )
+        told, factor = PRESETS[self.preset], self.factor_of_safety
+        if factor is None and peak is not None:
+            factor = FactorCriterion(limit=told.factor, kh=round(told.share * peak, 4), source=told.source)
+        displacement = self.displacement or LengthCriterion(limit=told.displacement, source=told.source)
+        return self.model_copy(update={"factor_of_safety": factor, "displacement": displacement})
 
     @property
     def lacks_peak(self) -> bool:
         """Whether a preset could not be resolved for want of a peak acceleration."""
         return self.preset is not None and self.factor_of_safety is None
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether nothing is judged."""
-        return all(value is None for _, value in self)

@@ -46,6 +46,9 @@ def test_published_criteria_follow_the_peak_acceleration() -> None:
     assert told.factor_of_safety == own
     assert told.displacement is not None
     assert told.displacement.limit == pytest.approx(0.0508, abs=0.001)
+    told = CriteriaSettings(preset="nchrp_611", factor_of_safety=own).resolved(None)  # its displacement needs no peak
+    assert told.factor_of_safety == own
+    assert told.displacement is not None
 
 
 def test_structures_that_do_not_fit() -> None:
