@@ -8,6 +8,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from meshes.errors import InputError
+from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
 from workflow.report.captions import Picture, collect
 from workflow.report.numbers import metres, number
@@ -33,7 +34,9 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
     found, problems = [], []
     for folder in folders:
         try:
-            found.append(ComparedRun(folder, Config.load(folder / "section.toml"), Summary.read(Store(folder))))
+            path = folder / "section.toml"
+            config = config_after_triggering(Config.load(path), str(path))
+            found.append(ComparedRun(folder, config, Summary.read(Store(folder))))
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]
     if problems:

@@ -48,7 +48,10 @@ STAGE = Stage(
     what="pictures of all, summary and report",
     work=work,
     draw=draw,
-    needs=("triggering", "response", "mesh", "fem", "variants", "bounds", "liquefied", "mpm", "calibrate", "slide"),
+    needs=(
+        "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate",
+        "slide",
+    ),
     reads=tuple(Config.tables()),  # it tells of every setting that is not the default
     ignores=lambda config: [f"{table}.{key}" for table, key in FILES],
     files=named,
