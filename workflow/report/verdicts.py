@@ -99,8 +99,11 @@ def _by_slices(of: str, circles: list[CirclePart]) -> Iterator[Found]:
 def _displacements(results: Results) -> Iterator[Found]:
     config = results.config
     for row in face_rows(config, results.slices) if results.slices is not None else ():
+        of = f"{row.name}, rigid block with its strength"
         if row.block is not None:
-            yield f"{row.name}, rigid block with its strength", row.block.low, row.block.high, ""
+            yield of, row.block.low, row.block.high, ""
+        elif row.kc is not None:  # at most 0
+            yield of, None, None, "it slides without any shaking"
     _, cases = results.case_set()
     slides = [
         (f"discs, {config.called(number)}", case.slide_along, case.settled or lies_still(case), _share(results, number))

@@ -125,6 +125,15 @@ def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
 
 
+def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
+    config = levee(criteria={"displacement": {"limit": "0.3 m"}})
+    stands = by_slices(config)
+    falls = stands.faces[0].model_copy(update={"critical": circle("left", -0.02)})
+    told = verdicts(results(config, slices=stands.model_copy(update={"faces": (falls, stands.faces[1])})))
+    (part,) = [one for one in told if one.of.startswith(f"{falls.structure}, towards the left")]
+    assert (part.verdict, part.reason) == ("not decided", "it slides without any shaking")
+
+
 def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
     config = levee(criteria={"crest_settlement": {"limit": "0.4 m"}, "freeboard": {"limit": "1 m"}})
     moving = verdicts(results(config, cases=slid(sunk(config, 0.1, settled=False))))
