@@ -49,7 +49,16 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=(
-        "triggering", "response", "mesh", "fem", "variants", "bounds", "slices", "liquefied", "mpm", "calibrate",
+        "triggering",
+        "response",
+        "mesh",
+        "fem",
+        "variants",
+        "bounds",
+        "slices",
+        "liquefied",
+        "mpm",
+        "calibrate",
         "slide",
     ),
     reads=tuple(Config.tables()),  # it tells of every setting that is not the default
