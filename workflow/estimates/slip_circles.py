@@ -15,18 +15,12 @@ from workflow.estimates.slices import LEFT, RIGHT, Slices, divide
 
 ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
-BEST, COARSE_ROUNDS, FINE_ROUNDS, SHRINK = (
-    6,
-    3,
-    4,
-    0.45,
-)  # circles that are refined, and what is left of a step each time
+BEST, COARSE_ROUNDS, FINE_ROUNDS = 6, 3, 4  # circles that are refined, and how often with either number of slices
+SHRINK = 0.45  # what is left of a step after each round
 CHUNK = 4000  # circles at a time, on the first grid
 STEEPEST = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
-
-Sought = Literal["factor", "kh"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +120,11 @@ def surface_balance(
     x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
     z = np.minimum(np.interp(x, *line.T), section.layering.interfaces(x)[:, 0])
     slices = divide(section, x[None], z[None], towards, shaken=kh != 0.0, vertical=vertical)
+    return _by_spencer(slices, kh)
+
+
+def _by_spencer(slices: Slices, kh: float | None) -> float | None:
+    """Spencer's factor of safety of one surface at a Kh, or its critical Kh where that is None."""
     if kh is None:
         return None if (balance := spencer_critical_kh(slices)) is None else balance.kh
     return None if (balance := spencer_factor(slices, kh)) is None else balance.factor
@@ -176,7 +175,7 @@ class _Search:
         return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
 
     def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
-        """The best circles, from the least value on, by far enough apart to lead to different minima."""
+        """The circles with the least values, each on ``number`` slices, the least first."""
         some = CHUNK * SLICES // number
         value = np.concatenate([self._values(circles[k : k + some], number) for k in range(0, len(circles), some)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
@@ -239,8 +238,6 @@ class _Search:
         bishop = float(self._bishop(slices, centre, radius)[0])
         if not np.isfinite(bishop):
             return None
-        balance = spencer_critical_kh(slices) if self.kh is None else spencer_factor(slices, self.kh)
-        spencer = None if balance is None else balance.kh if self.kh is None else balance.factor
         return SlipCircle(
             towards="left" if self.towards == LEFT else "right",
             centre=(float(centre[0, 0]), float(centre[0, 1])),
@@ -248,5 +245,5 @@ class _Search:
             surface=np.column_stack([x[0], z[0]]),
             kh=self.kh,
             bishop=bishop,
-            spencer=spencer,
+            spencer=_by_spencer(slices, self.kh),
         )
