@@ -1,5 +1,7 @@
 """What a config leaves to analyses: which strata liquefy, what is left of them, and the Kh that drives their slides."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from dem.settings import Case, SlideSettings
@@ -41,6 +43,28 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
         return _analysed(config)
     except InputError as error:
         raise InputError(source if error.source == config.section.name else error.source, error.problems) from None
+
+
+def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Config:
+    """Read a section file and find what it leaves to triggering, site response and earthquake.
+
+    Parameters
+    ----------
+    path : Path
+        The section file; errors name it.
+    overrides : mapping of tables or None
+        Settings of the command line, as for `Config.load`.
+
+    Returns
+    -------
+    Config
+
+    Raises
+    ------
+    InputError
+        With every problem of the file, or of its borings, earthquake or site response.
+    """
+    return config_after_triggering(Config.load(path, overrides), str(path))
 
 
 def _analysed(config: Config) -> Config:

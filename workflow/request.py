@@ -11,7 +11,7 @@ from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
 from workflow import renamed, stages
-from workflow.after_triggering import config_after_triggering
+from workflow.after_triggering import load_config
 from workflow.config import Config, merged
 from workflow.earthquake.records_in_use import records
 from workflow.run.mesh_options import kept
@@ -56,7 +56,7 @@ class Request:
             table: {key: value for key, value in its.items() if value is not None} for table, its in options.items()
         }
         tables = merged(dotted(settings or []), asked)
-        read = config_after_triggering(Config.load(section, tables), str(section))
+        read = load_config(section, tables)
         store = Store(folder or Path("runs") / read.section.name)
         mesh = dict(tables.get("mesh", {}))
         carried = {} if mesh or afresh else kept(store)
@@ -100,9 +100,7 @@ class Request:
                 table: {key: value for key, value in values.items() if f"{table}.{key}" != name}
                 for table, values in self.tables.items()
             }
-            return replace(
-                self, config=config_after_triggering(Config.load(self.section, rest), str(self.section))
-            ).job()
+            return replace(self, config=load_config(self.section, rest)).job()
 
         return unread(keys_of(self.tables), self.job(), chosen, without)
 
@@ -119,7 +117,7 @@ class Request:
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
     """The input with the mesh of the folder; raises InputError that says where that comes from."""
     try:
-        return config_after_triggering(Config.load(section, merged(tables, {"mesh": mesh})), str(section))
+        return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:
         told = f"{error.source}, with the options of the mesh kept in {store.folder} (noshiro mesh forgets them)"
         raise InputError(told, error.problems) from None

@@ -12,7 +12,7 @@ from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf, write_dxf
 from meshes.errors import InputError
 from meshes.section.quantity import LENGTH
-from workflow.after_triggering import config_after_triggering
+from workflow.after_triggering import load_config
 from workflow.config import Config
 from workflow.terminal import say
 
@@ -106,7 +106,7 @@ def draw_borings(found: Connected, out: Path) -> Path:
 def to_be_given(path: Path) -> list[str]:
     """What a person has to give before the section is sound."""
     try:
-        config_after_triggering(Config.load(path), str(path))
+        load_config(path)
     except InputError as error:
         return ["To be given before it can run:", *(f"  - {text}" for text in error.problems)]
     return ["It is sound; stiffness and strength are guesses from N: correct them."]

@@ -8,7 +8,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from meshes.errors import InputError
-from workflow.after_triggering import config_after_triggering
+from workflow.after_triggering import load_config
 from workflow.config import Config
 from workflow.report.captions import Picture, collect
 from workflow.report.numbers import metres, number
@@ -35,7 +35,7 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
     for folder in folders:
         try:
             path = folder / "section.toml"
-            config = config_after_triggering(Config.load(path), str(path))
+            config = load_config(path)
             found.append(ComparedRun(folder, config, Summary.read(Store(folder))))
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]

@@ -38,8 +38,7 @@ def __getattr__(name: str) -> Any:
 
 def stored_job(folder: Path) -> "Job":
     """What a folder's results were made from; raises InputError if it holds no run."""
-    from workflow.after_triggering import config_after_triggering
-    from workflow.config import Config
+    from workflow.after_triggering import load_config
     from workflow.run.record import Record
     from workflow.run.stage import Job
     from workflow.run.store import Store
@@ -52,5 +51,5 @@ def stored_job(folder: Path) -> "Job":
     left = Record(store)["mesh"]
     given = left is not None and GIVEN in left.inputs
     found = globals().get("STAGES") or __getattr__("STAGES")
-    config = config_after_triggering(Config.load(path), str(path))
+    config = load_config(path)
     return Job(config, store, found, mesh_file=folder / "mesh/section.msh" if given else None)

@@ -33,8 +33,8 @@ def study(
     The same command goes on where it was stopped, and computes only what is new.
     """
     from meshes.section.section import read_toml
-    from workflow.after_triggering import config_after_triggering
-    from workflow.config import Config, merged
+    from workflow.after_triggering import load_config
+    from workflow.config import merged
     from workflow.renamed import notices
     from workflow.report.study import sentences, write_page
     from workflow.request import dotted
@@ -48,7 +48,7 @@ def study(
     options = {"samples": samples, "method": method, "seed": seed}
     asked = {"study": {key: value for key, value in options.items() if value is not None}}
     changed = dotted(settings or [])
-    config = config_after_triggering(Config.load(section, merged(changed, asked)), str(section))
+    config = load_config(section, merged(changed, asked))
     store = Store(folder or Path("runs") / f"{config.section.name}_study")
     parts = only or ["fem", "block"]
     old_words = notices(merged(read_toml(section), changed))
@@ -85,8 +85,8 @@ def converge(
     The same command goes on where it was stopped.
     """
     from meshes.section.section import read_toml
-    from workflow.after_triggering import config_after_triggering
-    from workflow.config import Config, merged
+    from workflow.after_triggering import load_config
+    from workflow.config import merged
     from workflow.figures.convergence import draw
     from workflow.renamed import notices
     from workflow.request import dotted
@@ -97,7 +97,7 @@ def converge(
     from workflow.terminal import Voice, say, say_data, warn
 
     changed = dotted(settings or [])
-    config = config_after_triggering(Config.load(section, changed), str(section))
+    config = load_config(section, changed)
     store = Store(folder or Path("runs") / f"{config.section.name}_converge")
     old_words = notices(merged(read_toml(section), changed))
     warnings = warn([*old_words, *_unread(changed, "converge", ["slide"])], Voice.of(quiet, False, json))
