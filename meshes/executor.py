@@ -115,8 +115,9 @@ class OneThread(Executor):
 
     def begin(self, work: Callable[[Tell], A], heard: Tell | None = None) -> "Future[A]":
         """See `Executor.begin`. Who asks for the result does the task, unless the thread is at it already."""
-        call = partial(work, heard or _unheard)
-        return _Shared(self.begin_there(call), call)
+        shared = _Shared(partial(work, heard or _unheard))
+        self.begin_there(shared.do)
+        return shared
 
     def begin_there(self, work: Callable[[], A]) -> "Future[A]":
         """A task that is the thread's to do."""
@@ -132,18 +133,21 @@ class OneThread(Executor):
 
 
 class _Shared(Future[A]):
-    """A task of another thread, which is done here where its result is asked for first."""
+    """A task that another thread does, or the one that asks for its result before that has begun."""
 
-    def __init__(self, begun: "Future[A]", work: Callable[[], A]) -> None:
+    def __init__(self, work: Callable[[], A]) -> None:
         super().__init__()
-        self._begun, self._work = begun, work
+        self._work, self._begun = work, Lock()
+
+    def do(self) -> None:
+        """Do it, unless another thread has begun it or it was cancelled."""
+        if self._begun.acquire(blocking=False) and self.set_running_or_notify_cancel():
+            _do(self, self._work)
 
     def result(self, timeout: float | None = None) -> A:
         """What came of it; raises its error, and KeyboardInterrupt where Ctrl-C is heard in this thread."""
-        if self._begun.cancel():
-            self._begun = Future()
-            _do(self._begun, self._work, Exception)
-        return self._begun.result(timeout)
+        self.do()
+        return super().result(timeout)
 
 
 def interruptible(work: Callable[[], A]) -> A:
@@ -223,9 +227,11 @@ class Processes(Executor):
             future.add_done_callback(lambda _: news.put((place, True, None)))
             return future
 
-        tasks = [begin(place, one) for place, one in enumerate(inputs)]
-        missing = len(tasks)
+        tasks: list[Future[Found]] = []
+        missing = len(inputs)
         try:
+            for place, one in enumerate(inputs):
+                tasks.append(begin(place, one))
             while missing:
                 place, ended, message = news.get()
                 if ended:

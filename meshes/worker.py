@@ -16,13 +16,12 @@ from importlib import import_module
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
-from threading import Lock, Thread
+from threading import Event, Lock, Thread
 from typing import Any
 
 # What an answer is: something that the task tells, its result, or the error that it raised.
 TOLD, DONE, FAILED = range(3)
 ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-PATIENCE = 1.0  # s for a child to end once it has answered
 _ROOT = str(Path(__file__).parents[1])
 _PROGRAM = "import sys; sys.path[:] = {path!r}; from meshes.worker import serve; serve({pipe}, {preload!r}, {forks})"
 
@@ -99,20 +98,24 @@ def serve(descriptor: int, preload: str, forks: bool) -> None:
             if os.waitpid(child, 0)[1] != 0:
                 os._exit(1)
             continue
-        thread = Thread(target=_answer, args=(pipe, request, forks), daemon=True)
+        answered = Event()
+        thread = Thread(target=_answer, args=(pipe, request, forks, answered), daemon=True)
         thread.start()
         if forks:
             pipe.poll(None)  # until nobody asks any more; or there is an answer, and a next request
-            thread.join(PATIENCE)
+            if answered.is_set():
+                thread.join()  # which ends this child
             os._exit(1)
 
 
-def _answer(pipe: "Connection[Any, Any]", request: bytes, ends: bool) -> None:
+def _answer(pipe: "Connection[Any, Any]", request: bytes, ends: bool, answered: Event) -> None:
     """Do what was asked for, and answer; a child ends then."""
     lock = Lock()
 
     def send(kind: int, value: Any, text: str = "") -> None:
         data = pickle.dumps((kind, value, text))
+        if kind != TOLD:
+            answered.set()
         with lock:
             pipe.send_bytes(data)
 

@@ -21,6 +21,7 @@ from meshes.executor import (
     check_cancelled,
     interruptible,
     is_left_working,
+    then,
 )
 from tests.support import TOP
 from tests.support.executor_tasks import OddError, dies_first, own_number, raises_odd_error, sleeps, squared
@@ -76,6 +77,28 @@ def test_a_thread_goes_on_beside_this_one_and_leaves_it_what_it_has_not_begun() 
         assert waits.result() == own
         met.wait()
         begun.result()
+
+
+def test_a_task_that_several_threads_ask_for_is_done_once_and_what_follows_it_is_told() -> None:
+    may_end, done, found = threading.Event(), list[int](), list[int]()
+
+    def counted() -> int:
+        done.append(threading.get_ident())
+        time.sleep(0.05)
+        return len(done)
+
+    with OneThread() as executor:
+        executor.submit(may_end.wait, 10.0)
+        waits = executor.submit(counted)
+        follows = then(waits, lambda known: 10 * known.result())
+        asking = [threading.Thread(target=lambda: found.append(waits.result())) for _ in range(4)]
+        for thread in asking:
+            thread.start()
+        for thread in asking:
+            thread.join(10.0)
+        assert found == [1, 1, 1, 1]
+        assert follows.result(1.0) == 10
+        may_end.set()
 
 
 def test_nobody_waits_for_a_thread_that_is_left_and_it_ends_at_its_next_look() -> None:
