@@ -13,7 +13,7 @@ from meshes.compiled import keep_compiled_kernels
 if TYPE_CHECKING:
     from dem.engine.engine import Engine
     from dem.ground import Ground, ground_of, springs_of
-    from dem.laboratory.soil_contacts import SoilContacts, constant_strength_contacts, soil_contacts
+    from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
     from dem.laboratory.soil_layers import soil_layers
     from dem.model import DiscModel
     from dem.problems.column import SoilColumn
@@ -48,7 +48,6 @@ __all__ = [
     "UntilRest",
     "calibrate",
     "connected_ground",
-    "constant_strength_contacts",
     "critical_kh",
     "deposit",
     "deposit_profile",
@@ -79,7 +78,6 @@ _HOME = {
     "settle": "dem.search.equilibrium",
     "Slider": "dem.slides.liquefaction",
     "SoilContacts": "dem.laboratory.soil_contacts",
-    "constant_strength_contacts": "dem.laboratory.soil_contacts",
     "soil_contacts": "dem.laboratory.soil_contacts",
     "SoilColumn": "dem.problems.column",
     "UniformSlope": "dem.problems.uniform_slope",

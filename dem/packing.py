@@ -56,7 +56,7 @@ class Packing:
         return DiscModel.create(self.x, self.z, self.radius, layers, self.layer, lines=self.lines, **settings)
 
 
-def lattice_box(columns: int, rows: int, radius: float, above: int = ABOVE) -> Packing:
+def lattice_box(columns: int, rows: int, radius: float) -> Packing:
     """Rows of columns - 1 and columns discs in turn, from the bottom, in a box of boundary discs open above.
 
     Columns of 133 and 24 rows make the paper's 3180 elements and 189 boundary elements (Sec. 3(3)). All in layer 0.
@@ -65,7 +65,7 @@ def lattice_box(columns: int, rows: int, radius: float, above: int = ABOVE) -> P
         raise ValueError(f"a box needs at least 3 columns and a row, not {columns} and {rows}")
     step = 2.0 * radius
     xs, zs, layers = [], [], []
-    for row in range(-1, rows + above):
+    for row in range(-1, rows + ABOVE):
         shift = 0.5 * ((row + 1) % 2)
         count = columns - (row + 1) % 2
         inside = (np.arange(count) + shift) * step
@@ -86,9 +86,7 @@ def lattice_box(columns: int, rows: int, radius: float, above: int = ABOVE) -> P
     return Packing(x, z, np.full(len(x), radius), layer, lines)
 
 
-def triangular_lattice(
-    outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0, above: int = ABOVE
-) -> Packing:
+def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float, *, angle: float = 0.0) -> Packing:
     """Equal discs on a triangular lattice whose rows rise by `angle` (rad), those that lie inside as a whole.
 
     Raises ValueError if none does.
@@ -106,7 +104,7 @@ def triangular_lattice(
     if not inside.any():
         raise ValueError(f"no disc of radius {radius} m fits into the outline")
     x, z = x[inside], z[inside]
-    return _surrounded(x, z, np.full(len(x), radius), outline, stratum_at, above)
+    return _surrounded(x, z, np.full(len(x), radius), outline, stratum_at)
 
 
 def random_packing(
@@ -151,7 +149,7 @@ def random_packing(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
             f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: ask for more voids, a wider spread, or more sweeps"
         )
-    return _surrounded(x, z, sizes, outline, stratum_at, ABOVE)
+    return _surrounded(x, z, sizes, outline, stratum_at)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -215,8 +213,8 @@ def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
     return out
 
 
-def boundary(outline: np.ndarray, radius: float, above: int = ABOVE) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (n, 2) of discs that line the walls from outside, side walls higher by `above` rows, and rigid lines.
+def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (n, 2) of discs that line the walls from outside, side walls higher by `ABOVE` rows, and rigid lines.
 
     Discs stand a diameter apart or a little less. At corners that point outwards the lines reach past each other.
     """
@@ -228,7 +226,7 @@ def boundary(outline: np.ndarray, radius: float, above: int = ABOVE) -> tuple[np
     along = edge / length[:, None]
     outward = np.column_stack([along[:, 1], -along[:, 0]])
     wall = along[:, 0] > -1e-9  # a vertical side runs neither way
-    higher = above * 2.0 * radius * ROW
+    higher = ABOVE * 2.0 * radius * ROW
     far = 10.0 * float(np.ptp(outline[:, 1])) + 100.0 * radius
     centres, lines = [], []
     n = len(corners)
@@ -258,7 +256,7 @@ def _turn(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def _surrounded(
-    x: np.ndarray, z: np.ndarray, radius: np.ndarray, outline: np.ndarray, stratum_at: StratumAt, above: int
+    x: np.ndarray, z: np.ndarray, radius: np.ndarray, outline: np.ndarray, stratum_at: StratumAt
 ) -> Packing:
     layer = np.asarray(stratum_at(x, z), np.int32)
     if (layer < 0).all():
@@ -267,7 +265,7 @@ def _surrounded(
         known = np.flatnonzero(layer >= 0)
         layer[a] = layer[known[np.argmin((x[known] - x[a]) ** 2 + (z[known] - z[a]) ** 2)]]
     mean = float(radius.mean())
-    centres, lines = boundary(outline, mean, above)
+    centres, lines = boundary(outline, mean)
     return Packing(
         np.concatenate([x, centres[:, 0]]), np.concatenate([z, centres[:, 1]]),
         np.concatenate([radius, np.full(len(centres), mean)]),

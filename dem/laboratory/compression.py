@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.laboratory.loading import confine, load, probe
-from dem.laboratory.patch import Sample, Watch, no_watch
+from dem.laboratory.patch import Sample
 from dem.laboratory.strength import dilation
 
 STRAIN = 0.15  # axial, at the end
@@ -42,12 +42,12 @@ class PatchStrength:
     course: np.ndarray
 
 
-def compress(sample: Sample, pressure: float, watch: Watch = no_watch) -> PatchStrength:
+def compress(sample: Sample, pressure: float) -> PatchStrength:
     """Confines a sample, probes it, and compresses it in plane strain.
 
-    Raises DemError where it does not come to rest or cannot be compressed so far, and whatever `watch` raises.
+    Raises DemError where it does not come to rest or cannot be compressed so far.
     """
-    patch = sample.patch(watch=watch)
+    patch = sample.patch()
     confine(patch, pressure)
     stiffness, _ = probe(patch, pressure)
     rate = min(RATE, INERTIAL / patch.inertia(pressure))

@@ -15,18 +15,19 @@ from meshes.section.stratum import Stratum
 
 SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
 G = 9.80665
+COLUMNS, POINTS = 41, 4001  # along the section, and down each of them
 PACKINGS: tuple[PackingKind, ...] = ("lattice", "random")
 
 
-def middle_stresses(section: Section, columns: int = 41, points: int = 4001) -> np.ndarray:
+def middle_stresses(section: Section) -> np.ndarray:
     """Vertical effective stress (Pa) in the middle of each stratum where it is thickest."""
     left, right = section.extent
     outline = section.outline()
     found = np.zeros((len(section.strata), 2))  # thickness, stress
     density = np.array([s.density_ordinary for s in section.strata])
-    for x in np.linspace(left, right, columns + 2)[1:-1]:
-        z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), points)
-        layer = section.stratum_at(np.full(points, x), z)
+    for x in np.linspace(left, right, COLUMNS + 2)[1:-1]:
+        z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), POINTS)
+        layer = section.stratum_at(np.full(POINTS, x), z)
         weight = np.where(layer >= 0, density[layer], 0.0) * G * (z[0] - z[1])
         stress = np.cumsum(weight)
         for k in np.unique(layer[layer >= 0]):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import Patch, Sample, Watch, no_watch
+from dem.laboratory.patch import Patch, Sample
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal, strength
 from meshes.section.section import Stratum
@@ -189,7 +189,6 @@ def element_test(
     strain: float = LARGEST_STRAIN,
     rate: float = RATE,
     threads: int = 1,
-    watch: Watch = no_watch,
 ) -> ElementTest:
     """Tests a sample at two or more confining pressures (Pa).
 
@@ -206,8 +205,6 @@ def element_test(
         of `INERTIAL`.
     threads
         Of the engine; the result does not depend on them.
-    watch
-        Called all the time; what it raises ends the test.
 
     Raises
     ------
@@ -220,7 +217,7 @@ def element_test(
         raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
     if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
         raise ValueError(f"a strain of {strain} or a rate of {rate} cannot be tested: up to 0.5, and 0.01")
-    tests = tuple(_at_pressure(sample.patch(threads, watch), p, strain, rate) for p in sorted(pressures))
+    tests = tuple(_at_pressure(sample.patch(threads), p, strain, rate) for p in sorted(pressures))
     biaxial, shear = [t.biaxial_strength for t in tests], [t.shear_strength for t in tests]
     c, phi = from_principal([s.major for s in biaxial], [s.minor for s in biaxial])
     c_last, phi_last = from_principal([s.major_last for s in biaxial], [s.minor_last for s in biaxial])

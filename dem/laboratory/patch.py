@@ -5,7 +5,6 @@ measuring (Gauss), and neither platen nor membrane favours a place to fail. Stre
 that moves along with the frame and lies inside of it. Tension is positive, SI units, per metre out of plane.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Literal
@@ -35,13 +34,6 @@ POROSITIES: dict[Law, tuple[float, ...]] = {"paper": (0.2, 0.21, 0.22, 0.24), "s
 DASHPOTS = 0.2  # of sqrt(m k)
 STEP = 0.6  # of the stable step
 SKIN = 0.2  # radii; pairs in a wider margin would only shorten the step
-
-
-Watch = Callable[[], None]
-
-
-def no_watch() -> None:
-    """For tests that nobody wants to stop."""
 
 
 @dataclass(frozen=True)
@@ -78,14 +70,14 @@ class Sample:
         if columns < 8 or rows < 8:
             raise ValueError(f"a patch of {columns} x {rows} discs has no inside: at least 8 x 8")
 
-    def patch(self, threads: int = 1, watch: Watch = no_watch) -> "Patch":
+    def patch(self, threads: int = 1) -> "Patch":
         """The sample in its frame, not yet confined. Raises ValueError where there is no such random packing."""
         size = self.size or SIZES[self.packing]
         if self.packing == "lattice":
             patch = lattice_patch(self.layer, self.radius, size)
         else:
             patch = random_patch(self.layer, self.radius, size, self.seed, self.law)
-        return replace(patch, threads=threads, watch=watch)
+        return replace(patch, threads=threads)
 
 
 @dataclass(eq=False)
@@ -102,8 +94,6 @@ class Patch:
         Low and high corner of the region over which stress is averaged, in the coordinates X before any strain (m).
     threads : int
         Of the engine.
-    watch : callable
-        Called after every interval; what it raises ends the test, as an interrupt does.
     deformation : (2, 2)
         F, so far.
     rates : (2, 2)
@@ -116,7 +106,6 @@ class Patch:
     frame: np.ndarray
     region: np.ndarray
     threads: int = 1
-    watch: Watch = no_watch
     deformation: np.ndarray = field(default_factory=lambda: np.eye(2))
     rates: np.ndarray = field(default_factory=lambda: np.zeros((2, 2)))
     run: EngineRun | None = None
@@ -219,10 +208,9 @@ class Press:
     def strain(self, rates: np.ndarray, duration: float) -> None:
         """Takes the patch `duration` (s) on at this velocity gradient (1/s).
 
-        Raises DemError, and whatever the patch's `watch` raises.
+        Raises DemError.
         """
         patch, run = self.patch, self.run
-        patch.watch()
         self.turn_to(rates)
         # contacts come and go, and the stable step with them
         steps = int(np.ceil(duration / (STEP * self.stable_step())))

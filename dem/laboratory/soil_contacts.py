@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dem.laboratory.element_table import SHARES
-from dem.laboratory.strength_map import ContactStrength, StrengthMap, strength_map
+from dem.laboratory.strength_map import ContactStrength, strength_map
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
 
 SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
@@ -68,7 +68,6 @@ class SoilContacts:
         void_ratio: float,
         *,
         buoyant_density: float | None = None,
-        damping_ratio: float | None = None,
     ) -> LayerSprings:
         """The constants of a layer of such discs.
 
@@ -84,20 +83,15 @@ class SoilContacts:
             Voids over discs of the packing, so that mass and weight are the soil's.
         buoyant_density
             Of the soil below water (kg/m3), for its weight; the density if None.
-        damping_ratio
-            Factor on the dashpots sqrt(m K); `springs.SOIL_DAMPING` if None.
 
         Returns
         -------
         LayerSprings
             For `DiscModel.create` with law="soil".
         """
-        more = {} if damping_ratio is None else {"damping_ratio": damping_ratio}
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)
-        return soil_discs(
-            name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP, **more
-        )
+        return soil_discs(name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP)
 
 
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
@@ -126,7 +120,6 @@ def soil_contacts(
     friction_angle: float,
     stress: float,
     youngs_modulus: float | None = None,
-    table: StrengthMap | None = None,
 ) -> SoilContacts:
     """Contacts of random discs that are as strong, and as stiff, as a soil.
 
@@ -141,8 +134,6 @@ def soil_contacts(
     youngs_modulus
         E (Pa); if None, contacts are 800 times as stiff as the stress, which is stiff enough for their strength not to
         depend on it.
-    table
-        The map of strengths; that of the package for soil of this kind if None.
 
     Returns
     -------
@@ -161,7 +152,7 @@ def soil_contacts(
     if not (cohesion >= 0.0 and 0.0 <= friction_angle < 0.5 * np.pi and cohesion + friction_angle > 0.0):
         raise ValueError(f"soil contacts: expected some strength, not c = {cohesion} Pa and phi = {friction_angle} rad")
     turns = friction_angle > 0.0
-    table = table or strength_map(turns)
+    table = strength_map(turns)
     pressures = np.array(SHARES) * stress
     wanted = mohr_coulomb_strength(cohesion, friction_angle, pressures)
     cohesive = cohesion > 0.0
@@ -181,25 +172,6 @@ def soil_contacts(
     return SoilContacts(
         stress, pressures, wanted, found.expected, found.friction, found.cohesion, stiffness, turns, notes
     )
-
-
-def constant_strength_contacts(strength: float, stress: float) -> ContactStrength:
-    """Contacts with the same strength at a quarter, a half and all of a stress: residual strengths in kPa.
-
-    Parameters
-    ----------
-    strength
-        Half the deviator at failure (Pa).
-    stress
-        Mean effective stress of the layer (Pa); at least the strength is taken.
-
-    Returns
-    -------
-    ContactStrength
-        By the map.
-    """
-    pressures = np.array(SHARES) * max(stress, strength)
-    return strength_map().fit(np.full(len(pressures), strength), pressures)
 
 
 def _on_strength(found: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from dem.laboratory.element_table import middle_stresses
 from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
-from dem.laboratory.strength_map import StrengthMap
 from dem.springs import LayerSprings
 from meshes.section.growth import evened
 from meshes.section.section import Section, Stratum
@@ -32,14 +31,14 @@ class SoilLayer(SoilContacts):
         return replace(discs, undrained=s.friction_angle == 0.0)
 
 
-def soil_layers(section: Section, known: StrengthMap | None = None) -> list[SoilLayer]:
+def soil_layers(section: Section) -> list[SoilLayer]:
     """All strata of a section, from the top down; one cohesion each, where it grows with depth that of the middle."""
     strata = evened(section.strata, section.layering)
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
-    return [_fitted(s, float(v) if v > 0.0 else typical, known) for s, v in zip(strata, stresses, strict=True)]
+    return [_fitted(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]
 
 
-def _fitted(stratum: Stratum, stress: float, table: StrengthMap | None) -> SoilLayer:
-    contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus, table)
+def _fitted(stratum: Stratum, stress: float) -> SoilLayer:
+    contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus)
     return SoilLayer(**vars(contacts), stratum=stratum)

@@ -102,15 +102,13 @@ class SoilColumn:
             if 0.5 * np.mean((self.model.vx**2 + self.model.vz**2)[free]) < AT_REST * G * self.height:
                 return
 
-    def release(self, *, longest: float = 12.0, threads: int = 1) -> UntilRest:
+    def release(self, *, longest: float = 12.0) -> UntilRest:
         """Takes the gate away at once, and follows the column until it rests.
 
         Parameters
         ----------
         longest
             In units of sqrt(height / g).
-        threads
-            Of the engine.
 
         Returns
         -------
@@ -119,9 +117,7 @@ class SoilColumn:
         """
         if len(self.model.lines) > GATE:
             self.model.remove_lines([GATE])
-        return run_until_rest(
-            self.model, still=STILL * self.width, longest=longest * self.unit, every=0.5 * self.unit, threads=threads
-        )
+        return run_until_rest(self.model, still=STILL * self.width, longest=longest * self.unit, every=0.5 * self.unit)
 
 
 def _packed(

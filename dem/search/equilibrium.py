@@ -6,7 +6,6 @@ Displacement is the mean over all discs that can move, weighted with their mass,
 the seismic force works on.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -28,7 +27,6 @@ LOOK = 0.25  # of a period between two looks
 PULSE = 1.0 / 32.0  # of a period between two looks while settling
 
 Verdict = Literal["stands", "fails", "undecided"]
-Watch = Callable[["Rest"], None]
 
 
 class NotSettledError(DemError):
@@ -251,7 +249,6 @@ def try_kh(
     settings: DemSettings,
     rise: Rise,
     threads: int = 1,
-    watch: Watch | None = None,
 ) -> Trial:
     """Takes discs that stand at one Kh to another, and says whether they stand there; `model` is taken along.
 
@@ -281,8 +278,6 @@ def try_kh(
         ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
         here = Rest(model.time - start, *ratios, displacement(model, before, ground))
         seen.append(here)
-        if watch is not None:
-            watch(here)
         moving = here.unbalanced_ratio > settings.unbalanced and here.kinetic_ratio > settings.kinetic
         resting = here.unbalanced_ratio <= settings.unbalanced and here.kinetic_ratio <= settings.kinetic
         if model.time < risen:

@@ -27,7 +27,7 @@ def downhill(section: Section) -> int:
     return 1 if section.ground[0, 1] >= section.ground[-1, 1] else -1
 
 
-def soils(section: Section, settings: FemSettings) -> tuple[Stratum, ...]:
+def soils(section: Section) -> tuple[Stratum, ...]:
     """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
     weak = [
         f"{in_file([stratum.name for stratum in section.strata], k)}: cohesion and friction angle are both 0; expected "

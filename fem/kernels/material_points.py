@@ -32,7 +32,6 @@ BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, KEEP, DRAINS, HEAVY = range(8)
 PROPERTIES = 8
 # Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain.
 VOLUME, MASS, OPENED, SHEARED = range(4)
-STATES = 4
 # Of a node: mass, momentum, force, volume; then velocity before and after the step.
 NODE = 6
 # Sums of a stripe (J/m): work of weight and shaking, plastic work.

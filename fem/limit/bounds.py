@@ -89,7 +89,7 @@ def kh_bounds(
     Raises InputError if the section lacks what the analysis needs or its sides are periodic and differ, UnstableError
     if it is proven to fail whatever the push, BadMeshError if there are no triangles.
     """
-    strata = soils(section, fem)
+    strata = soils(section)
     if all(s.density_seismic == 0.0 for s in strata):
         raise InputError(section.name, ["density_seismic is 0 in all strata: there is nothing to accelerate"])
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis

@@ -151,7 +151,7 @@ def under_weight(
     The ground just below cohesionless ``faces`` is strengthened, see ``shallow_failure.py``. Raises InputError.
     """
     api.require()
-    strata = soils(section, settings)
+    strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
     strips = [s for s in strong.strata if s.name not in mesh.strata]
     soil = [*strata, *strips, *(level for s in strata for level in levels(s, mesh))]

@@ -10,6 +10,7 @@ from meshes.section.section import Section
 
 SOURCE = "I. Towhata (1987), as the paper describes it in Sec. 5"
 VALIDITY = "no strength at all in what liquefied; the layer above elastic, one end free and the other held"
+COLUMNS = 400  # along the section
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Truss:
         return self.displacement(self.length)
 
 
-def truss_of(section: Section, case: int, columns: int = 400) -> Truss | None:
+def truss_of(section: Section, case: int) -> Truss | None:
     """The strata above the uppermost one that liquefies in a case, as one bar; None where nothing lies above it.
 
     Its length is that of the part of the section where something liquefies; its density and modulus are means over its
@@ -52,10 +53,10 @@ def truss_of(section: Section, case: int, columns: int = 400) -> Truss | None:
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.given_extent
-    x = left + (right - left) * (np.arange(columns) + 0.5) / columns
+    x = left + (right - left) * (np.arange(COLUMNS) + 0.5) / COLUMNS
     levels = section.layering.interfaces(x)
     thick = levels[:, :-1] - levels[:, 1:]
-    here = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(columns, dtype=bool)
+    here = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(COLUMNS, dtype=bool)
     if here.sum() < 2:
         return None
     first = np.array([next(k for k in which if row[k] > 0.0) for row in thick[here]])
@@ -67,6 +68,6 @@ def truss_of(section: Section, case: int, columns: int = 400) -> Truss | None:
     modulus = np.array([s.youngs_modulus / (1.0 - s.poissons_ratio**2) for s in section.strata])
     bottom = levels[here, first]
     slope = abs(float(np.polyfit(x[here], bottom, 1)[0]))
-    length = float(np.count_nonzero(here)) * (right - left) / columns
+    length = float(np.count_nonzero(here)) * (right - left) / COLUMNS
     share = area / area.sum()
     return Truss(length * math.hypot(1.0, slope), math.atan(slope), float(share @ density), float(share @ modulus))

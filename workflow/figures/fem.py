@@ -35,7 +35,7 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
             drawn[same] = _views(results.mesh, state)
-        names.append(picture_of(config, state))
+        names.append(picture_of(state))
         with store.writing(names[-1]) as path:
             _state_sheet(config, results, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
@@ -62,13 +62,13 @@ def _named(factor: FactorOfSafety) -> str:
 
 def draw_state(config: Config, results: FemResults, state: State, store: Store) -> str:
     """Draw one state again; returns the name of its picture."""
-    name = picture_of(config, state)
+    name = picture_of(state)
     with store.writing(name) as path:
         _state_sheet(config, results, state, _views(results.mesh, state)).save(path)
     return name
 
 
-def picture_of(config: Config, state: State) -> str:
+def picture_of(state: State) -> str:
     """The name of the picture of a state."""
     is_end = not state.past_equilibrium and not state.label.startswith("Kh = ")
     return "figures/fem_plateau.png" if is_end else f"figures/fem_kh_{state.kh:.3f}.png"

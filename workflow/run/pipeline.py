@@ -246,14 +246,14 @@ class Run:
         self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
         return pictures
 
-    def _logged(self, stage: Stage, progress: Progress, every: float = 30.0) -> Progress:
-        """The same, with a line in the log every so many seconds."""
+    def _logged(self, stage: Stage, progress: Progress) -> Progress:
+        """The same, with a line in the log every half a minute."""
         last = time.monotonic()
 
         def tell(line: str, share: float | None) -> None:
             nonlocal last
             progress(line, share)
-            if time.monotonic() - last > every:
+            if time.monotonic() - last > 30.0:
                 last = time.monotonic()
                 with self.one_at_a_time:
                     self.log.line(f"{stage.name}: {line}")

@@ -63,4 +63,4 @@ def test_ground_that_its_strength_holds_down_has_an_answer_and_a_doubt() -> None
 def test_bare_sand_whose_water_would_rise_above_it_cannot_stand() -> None:
     sand = soil("Sand", cohesion=0.0, friction_angle="33 deg", piezometric_level=11.0)
     with pytest.raises(UnstableError, match="there is no equilibrium: the pore pressure"):
-        soils(section(sand), FIXED)
+        soils(section(sand))
