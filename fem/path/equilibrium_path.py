@@ -11,6 +11,7 @@ import numpy as np
 
 from fem.continuum.plane_strain import PlaneStrain
 from fem.path.newton import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
+from fem.path.path_step import PathStep
 
 
 @dataclass(frozen=True)
@@ -55,43 +56,6 @@ class PathSettings:
     relaxed_tolerance: float = 2e-3
     reductions: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
     most_steps: int = 400
-
-
-@dataclass(frozen=True)
-class PathStep:
-    """A step of the path, for the record.
-
-    Attributes
-    ----------
-    length : float
-        Arc length from the start of the path (-).
-    displacement : float
-        Control displacement from the start of the path (m).
-    factor : float
-        Load multiplier λ (-): Kh, or the factor of safety.
-    iterations : int
-        Iterations of Newton's method.
-    residual : float
-        Norm of the unbalanced force over that of the weight (-).
-    plastic_share : float
-        Share of the quadrature points at yield (-).
-    cutbacks : int
-        How often the step was halved before it converged.
-    at_rest : bool
-        Whether the overstress was relaxed in this step instead of the load raised.
-    balanced : bool
-        Whether after that the forces balanced without overstress.
-    """
-
-    length: float
-    displacement: float
-    factor: float
-    iterations: int
-    residual: float
-    plastic_share: float
-    cutbacks: int
-    at_rest: bool
-    balanced: bool = False
 
 
 @dataclass

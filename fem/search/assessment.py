@@ -21,8 +21,9 @@ from fem.search.adaptive import (
     failing_by_itself,
     safety_beside,
 )
-from fem.search.checks import SAME_MESH, Doubt, doubts_of, of_uplift
+from fem.search.checks import SAME_MESH, doubts_of, of_uplift
 from fem.search.critical import CriticalResult, critical_coefficient
+from fem.search.doubts import Doubt
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,6 +13,7 @@ from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import KeptState
 from workflow.results.discs import SetOfSprings
 from workflow.results.results import Results
+from workflow.results.summary import PaperRow
 
 STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 As1", "9 Ac3", "10 Base")
 ASD = ("3 Asd", "4 Asd", "5 Asd")
@@ -38,24 +38,12 @@ Judge = Callable[[CaseAnswer], tuple[str, bool]]
 SECTION = "the depths of the interfaces are a reconstruction"
 
 
-@dataclass(frozen=True)
-class Row:
-    """One quantity: ``agrees`` is None where there is nothing to compare yet; ``why`` says why not."""
-
-    quantity: str
-    paper: str
-    where: str
-    ours: str
-    agrees: bool | None
-    why: str = ""
-
-
 def is_s13(section: Section) -> bool:
     """Whether a section is the paper's: by its name and its ten strata."""
     return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == STRATA
 
 
-def rows(results: Results) -> list[Row]:
+def rows(results: Results) -> list[PaperRow]:
     """The paper against ours; empty for other sections."""
     if not is_s13(results.config.section):
         return []
@@ -66,7 +54,8 @@ def rows(results: Results) -> list[Row]:
         found += _slides(results, name)
     found += [_measured(results), _smooth()]
     return [
-        row if row.agrees is False else Row(row.quantity, row.paper, row.where, row.ours, row.agrees) for row in found
+        row if row.agrees is False else PaperRow(row.quantity, row.paper, row.where, row.ours, row.agrees)
+        for row in found
     ]
 
 
@@ -75,13 +64,13 @@ def _absent(results: Results, stage: str) -> str:
     return f"no answer: {entry.reason}" if entry else "not computed"
 
 
-def _fem(results: Results) -> Iterator[Row]:
-    at_02 = Row(
+def _fem(results: Results) -> Iterator[PaperRow]:
+    at_02 = PaperRow(
         "FEM: stands at Kh = 0.2, Asd layers below water at failure", "yes", "Fig. 9", _absent(results, "fem"), None
     )
-    kc = Row("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", _absent(results, "fem"), None)
-    surface = Row("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", _absent(results, "fem"), None)
-    at_03 = Row("FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface", "yes", "Fig. 11",
+    kc = PaperRow("FEM: critical Kh", "about 0.25", "Fig. 10, Sec. 4(1)", _absent(results, "fem"), None)
+    surface = PaperRow("FEM: failure surface in the Asd layers", "yes", "Fig. 10(b)", _absent(results, "fem"), None)
+    at_03 = PaperRow("FEM: Kh = 0.3 is past equilibrium, failure zone from Asd to the surface", "yes", "Fig. 11",
                 _absent(results, "fem"), None)  # fmt: skip
     if results.fem is None or results.kc is None:
         yield from (at_02, kc, surface, at_03)
@@ -89,7 +78,7 @@ def _fem(results: Results) -> Iterator[Row]:
     conditions = f"sides {results.config.fem.sides}, {results.fem.element} elements"
     state = results.fem.state_at(0.2)
     yield at_02 if state is None else _stands(at_02, state)
-    yield Row(
+    yield PaperRow(
         kc.quantity, kc.paper, kc.where, f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
         abs(results.kc - KC) <= KC_WITHIN,
         f"{SECTION}, and sides, dilation and element move it: the paper names neither dilation nor mesh convergence",
@@ -97,25 +86,26 @@ def _fem(results: Results) -> Iterator[Row]:
     end = results.fem.last_in_equilibrium()
     if end is not None:
         share = share_of_surface(results.config.section, end.slip_surface, ASD)
-        yield Row(surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
+        yield PaperRow(
+                  surface.quantity, surface.paper, surface.where, f"{100 * share:.0f} % of its length", share >= 0.5,
                   f"{SECTION}; it is drawn where the shear strain is largest along x")  # fmt: skip
     state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
 
 
-def _stands(row: Row, state: KeptState) -> Row:
+def _stands(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
     told = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
-    return Row(row.quantity, row.paper, row.where, told, stands and max(shares.values()) >= AT_FAILURE,
+    return PaperRow(row.quantity, row.paper, row.where, told, stands and max(shares.values()) >= AT_FAILURE,
                f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on")  # fmt: skip
 
 
-def _past(row: Row, state: KeptState) -> Row:
+def _past(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
     told = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    return Row(row.quantity, row.paper, row.where, told, state.past_equilibrium and reaches,
+    return PaperRow(row.quantity, row.paper, row.where, told, state.past_equilibrium and reaches,
                f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure")  # fmt: skip
 
 
@@ -144,16 +134,16 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
     return ("paper", "after") if results.dem is not None and results.dem.paper is not None else ("after",)
 
 
-def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
+def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     """States at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
     springs = CALLED[which]
-    stands = Row(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
-    broken = Row(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
+    stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", _absent(results, "calibrate"), None)
+    broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13",
                  _absent(results, "calibrate"), None)  # fmt: skip
     states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
         verdict = states[0.2].verdict
-        stands = Row(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",
+        stands = PaperRow(stands.quantity, stands.paper, stands.where, verdict, verdict == "stands",
                      f"{states[0.2].reason}; {SECTION}")  # fmt: skip
     if 0.3 in states:
         broken = _broken(broken, states[0.3].cracked_share_by_stratum)
@@ -162,13 +152,13 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[Row]:
         yield broken
 
 
-def _broken(row: Row, cracked: dict[str, float]) -> Row:
+def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
     """Whether pore springs break in the Asd layers, and nowhere more."""
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
     why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
-    return Row(row.quantity, row.paper, row.where, _shares(shares) + " broken", most >= AT_FAILURE and not others,
+    return PaperRow(row.quantity, row.paper, row.where, _shares(shares) + " broken", most >= AT_FAILURE and not others,
                f"{why}; {SECTION}")  # fmt: skip
 
 
@@ -176,20 +166,20 @@ def _sets(results: Results) -> list[str]:
     return list(results.cases.sets) if results.cases is not None else [""]
 
 
-def _slides(results: Results, name: str) -> Iterator[Row]:
+def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
     open_points = "the text leaves open how contacts are averaged and how fast layers liquefy"
     why = f"{SECTION}; {open_points} (see docs/theory/paper.md)"
 
-    def row(number: int, what: str, paper: str, where: str, judge: Judge) -> Row:
+    def row(number: int, what: str, paper: str, where: str, judge: Judge) -> PaperRow:
         quantity = f"{what}, case {number}{springs}"
         case = cases.get(number)
         if case is None:
-            return Row(quantity, paper, where, _absent(results, "slide"), None)
+            return PaperRow(quantity, paper, where, _absent(results, "slide"), None)
         told, agrees = judge(case)
         moving = "" if case.settled else f"; {case.reason}"
-        return Row(quantity, paper, where, told, agrees, why + moving)
+        return PaperRow(quantity, paper, where, told, agrees, why + moving)
 
     for number, metres in SETTLEMENT.items():
         yield row(number, "settlement uphill", f"{metres:g} m", "Sec. 4(3)", partial(_settles, metres))
@@ -225,23 +215,23 @@ def _uphill_only(config: Section, case: CaseAnswer) -> tuple[str, bool]:
     return told, at <= middle and case.slides_over_share <= 0.5
 
 
-def _measured(results: Results) -> Row:
+def _measured(results: Results) -> PaperRow:
     _, cases = results.case_set()
     slides = [case.slide_max_m for number, case in sorted(cases.items()) if number in SLIDE]
-    row = Row("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
+    row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
     if not slides:
         return row
     told = f"{min(slides):.1f} to {max(slides):.1f} m in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
-    return Row(row.quantity, row.paper, row.where, told, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
+    return PaperRow(row.quantity, row.paper, row.where, told, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
 
 
-def _smooth() -> Row:
+def _smooth() -> PaperRow:
     plane = SmoothPlane(math.radians(SLOPE_DEG))
     told = (
         f"{plane.acceleration:.2f} m/s²; {plane.speed(9.0):.1f} m/s after 9 s (but then {plane.distance(9.0):.0f} m; "
         f"3 m take {plane.time_for(3.0):.1f} s)"
     )
     agrees = round(plane.acceleration, 2) == 0.44 and abs(plane.speed(9.0) - 4.0) <= 0.1
-    return Row("block on a smooth plane of 2.6°", "0.44 m/s²; 4 m/s and 3 m after 9 s", "Sec. 5", told, agrees,
+    return PaperRow("block on a smooth plane of 2.6°", "0.44 m/s²; 4 m/s and 3 m after 9 s", "Sec. 5", told, agrees,
                "its 3 m after 9 s is a slip")  # fmt: skip

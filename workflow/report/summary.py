@@ -25,7 +25,6 @@ from workflow.results.summary import (
     MadeWith,
     NoAnswer,
     PaperModel,
-    PaperSummary,
     SafetySummary,
     Summary,
     VariantSummary,
@@ -38,7 +37,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
     config = results.config
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
-    paper = tuple(PaperSummary.model_validate(row) for row in rows(results))
+    paper = tuple(rows(results))
     judged = verdicts(results)
     return Summary(
         in_short=(*verdict_paragraph(judged), *findings(results)),

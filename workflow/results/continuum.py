@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from pydantic import Field
 
 from fem.continuum.strength import Flow, davis_words
+from fem.path.path_step import PathStep
+from fem.search.doubts import Doubt
 from fem.settings import YIELDED, Element, FemSettings, PathVerdict
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
@@ -32,20 +34,6 @@ class Gravity(Part):
 
     iterations: int = Field(description="Newton iterations")
     plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
-
-
-class PathStep(Part):
-    """One converged step of the path of rising Kh, or of falling strength."""
-
-    length: float = Field(description="arc length from the start of the path, in reference displacements")
-    displacement: float = Field(description="mean horizontal displacement weighted by the seismic mass (m)")
-    factor: float = Field(description="Kh, or the divisor of c and tan φ")
-    iterations: int = Field(description="Newton iterations of the step")
-    residual: float = Field(description="unbalanced force over the weight")
-    plastic_share: float = Field(description="share of the points that yield, 0 to 1")
-    cutbacks: int = Field(description="how often the step was halved before it converged")
-    at_rest: bool = Field(description="whether the step let overstress relax while the load was held")
-    balanced: bool = Field(description="whether the forces balanced afterwards without any overstress")
 
 
 class KeptState(Part):
@@ -96,14 +84,6 @@ class SkinFailure(Part):
     end_x_m: float
     angle_deg: float
     kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
-
-
-class Doubt(Part):
-    """What contradicts an answer, or is to be known beside it, and what to do."""
-
-    what: str
-    remedy: str
-    contradiction: bool = Field(description="whether it makes the answer doubtful")
 
 
 class RigidBox(Part):

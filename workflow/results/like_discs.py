@@ -6,9 +6,10 @@ from typing import ClassVar, Self
 from pydantic import Field
 
 from fem.continuum.strength import Flow
+from fem.path.path_step import PathStep
 from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
-from workflow.results.continuum import FemAnswer, PathStep, PathVerdict, RigidBox, displacement_at
+from workflow.results.continuum import FemAnswer, PathVerdict, RigidBox, displacement_at
 
 FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
 

@@ -6,12 +6,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from fem.search.doubts import Computed, Doubt, of_bounds, of_others
 from workflow.config import Config
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
-from workflow.results.continuum import Doubt, FemAnswer
+from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
@@ -121,8 +122,6 @@ class Results:
     @property
     def doubts(self) -> list[Doubt]:
         """What contradicts the critical Kh of the FEM, or is to be known beside it."""
-        from fem.search.checks import Computed, of_others
-
         told = list(self.fem.doubts) if self.fem is not None else []
         others = [
             Computed(one.change, one.kc, decisive=one.name == "mesh", without=one.kc_without)
@@ -130,13 +129,11 @@ class Results:
             if self.kc and one.kc is not None and one.name in ("mesh", "element")
         ]
         found = of_others(self.kc, others) if self.kc else ()
-        return [*told, *(Doubt.model_validate(doubt) for doubt in found), *self.doubts_by_bounds()]
+        return [*told, *found, *self.doubts_by_bounds()]
 
     def doubts_by_bounds(self) -> list[Doubt]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
         fixed sides those between sides that yield: what holds still at the sides takes no work from them."""
-        from fem.search.checks import of_bounds
-
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
             return []
@@ -144,12 +141,11 @@ class Results:
         if not same and (bounds.sides != "fixed" or fem.settings.sides == "periodic"):
             return []
         judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same else ())]
-        found = [
+        return [
             doubt
             for what, value, low, high, own in judged
             for doubt in of_bounds(value, low if same else None, high, own, what)
         ]
-        return [Doubt.model_validate(doubt) for doubt in found]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
         """The critical Kh of every direction that the bounds are of, by every flow rule, with the bounds of its own."""

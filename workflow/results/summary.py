@@ -1,5 +1,6 @@
 """summary.json: the numbers of a run, units in their names."""
 
+from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
 from pydantic import Field
@@ -137,15 +138,17 @@ class EstimateSummary(Part):
     validity: str
 
 
-class PaperSummary(Part):
-    """One quantity of the paper beside ours; ``agrees`` is None where there is nothing to compare."""
+@dataclass(frozen=True)
+class PaperRow:
+    """One quantity of the paper beside ours: ``agrees`` is None where there is nothing to compare yet; ``why`` says why
+    it does not agree."""
 
     quantity: str
     paper: str
     where: str
     ours: str
     agrees: bool | None
-    why: str
+    why: str = ""
 
 
 class NoAnswer(Part):
@@ -199,7 +202,7 @@ class Summary(Answer):
     comparison: tuple[EstimateSummary, ...]
     triggering: tuple[StratumPart, ...] | None = Field(default=None, description="which strata liquefy, by blow counts")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
-    paper: tuple[PaperSummary, ...] | None = None
+    paper: tuple[PaperRow, ...] | None = None
     no_answer: dict[str, NoAnswer]
     seconds: dict[str, float] = Field(description="computing time of every stage")
     made_with: MadeWith

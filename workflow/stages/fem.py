@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.continuum.strength import Flow
+from fem.search.doubts import is_doubtful
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
-    Doubt,
     FactorOfSafety,
     FemAnswer,
     Gravity,
@@ -17,7 +17,6 @@ from workflow.results.continuum import (
     MeshCount,
     MeshStep,
     OtherWay,
-    PathStep,
     SkinFailure,
 )
 from workflow.results.stored_mesh import FEM_FILE
@@ -99,7 +98,6 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
 
 def answer_of(config: Config, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
-    from fem.search.checks import is_doubtful
     from fem.search.slip_surface import slip_surface
 
     result, mesh, adapted = found.critical, found.mesh, found.adapted
@@ -115,7 +113,7 @@ def answer_of(config: Config, found: "Assessment") -> FemAnswer:
         reason=result.reason,
         remedy=result.remedy,
         judgement="doubtful" if is_doubtful(found.doubts) else "sound",
-        doubts=tuple(Doubt.model_validate(doubt) for doubt in found.doubts),
+        doubts=tuple(found.doubts),
         direction=result.direction,
         towards="right" if result.sign > 0 else "left",
         opposite=_other_way(found.opposite),
@@ -141,7 +139,7 @@ def answer_of(config: Config, found: "Assessment") -> FemAnswer:
         kc_limit=adapted.limit if adapted and rounds else None,
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
-        curve=tuple(PathStep.model_validate(step) for step in result.steps),
+        curve=tuple(result.steps),
         states=tuple(_kept(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in found.safety),
         rigid_box=rigid_box_of(found.rigid_box) if found.rigid_box else None,
@@ -190,7 +188,7 @@ def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fact
         upper=result.upper,
         verdict=result.verdict,
         reason=result.reason,
-        curve=tuple(PathStep.model_validate(step) for step in result.steps),
+        curve=tuple(result.steps),
         skin=result.skin,
         davis=result.beside if flow == "associated" else None,
         associated=result.beside if flow == "davis" else None,

@@ -10,7 +10,7 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import line
-from workflow.results.continuum import FemAnswer, PathStep, displacement_at
+from workflow.results.continuum import FemAnswer, displacement_at
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
@@ -69,7 +69,7 @@ def continuum_like_discs(config: Config, store: Store, tell: Tell) -> LikeDiscs:
                 found += f"; with ψ = φ there is no answer ({error.reason}): how much more it bears is not known"
     if isinstance(found, str):
         return LikeDiscs.of(fem, found).model_copy(update={"kc_upper": max(known.kc_upper, most)})
-    curve = tuple(PathStep.model_validate(each) for each in found.steps)
+    curve = tuple(found.steps)
     return known.model_copy(
         update={
             "kc": found.kc, "kc_upper": max(found.kc, min(found.upper, most)), "verdict": found.verdict,

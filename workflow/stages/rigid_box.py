@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from workflow.results.answer import line
-from workflow.results.continuum import PathStep, RigidBox
+from workflow.results.continuum import RigidBox
 
 if TYPE_CHECKING:
     from fem.search.critical import CriticalResult
@@ -22,6 +22,6 @@ def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = 
         verdict=found.result.verdict,
         reason=found.result.reason,
         slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
-        curve=tuple(PathStep.model_validate(step) for step in found.result.steps),
+        curve=tuple(found.result.steps),
         deeper_than_m=depth,
     )

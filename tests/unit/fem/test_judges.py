@@ -6,18 +6,9 @@ import numpy as np
 import pytest
 
 from fem.continuum.fields import State, is_mechanism, touched_sides
-from fem.search.checks import (
-    Computed,
-    doubts_of,
-    is_doubtful,
-    of_bounds,
-    of_cells,
-    of_dilation,
-    of_others,
-    of_verdict,
-    touches_base,
-)
+from fem.search.checks import doubts_of, of_cells, of_dilation, of_verdict, touches_base
 from fem.search.critical import CriticalResult
+from fem.search.doubts import Computed, is_doubtful, of_bounds, of_others
 from fem.search.slip_surface import slip_surface
 from meshes.quality import corner_angles
 from tests.support.fem_problems import grid

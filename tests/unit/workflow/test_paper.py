@@ -6,10 +6,11 @@ from tests.support import SECTIONS, dem_fixture
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import slope
 from workflow.config import Config
-from workflow.report.paper import Row, is_s13, rows
+from workflow.report.paper import is_s13, rows
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CasesAnswer
 from workflow.results.results import Results
+from workflow.results.summary import PaperRow
 from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
@@ -17,7 +18,7 @@ from workflow.run.store import Store
 S13 = SECTIONS / "s13.toml"
 
 
-def table(found: Results) -> dict[str, Row]:
+def table(found: Results) -> dict[str, PaperRow]:
     return {row.quantity: row for row in rows(found)}
 
 

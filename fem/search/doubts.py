@@ -1,0 +1,89 @@
+"""Reasons not to trust an answer, and the judges that compare it with other numbers."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+# Relative differences that count: of two numbers that must stand in an order, and of one thing computed twice.
+ROUNDING, NOTABLE = 0.005, 0.03
+# A finite element answer is allowed so much above a strict upper bound: cells leave no less. And so much in
+# Kh, which is that share of the strength and the weight of ground that stands with little to spare.
+ABOVE_BOUND, SMALL_KH = 0.005, 0.002
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A reason not to trust an answer.
+
+    Attributes
+    ----------
+    what : str
+        What was seen, in a sentence with its numbers.
+    remedy : str
+        What to do.
+    contradiction : bool
+        Whether it makes the answer doubtful; otherwise it is something to know.
+    """
+
+    what: str
+    remedy: str
+    contradiction: bool = True
+
+
+@dataclass(frozen=True)
+class Computed:
+    """The critical Kh found in another way.
+
+    Attributes
+    ----------
+    what : str
+        What was changed, such as "cells of half the size".
+    kc : float
+        Critical Kh (-).
+    decisive : bool
+        Whether a difference makes the answer doubtful: a finer mesh does, a poorer element does not.
+    without : float or None
+        Critical Kh without the change, where both were found on another mesh than the answer; None for that of it.
+    """
+
+    what: str
+    kc: float
+    decisive: bool = True
+    without: float | None = None
+
+
+def of_bounds(
+    kc: float, lower: float | None, upper: float | None, own: bool, what: str = "critical Kh"
+) -> Iterator[Doubt]:
+    """A critical Kh beside strict bounds: of its own flow rule and strength (``own``), or of ψ = φ, for which only the
+    upper bound speaks, since ground that dilates less cannot bear more. ``what`` is judged."""
+    whose = "" if own else " with ψ = φ, which no smaller ψ can exceed"
+    if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):
+        yield Doubt(
+            f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
+            f"{upper:.3f}.",
+            f"take {upper:.3f} as an upper limit and refine the mesh",
+        )
+    if own and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
+        yield Doubt(
+            f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
+            f"take {lower:.3f} as a lower limit and refine the mesh",
+        )
+
+
+def of_others(kc: float, others: Iterable[Computed]) -> Iterator[Doubt]:
+    """The same thing computed in another way, by another mesh or element, that changes the critical Kh notably."""
+    for other in others:
+        without = other.without or kc
+        change = other.kc / without - 1.0
+        if abs(change) > NOTABLE and abs(other.kc - without) > SMALL_KH:
+            yield Doubt(
+                f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
+                f"{100.0 * change:+.0f} %.",
+                "refine the mesh until it no longer matters, or run the bounds",
+                contradiction=other.decisive,
+            )
+
+
+def is_doubtful(doubts: Iterable[Doubt]) -> bool:
+    """Whether any of the doubts contradicts the answer."""
+    return any(doubt.contradiction for doubt in doubts)
