@@ -14,6 +14,7 @@ from meshes.errors import InputError
 from meshes.section.quantity import LENGTH
 from workflow.after_triggering import load_config
 from workflow.config import Config
+from workflow.figures.borings import draw
 from workflow.terminal import say
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {".csv": read_csv, ".ags": read_ags4}
@@ -96,8 +97,6 @@ def _minded(notices: Sequence[str]) -> list[str]:
 
 def draw_borings(found: Connected, out: Path) -> Path:
     """Draw the section with its borings beside the file; returns where."""
-    from workflow.figures.borings import draw
-
     picture = out.with_suffix(".png")
     draw(found, out.stem, picture)
     return picture

@@ -23,6 +23,7 @@ from workflow.results.liquefied import LiquefiedAnswer
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
+from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
@@ -30,8 +31,6 @@ from workflow.run.store import Store
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     """How many cells, and how good."""
-    from workflow.results.stored_mesh import stored_mesh
-
     mesh = stored_mesh(config.section, store)
     quality = mesh.quality()
     yield (

@@ -8,6 +8,7 @@ from typing import Any
 
 from meshes.section.section import Stratum
 from workflow.config import Config
+from workflow.results.stored_mesh import stored_mesh
 from workflow.run.plan import Decision
 from workflow.run.record import Record
 from workflow.run.stage import Job
@@ -59,8 +60,6 @@ def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> d
         files = {name: job.store.read_json(name) for name in entry.files if name.endswith(".json")}
         found[stage.name] = {key: value for key, value in ended.items() if value != ""} | {"answers": files}
         if stage.name == "mesh" and entry.outcome == "done":
-            from workflow.results.stored_mesh import stored_mesh
-
             mesh = stored_mesh(job.config.section, job.store)
             found[stage.name]["mesh"] = {"method": mesh.method, **asdict(mesh.quality())}
     return {

@@ -12,6 +12,7 @@ from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
 from workflow.estimates.comparison import estimates
 from workflow.figures import fonts
+from workflow.figures.comparison import PICTURES
 from workflow.figures.displacements import slides
 from workflow.figures.fem import conditions
 from workflow.report import tables
@@ -144,8 +145,6 @@ def _logo(file: str) -> str:
 
 def _pictures(results: Results) -> dict[str, list[Any]]:
     """The pictures of what belongs to the input, by the part of the report."""
-    from workflow.figures.comparison import PICTURES
-
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}

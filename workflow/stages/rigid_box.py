@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from fem.search.slip_surface import slip_surface
 from workflow.results.answer import line
 from workflow.results.continuum import RigidBox
 
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
 def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
     """What is kept of a search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less deep were
     left out."""
-    from fem.search.slip_surface import slip_surface
-
     return RigidBox(
         kc=found.result.kc,
         kc_upper=found.result.upper,

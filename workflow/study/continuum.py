@@ -2,8 +2,15 @@
 
 from typing import TYPE_CHECKING
 
+from mpi4py import MPI
+
+from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
+from fem.limit.bounds import kh_bounds
+from fem.search.adaptive import adapted_answer
+from fem.search.critical import critical_coefficient
 from meshes.errors import NoAnswerError
+from meshes.gmsh_model import generate
 from workflow.config import Config
 from workflow.study.sample import Numbers, Sample
 
@@ -19,8 +26,6 @@ def continuum(sample: Sample) -> Numbers:
     It is with ψ = φ or by Davis's estimate, as ``fem.flow`` says. Where the flow is associated, as both are, it is the
     limit load of meshes made for the mechanism; else the end of the path.
     """
-    from meshes.gmsh_model import generate
-
     config = Config.parse(sample.data)
     first = generate(config.section, config.mesh)
     try:
@@ -34,12 +39,6 @@ def continuum(sample: Sample) -> Numbers:
 
 
 def _critical(config: Config, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
-    from mpi4py import MPI
-
-    from fem.continuum.strength import is_associated
-    from fem.search.adaptive import adapted_answer
-    from fem.search.critical import critical_coefficient
-
     if is_associated(config.section.strata, config.fem.flow):
         try:
             found = adapted_answer(config.section, config.mesh, first, config.fem, MPI.COMM_SELF, lambda words: None)
@@ -53,8 +52,6 @@ def _critical(config: Config, first: "QuadMesh") -> "tuple[AtOnce | CriticalResu
 
 def bounds(sample: Sample) -> Numbers:
     """Strict lower and upper bound of the critical Kh, ψ = φ."""
-    from fem.limit.bounds import kh_bounds
-
     config = Config.parse(sample.data)
     asked = config.bounds.model_copy(update={"davis": False})
     try:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from meshes.section.section import Section
+from workflow.figures import study as figures
 from workflow.results.study import StudyAnswer
 from workflow.run.store import Store
 from workflow.study.table import Table
@@ -10,8 +11,6 @@ from workflow.study.table import Table
 
 def draw_all(section: Section, table: Table, answer: StudyAnswer, store: Store) -> None:
     """Leave figures/study_*.png; those of which there is nothing to show are left out."""
-    from workflow.figures import study as figures
-
     title = section.heading
     store.remove(["figures/study_*.png"])
     if answer.fails is not None:

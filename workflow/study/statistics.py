@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.stats import sobol_indices, spearmanr
 
 from workflow.results.study import Z95, Curve, Effect
 from workflow.study.table import Table
@@ -56,8 +57,6 @@ def effects(table: Table, name: str, words: Sequence[str], indices: bool) -> tup
 
 def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
     """Spearman's rank correlation; of words the correlation ratio, the root of the share of variance between them."""
-    from scipy.stats import spearmanr
-
     kept = [value for value, use in zip(drawn, there, strict=True) if use]
     if len(set(map(str, kept))) < 2:
         return None
@@ -92,8 +91,6 @@ def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
 
 def _indices(parts: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """First-order and total indices (d,) by some of the samples; scipy's own bootstrap cannot be given a seed."""
-    from scipy.stats import sobol_indices
-
     some = parts[:, :, chosen]
     found = sobol_indices(func={"f_A": some[0], "f_B": some[1], "f_AB": some[2:]}, n=len(chosen))
     return np.ravel(found.first_order), np.ravel(found.total_order)

@@ -3,6 +3,7 @@
 import time
 
 from workflow.run.progress import TimeLeft
+from workflow.terminal import err
 
 EVERY = 10.0  # s between two lines where there is no terminal
 AT_ONCE = 0.2  # s on a terminal, where the line changes in place
@@ -12,8 +13,6 @@ class Counted:
     """Hears how many tasks are done; to be used as a context."""
 
     def __init__(self, silent: bool = False) -> None:
-        from workflow.terminal import err
-
         self.silent, self.console = silent, err
         self.start = self.last = time.monotonic()
         self.left = TimeLeft(self.start)

@@ -6,6 +6,8 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Literal
 
+from mpi4py import MPI
+
 from fem.continuum.strength import is_associated, is_dilating_fully
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
@@ -58,8 +60,6 @@ def _bounds(case: Case, known: Answer, settings: BoundsSettings) -> dict[str, An
 
 
 def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
-    from mpi4py import MPI
-
     if part == "davis" and known.associated is not None and is_dilating_fully(case.section.strata):
         return {"davis": known.associated, "davis_upper": known.associated_upper}
     flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"

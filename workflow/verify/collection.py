@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from workflow.verify.answer import answer
 from workflow.verify.case import Case, read_cases
 from workflow.verify.record import FILE, PARTS, Answer, Part, read_answers, version_of, write_answers
 from workflow.verify.verdict import CaseVerdict, judge
@@ -51,8 +52,6 @@ def run(
     for case in read_cases(folder, names):
         answers = read_answers(record)
         if parts:
-            from workflow.verify.answer import answer  # judging alone does without the finite elements
-
             answers[case.name] = replace(answer(case, parts, answers.get(case.name)), commit=version)
             write_answers(record, answers)
         found = answers.get(case.name)

@@ -8,7 +8,7 @@ from statistics import median
 from workflow.run.store import Store
 from workflow.verify.case import Case, Value
 from workflow.verify.record import Answer
-from workflow.verify.verdict import CaseVerdict, judge
+from workflow.verify.verdict import ABOVE, BELOW, TOLERANCE, CaseVerdict, judge
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 
@@ -76,8 +76,6 @@ def published(case: Case) -> str:
 
 
 def _head() -> str:
-    from workflow.verify.verdict import ABOVE, BELOW, TOLERANCE
-
     tolerances = ", ".join(f"{kind} {100 * share:g} %" for kind, share in TOLERANCE.items())
     return HEAD.format(below=100 * BELOW, above=100 * ABOVE, tolerances=tolerances).strip()
 

@@ -10,6 +10,7 @@ from workflow.estimates.slide_error import TABLE
 from workflow.run.store import Store
 from workflow.verify.record import version_of
 from workflow.verify.slides.case import Ground, SlideCase, read_cases
+from workflow.verify.slides.predict import predict, with_commit
 from workflow.verify.slides.record import FILE, SlideAnswer, read_answers, write_answers
 from workflow.verify.slides.verdict import SlideVerdict, judge, judge_points
 
@@ -39,8 +40,6 @@ def run(
     rows = []
     for case in read_cases(folder, tuple(names)):
         if compute:
-            from workflow.verify.slides.predict import predict, with_commit  # judging alone does without the discs
-
             own = with_commit(predict(case, seeds), version)
             write_answers(record, read_answers(record) | {case.name: own})  # others may have been at it meanwhile
         found = read_answers(record).get(case.name)

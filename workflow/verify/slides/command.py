@@ -4,6 +4,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rich.markup import escape
+
+from workflow.estimates import slide_error
+from workflow.verify.numbers import keep_numbers
+from workflow.verify.slides.case import FOLDER, read_cases
+from workflow.verify.slides.collection import run, write_errors
+from workflow.verify.slides.page import counts, number, told, write_page
+from workflow.verify.slides.record import FILE, read_answers
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -14,21 +23,12 @@ def verify_slides(
     out: "Console", folder: Path | None, names: list[str], *, judge: bool, page: bool, packings: int | None
 ) -> list[dict[str, Any]]:
     """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
-    from workflow.verify.slides.case import FOLDER, read_cases
-    from workflow.verify.slides.collection import run, write_errors
-    from workflow.verify.slides.page import write_page
-    from workflow.verify.slides.record import FILE, read_answers
-
     place = folder or FOLDER
     rows = run(place, names, compute=not judge, seeds=packings, tell=lambda row: _tell(out, row))
     if page:
         cases, answers = read_cases(place), read_answers(place / FILE)
         out.print(str(write_page(place, cases, answers)), soft_wrap=True)
         if folder is None:
-            from workflow.estimates import slide_error
-            from workflow.verify.numbers import keep_numbers
-            from workflow.verify.slides.page import counts
-
             commits = [found.commit for found in answers.values()]
             command = "noshiro verify --slides --page"
             keep_numbers(Path("docs"), "slides", command, counts(cases, answers), commits)
@@ -50,10 +50,6 @@ def _as_dict(row: "SlideRow") -> dict[str, object]:
 
 def _tell(out: "Console", row: "SlideRow") -> None:
     """One line for a case."""
-    from rich.markup import escape
-
-    from workflow.verify.slides.page import number, told
-
     found = row.found
     predicted = ", ".join(number(value) for value in found.values) if found is not None else ""
     measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))
