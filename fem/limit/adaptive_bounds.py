@@ -31,6 +31,8 @@ SINGULAR_SHARE, SINGULAR_TIMES, NARROW_ANGLE = 0.03, 20.0, 0.1
 HALF_SHARE = 0.3
 # Friction angle (rad) from which ground in a right angle between held sides cannot strain.
 STEEP = np.pi / 4.0
+# The share of work of the lower bound, at least and at most: where less is left to one of them, the search ends.
+SHARES = (0.35, 0.65)
 # Attempts at a bound, and how much more margin the next one has, over what the last one fell short of its own.
 ATTEMPTS, SHORTFALLS = 3, 5.0
 
@@ -59,13 +61,14 @@ class BoundSearch:
         best, mesh = self.found, self.found.mesh if self._seen is None else self._finer(*self._seen)
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
+        share = share_of_lower_bound(*self._seen[1:]) if self._seen is not None else 0.5
         with one_more_thread() as executor:
-            above = executor.submit(partial(proven_upper_bound, problem, left))
-            low, low_notes, stress = proven_lower_bound(problem, left)
+            above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * left))
+            low, low_notes, stress = proven_lower_bound(problem, share * left)
             high, high_notes, mechanism = above.result()
         missing: tuple[tuple[BoundSide, bool], ...] = (
-            ("lower", stress is None and not low.solution.none),
-            ("upper", mechanism is None and not high.solution.none),
+            ("lower", stress is None and not (low.solution.none or low.solution.out_of_work)),
+            ("upper", mechanism is None and not (high.solution.none or high.solution.out_of_work)),
         )
         solutions: tuple[tuple[BoundSide, Solution], ...] = (("lower", low.solution), ("upper", high.solution))
         this = MeshBounds(
@@ -96,6 +99,11 @@ class BoundSearch:
         growth = self._limits.growth(self.found, len(indicator))
         mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
+
+
+def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
+    """The share of the work of the next mesh that its lower bound may take: by what these two took."""
+    return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
 
 
 def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits, observer: Observer | None = None) -> Bracket:
@@ -193,11 +201,12 @@ def _first_that_holds(
             break
         found, check = wider, check_of_wider
     if found.solution.ended:
-        notes.append(f"{name}: the solver ended early ({found.solution.ended})")
+        why = "no more work is allowed" if found.solution.out_of_work else found.solution.ended
+        notes.append(f"{name}: the solver ended early ({why})")
     found = replace(found, solution=replace(found.solution, work=work))  # that of all attempts
     if check.holds:
         return found, check, notes
-    return found, None, [*notes, f"{name} refused: {check}"]
+    return found, None, [*notes, f"the {name} is none: {check}"]
 
 
 NONE_FOUND: Mapping[NoSolution, str] = {

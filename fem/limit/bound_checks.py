@@ -49,6 +49,14 @@ class StressCheck:
             and max(self.imbalance, self.traction_jump) <= ROUNDING
         )
 
+    def __str__(self) -> str:
+        """What keeps it from being a bound."""
+        if self.yield_slack < 0.0:
+            return f"its stress is beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
+        if self.tension_slack < -NO_TENSION:
+            return f"its tension is beyond the cut-off by {-self.tension_slack:.1e} of the unit of stress"
+        return f"its stress is out of balance by {max(self.imbalance, self.traction_jump):.1e} of the largest stress"
+
 
 @dataclass(frozen=True)
 class VelocityCheck:
@@ -79,6 +87,13 @@ class VelocityCheck:
     def holds(self) -> bool:
         """Whether the velocities prove the multiplier to be an upper bound."""
         return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
+
+    def __str__(self) -> str:
+        """What keeps it from being a bound."""
+        if self.flow_slack < 0.0:
+            return f"its strain rates miss the flow rule by {-self.flow_slack:.1e} of the largest"
+        missed = max(self.volume, self.boundary, self.jump)
+        return f"its velocities miss volume, held sides or continuity by {missed:.1e} of the largest"
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:

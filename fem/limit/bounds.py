@@ -47,6 +47,9 @@ class KhBounds(SmallerKhBounds):
         ground below all such faces was strengthened down to the least depth, as it is in the finite elements, and the
         bounds are those of the slope as a whole: strict for the ground so strengthened. Without any they are strict for
         the ground as it is given.
+    shallow : float or None
+        An upper bound of Kh of the ground as it is given, on coarse triangles, where that is below the Kh of all
+        ``skins``: ground above the least depth slips where faces of unlike water or slope meet. None elsewhere.
     section : Section
         What was analysed: the section, or that with its faces strengthened, for the direction that fails first.
     substitute : SmallerKhBounds or None
@@ -54,18 +57,21 @@ class KhBounds(SmallerKhBounds):
     """
 
     skins: tuple[Skin, ...] = ()
+    shallow: float | None = None
     section: Section | None = None
     substitute: SmallerKhBounds | None = None
 
 
 @dataclass(frozen=True)
 class _Ground:
-    """What is analysed in one direction: settings, triangles allowed, faces whose grains roll down, and the section
-    with its faces strengthened if there are any."""
+    """What is analysed in one direction: settings, triangles allowed, faces whose grains roll down, an upper bound of
+    the section as it is given on coarse triangles (inf if there are no such faces), and the section with its faces
+    strengthened if there are any."""
 
     fem: FemSettings
     max_cells: int
     skins: tuple[Skin, ...]
+    as_given: float
     section: Section
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
@@ -99,23 +105,28 @@ def kh_bounds(
     grounds = {direction: _ground_of(section, fem, settings.max_cells, direction) for direction in directions_of(fem)}
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     found = search_all(tuple(searches.values()), limits, observer)
+    dropped = 0.0
     for direction, ground in grounds.items():
         if ground.section is not section and not any(face.kh < found.upper for face in ground.skins):
             # What coarse triangles bore too much decided: no face needs strength.
             grounds[direction] = replace(ground, section=section, skins=())
-            left = replace(limits, seconds=limits.seconds - searches[direction].work)
+            dropped += searches[direction].work
+            left = replace(limits, seconds=limits.seconds - dropped)
             searches[direction] = grounds[direction].search(left)
     found = search_all(tuple(searches.values()), limits, observer)
     if found.upper < 0.0:
         raise _unstable(section, found.upper)
     substitute = None
     if with_davis:
-        left = replace(limits, seconds=settings.seconds - sum(search.work for search in searches.values()))
+        spent = dropped + sum(search.work for search in searches.values())
+        left = replace(limits, seconds=settings.seconds - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(weaker, left, observer)
     govern = tuple(face for ground in grounds.values() for face in ground.skins if face.kh < found.upper)
+    as_given = min(ground.as_given for ground in grounds.values())
+    shallow = as_given if govern and as_given < min(found.upper, *(face.kh for face in govern)) else None
     analysed = grounds[found.directions[0].direction].section
-    return KhBounds(**vars(found), skins=govern, section=analysed, substitute=substitute)
+    return KhBounds(**vars(found), skins=govern, shallow=shallow, section=analysed, substitute=substitute)
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
@@ -126,8 +137,10 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
 def _ground_of(section: Section, fem: FemSettings, max_cells: int, direction: Direction) -> _Ground:
     one_way = fem.model_copy(update={"direction": direction})
     govern = tuple(governing_skins(section, one_way))
-    whole = strengthened(section, skins(section, one_way), one_way) if govern else section
-    return _Ground(one_way, max_cells, govern, whole)
+    if not govern:
+        return _Ground(one_way, max_cells, govern, np.inf, section)
+    whole = strengthened(section, skins(section, one_way), one_way)
+    return _Ground(one_way, max_cells, govern, _coarse_upper_bound(section, one_way, davis=False), whole)
 
 
 def _unstable(section: Section, upper: float) -> UnstableError:
@@ -141,13 +154,11 @@ def _unstable(section: Section, upper: float) -> UnstableError:
 def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:
     """The cohesionless faces whose grains roll down at a smaller Kh than the slope as a whole fails at.
 
-    They are compared with an upper bound on one coarse mesh, of the section and then of the section with these faces
-    strengthened, so that they may be a few too many, and none is missing. Raises what ``first_mesh`` raises.
+    They are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so that
+    they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing here: where
+    faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
     """
     faces = skins(section, fem, strengths(section.strata, davis)[1])
-    if faces:
-        upper = _coarse_upper_bound(section, fem, davis)
-        faces = [face for face in faces if face.kh < upper]
     if faces:
         upper = _coarse_upper_bound(strengthened(section, faces, fem), fem, davis)
         faces = [face for face in faces if face.kh < upper]

@@ -128,6 +128,7 @@ class FactorSearch:
         self.both_ways = False  # whether the lower bound is one for either direction of the push
         self.places: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
+        self.unborne_from = math.inf  # from this factor on no stress on this mesh balances the loads
 
     def find(self) -> None:
         """Narrow the factor down on ever finer triangles."""
@@ -196,10 +197,11 @@ class FactorSearch:
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> Trial:
         """Bounds for ground weakened by a factor; what they prove is kept."""
+        lower = lower and factor < self.unborne_from
         before = self.work.spent
         problem = self.problem(factor)
         low = high = stress = mechanism = None
-        left = self.work.left
+        left = self.work.left / (2.0 if lower and upper else 1.0)
         with one_more_thread(lower and upper) as executor:
             above = partial(proven_upper_bound, problem, left, self.place("upper", factor))
             begun = executor.submit(above) if upper else None
@@ -233,8 +235,9 @@ class FactorSearch:
         """Keep the work of a trial, where the next one may begin, and how many in a row the solver left without a
         bound, and without a proof that there is none."""
         self.work.spent += solution.work
+        self.work.ran_out = self.work.ran_out or solution.out_of_work
         self.places[side] = factor, solution.warm
-        self.failures[side] = self.failures[side] + 1 if unproven and not solution.none else 0
+        self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
 
     def place(self, side: BoundSide, factor: float) -> Warm | None:
         """Where a bound of ground weakened by a factor may begin: where that of about the same factor was."""
@@ -272,6 +275,7 @@ class FactorSearch:
         loaded = self.measure(trial.factor)
         if loaded.lower is None:
             self.gauge, self.seen = "kh", seen
+            self.unborne_from = trial.factor
             return trial
         self.slope = None
         return loaded
@@ -347,6 +351,7 @@ class FactorSearch:
             max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH,
             self.settings.max_cells / len(problem.mesh.cells),
         )
+        self.unborne_from = math.inf
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
 
 

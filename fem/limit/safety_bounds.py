@@ -23,6 +23,9 @@ from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
+# Times that a factor at which shallow ground slips is narrowed down, from between half of a known one and that: to 4 %.
+HALVINGS = 4
+
 # Why no finer triangles were made: the factor is close enough, no more triangles or work are allowed, or the solver
 # fails.
 FactorEnd = Literal["gap", "triangles", "time", "solver"]
@@ -32,7 +35,8 @@ FactorEnd = Literal["gap", "triangles", "time", "solver"]
 class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
-    ``skin`` is that at which grains roll down a cohesionless face, if below ``upper``; the ground down to the least
+    ``skin`` is that at which grains roll down a cohesionless face, or shallow ground slips where two of them meet, if
+    below ``upper``; the ground down to the least
     depth below such faces was then strengthened, as in the finite elements, and the bounds are of the slope as a whole:
     strict for the ground so strengthened. Without it they are strict for the ground as it is given. ``direction`` is
     that of the seismic force with which it fails, None without any; ``ended`` says why the bounds are not closer.
@@ -72,19 +76,45 @@ def safety_bounds(
     start, work = Start(kh, guess, davis, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     skin = least_rolling_factor(section, faces, kh, strengths(section.strata, davis)[1])
-    if skin is not None and not _fails_before(section, fem, settings, replace(start, factor=skin), work):
-        found = _bounds_of(strengthened(section, faces, fem), fem, settings, start, work)
-        if skin < found.upper:
-            return replace(found, skin=skin)
+    if skin is not None:
+        whole = strengthened(section, faces, fem)
+        if not _coarse(whole, fem, settings, start, work).fails_at(skin):
+            found = _bounds_of(whole, fem, settings, start, work)
+            if skin < found.upper:
+                return replace(found, skin=_coarse(section, fem, settings, start, work).least_failing(skin))
     return _bounds_of(section, fem, settings, start, work)
 
 
-def _fails_before(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> bool:
-    """Whether the section as it is given fails at a smaller factor than grains roll down its faces at, by a mechanism
-    on coarse triangles."""
+@dataclass(frozen=True)
+class _Coarse:
+    """Upper bounds of a section on coarse triangles, with the push to either side."""
+
+    searches: tuple[FactorSearch, FactorSearch]
+
+    def fails_at(self, factor: float) -> bool:
+        """Whether a mechanism fails when the strength is divided by ``factor``."""
+        for search in self.searches:
+            search.measure(factor, lower=False)
+            if search.upper <= factor:
+                return True
+        return False
+
+    def least_failing(self, factor: float) -> float:
+        """``factor`` itself, or a smaller one at which a mechanism fails: shallow ground slips before grains roll down,
+        where faces of unlike water or slope meet."""
+        if not self.fails_at(factor):
+            return factor
+        stands, fails = 0.5 * factor, factor
+        for _ in range(HALVINGS):
+            middle = math.sqrt(stands * fails)
+            stands, fails = (stands, middle) if self.fails_at(middle) else (middle, fails)
+        return fails
+
+
+def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> _Coarse:
     mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
-    searches = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
-    return any(search.measure(start.factor, lower=False) and search.upper <= start.factor for search in searches)
+    down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
+    return _Coarse((down, up))
 
 
 def _bounds_of(

@@ -67,7 +67,8 @@ LEAST_ITERATIONS = 40
 # breaks down, and the velocities below which Clarabel is as quick.
 INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 2e-4, 2.5, 2000
 # Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
-INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
+# However little work is left, it is given so many iterations.
+INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT, LEAST_INTERIOR_ITERATIONS = 1e6, 0.35, 1.1, 25
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +85,8 @@ class Solution:
         The stress σ at the corners, [xx, yy, xy].
     ended : str
         Empty where the solver met its tolerances, otherwise its status.
+    out_of_work : bool
+        Whether it ended before that because no more work was allowed.
     shear : ndarray (k,)
         The shear rate |(εxx - εyy, εxy)| at the corners that their yield condition, without the cut-off, is to blame
         for, times their weight.
@@ -112,6 +115,7 @@ class Solution:
     shear: np.ndarray
     torn: float
     ended: str
+    out_of_work: bool
     none: NoSolution | Literal[""]
     sure: bool
     iterations: int
@@ -158,25 +162,27 @@ def solve(
 
     Clarabel, where it ends without an answer, or meets its tolerances only almost and its equations badly, is asked
     again with the next of the ``regularisations``. Forces are handed to it ``magnified`` times as large: its residuals
-    count as absolute below one. After ``most_work`` (s of the reference machine) it ends with what it has. The
-    method of our own begins at a ``start`` where that suits, which only costs or saves time.
+    count as absolute below one. After ``most_work`` (s of the reference machine), and a few iterations at least, both
+    methods together end with what they have. The method of our own begins at a ``start`` where that suits, which only
+    costs or saves time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
-    ask = partial(_by_clarabel, regularisations, feasibility, most_work)
-    return _solve(program, INTERIOR_GAP, ask, magnified, start=start)
+    ask = partial(_by_clarabel, regularisations, feasibility)
+    return _solve(program, INTERIOR_GAP, ask, magnified, most_work, start=start)
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None) -> Solution:
     """The same of a program of elements, less exactly; the multiplier is the middle of the solver's own bracket."""
-    ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, math.inf)
+    ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
     return _solve(program, INTERIOR_GAP_OF_ELEMENTS, ask, in_the_middle=True, start=start)
 
 
 def _solve(
     program: ConeProgram,
     gap: float,
-    ask_clarabel: "Callable[[Assembled, float], _End]",
+    ask_clarabel: "Callable[[Assembled, float, float], _End]",
     magnified: float = 1.0,
+    most_work: float = math.inf,
     in_the_middle: bool = False,
     start: Warm | None = None,
 ) -> Solution:
@@ -186,8 +192,11 @@ def _solve(
     data = assembled(program, clay)
     started, own = time.thread_time(), None
     if n >= LEAST_VELOCITIES and cholmod.available():
-        own = _by_interior_point(program, data, magnified, gap, start)
-    end = own if own is not None and own.status in MET else ask_clarabel(data, magnified)
+        own = _by_interior_point(program, data, magnified, gap, most_work, start)
+    if own is not None and (own.status in MET or own.out_of_work):
+        end = own
+    else:
+        end = ask_clarabel(data, magnified, most_work - (own.work if own is not None else 0.0))
     if own is not None and end is not own:
         end = replace(end, work=end.work + own.work, iterations=end.iterations + own.iterations, fallback=True)
     x, z = end.x, end.z
@@ -200,6 +209,7 @@ def _solve(
         shear=data.shear @ x,
         torn=float(data.torn @ x),
         ended="" if end.status in MET else end.status,
+        out_of_work=end.out_of_work,
         none=INFEASIBLE.get(end.status.removeprefix("Almost")) or "",
         sure=end.sure,
         iterations=end.iterations,
@@ -224,19 +234,24 @@ class _End:
     middle: float | None = None
     fallback: bool = False
     warm: Warm | None = None
+    out_of_work: bool = False
 
 
 def _by_interior_point(
-    program: ConeProgram, data: Assembled, magnified: float, gap: float, start: Warm | None = None
+    program: ConeProgram, data: Assembled, magnified: float, gap: float, most_work: float, start: Warm | None = None
 ) -> _End:
     """The end of the interior-point method of our own; from the beginning where a ``start`` leads nowhere."""
     form, order = standard(program, data, magnified)
     warm = start if start is not None and start.suits(form) else None
     try:
         matrix = warm.matrix if warm else CornerMatrix(form.rates)
+        cost = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT
+        most = interior_point.MOST_ITERATIONS
+        if most_work < most * cost:
+            most = max(LEAST_INTERIOR_ITERATIONS, int(most_work / cost))
         iterations = 0
         for place in (warm.place, None) if warm else (None,):
-            found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place)
+            found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place, most)
             iterations += found.iterations
             met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
             if met:
@@ -245,15 +260,15 @@ def _by_interior_point(
         return _End(type(error).__name__, np.empty(0), np.empty(0), False, 0, 0.0)
     z = np.empty(len(found.z))
     z[order] = found.z / magnified
-    work = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT * iterations
+    work = cost * iterations
     middle = 0.5 * (found.primal + found.dual) / magnified
     kept = Warm(found.warm, matrix, form) if found.warm else None
     status = "Solved" if met else "NumericalError"
-    return _End(status, found.y, z, met, iterations, work, middle, warm=kept)
+    return _End(status, found.y, z, met, iterations, work, middle, warm=kept, out_of_work=not met and work >= most_work)
 
 
 def _by_clarabel(
-    regularisations: Sequence[float], feasibility: float, most_work: float, data: Assembled, magnified: float
+    regularisations: Sequence[float], feasibility: float, data: Assembled, magnified: float, most_work: float
 ) -> _End:
     """The end of Clarabel with the first of some regularisations that leads to one, or with the best of them."""
     ends: list[clarabel.DefaultSolution] = []
@@ -268,7 +283,10 @@ def _by_clarabel(
     found = min(ends, key=_poorness)
     x, z = np.asarray(found.x), np.asarray(found.z) / magnified
     iterations = sum(end.iterations for end in ends)
-    return _End(str(found.status), x, z, _poorness(found) <= 1, iterations, work)
+    poorness = _poorness(found)
+    return _End(
+        str(found.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and work >= most_work
+    )
 
 
 def _solved(

@@ -105,14 +105,15 @@ def interior_solution(
     matrix: CornerMatrix,
     heed: Callable[[], None],
     start: Place | None = None,
+    most_iterations: int = MOST_ITERATIONS,
 ) -> Iterate:
     """The solution to a relative ``gap``, of a program whose costs are ``unit`` times as large as the multiplier.
 
-    ``heed`` is called before each iteration. Where it breaks down it is the best place that meets the equations, if
-    there is one. A ``start`` is a place that the same mesh with another strength went through: from well inside the
-    cones half of the iterations do, from near the solution it often breaks down.
+    ``heed`` is called before each of ``most_iterations``, at most. Where it breaks down it is the best place that meets
+    the equations, if there is one. A ``start`` is a place that the same mesh with another strength went through: from
+    well inside the cones half of the iterations do, from near the solution it often breaks down.
     """
-    return _Method(given, unit, gap, matrix).run(heed, start)
+    return _Method(given, unit, gap, matrix).run(heed, start, most_iterations)
 
 
 class _BreakdownError(ArithmeticError):
@@ -149,13 +150,13 @@ class _Method:
         """The cones of a vector of rows, as a view (cones, 3)."""
         return v[self.first : self.lones].reshape(-1, 3)
 
-    def run(self, heed: Callable[[], None], start: Place | None) -> Iterate:
+    def run(self, heed: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
         """Iterations until the tolerances are met, or no more can be done."""
         y, z, s = start or self.start()
         warm = start
         best: Iterate | None = None
         late = 0
-        for iteration in range(1 + (MOST_ITERATIONS if start is None else MOST_WARM)):
+        for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM))):
             heed()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)

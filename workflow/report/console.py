@@ -117,6 +117,9 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
             f"Grains roll down the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
             f"What follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
         )
+    if answer.shallow is not None:
+        when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
+        yield f"Where such faces meet, ground above that depth slips {when}: it needs cohesion, or protection."
     yield f"{proven(bool(answer.skins))} with ψ = φ, the upper one for every ψ: {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason

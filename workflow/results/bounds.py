@@ -142,6 +142,9 @@ class BoundsAnswer(BracketPart, Answer):
     substitute: BracketPart | None = Field(description="bounds of Davis's substitute, where ψ < φ")
     safety: tuple[SafetyPart, ...] = Field(default=(), description="factors of safety, where they were asked for")
     skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
+    shallow: float | None = Field(
+        default=None, description="Kh at which ground above that depth slips at the latest, where two such faces meet"
+    )
     least_depth: float = Field(description="how deep failures of such faces are left out (m)")
     sides: Sides
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")

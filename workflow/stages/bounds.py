@@ -107,6 +107,7 @@ def answer_of(config: Config, found: "KhBounds", asked: BoundsSettings, seconds:
         flow="associated, ψ = φ",
         substitute=bracket_part(found.substitute, asked) if found.substitute else None,
         skins=tuple(SkinPart.model_validate(face) for face in found.skins),
+        shallow=found.shallow,
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,
         vertical=config.fem.vertical,

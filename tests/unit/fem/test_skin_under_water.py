@@ -222,3 +222,32 @@ def assert_linear(mesh: Any, pressure: Pressure, film: float) -> None:
         over = at_ends(mesh, corner, np.arange(len(middle)), ends).mean(axis=1) - half
         assert over.min() > -250.0
         assert over.max() < 0.5 * WATER * film + 250.0
+
+
+def bank_with_a_short_wet_face() -> Section:
+    """A low-water bank of 1:2 whose table leaves the pond on the face and rises inwards, below a crust of clay."""
+    crust = soil("Crust", bottom={"elevation": [[26.0, 9.0], [50.0, 9.0]]}, cohesion="25 kPa", friction_angle="0 deg")
+    sand = soil("Sand", cohesion=0.0, friction_angle="31 deg", density="18.5 kN/m^3")
+    sand["density_saturated"] = sand["density"]
+    table = [[0.0, 8.5], [25.0, 8.5], [36.0, 9.8], [50.0, 9.8]]
+    ground = {"surface": [[0.0, 6.0], [20.0, 6.0], [28.0, 10.0], [50.0, 10.0]], "base": {"elevation": 2.0}}
+    return Section.parse({"name": "bank", **ground, "water": {"table": table}, "strata": [crust, sand]})
+
+
+def test_where_two_faces_meet_the_bounds_are_those_of_the_slope_as_a_whole() -> None:
+    """Finer triangles find ever smaller mechanisms where the water meets such a face, 0.03 and less; the slope as a
+    whole bears 0.0768 to 0.0784 (30 s of work), elements 0.0768 to 0.0776."""
+    found = kh_bounds(bank_with_a_short_wet_face(), FemSettings(), BoundsSettings(seconds=6.0))
+    assert [round(face.kh, 3) for face in found.skins if face.start < 25.0] == [0.036]
+    assert 0.07 < found.lower < 0.0784
+    assert 0.0768 < found.upper < 0.09
+    assert found.shallow is None or found.shallow < 0.0364
+
+
+def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
+    """A mesh is begun only where its work is likely to fit, and no attempt may take more than is left, but for the few
+    iterations that any program is given."""
+    found = kh_bounds(bank_with_a_short_wet_face(), FemSettings(), BoundsSettings(seconds=2.0))
+    work = sum(mesh.work for one in found.directions for mesh in one.meshes)
+    assert work < 2.4
+    assert found.ended == "time"
