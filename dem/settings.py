@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import AfterValidator, Field, StrictBool, model_validator
 
 from meshes.section.cutting import by_stratum
+from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length, Quantity, Strength
-from meshes.section.record_of_motion import RecordComponent, RecordUnit
 from meshes.section.recorded_kh import RecordedKh
 from meshes.section.section import Model, Section
 

@@ -8,8 +8,8 @@ from pydantic import Field, StrictBool
 from dem.settings import DemSettings, SlideSettings
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.model import Model
+from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit
 from meshes.section.quantity import Coordinate, Length
-from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.settings import MeshSettings
 from workflow.criteria.settings import CriteriaSettings
 from workflow.earthquake.accelerogram import Accelerogram

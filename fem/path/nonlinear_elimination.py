@@ -10,12 +10,11 @@ Stress is positive in tension; Pa, m, N per metre out of plane.
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import SuperLU
+from scipy.sparse.linalg import SuperLU, splu
 
 from fem.continuum.plane_strain import Part, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
 from fem.path.line_search import Descent
-from fem.solvers.sparse_cholesky import factorised
 
 # A node whose unbalanced force is this share of the largest belongs to a pocket, with so many rings of cells around it.
 SHARE, RINGS = 0.2, 5
@@ -98,3 +97,12 @@ def _stiffness(part: Part, tangent: np.ndarray, number: np.ndarray) -> SuperLU:
     moving = (rows >= 0) & (columns >= 0)
     size = int(number.max()) + 1
     return factorised(sparse.csc_matrix((elements[moving], (rows[moving], columns[moving])), shape=(size, size)))
+
+
+def factorised(matrix: sparse.spmatrix) -> SuperLU:
+    """The factors of a matrix, with pivots on its diagonal and the minimum degree ordering that SuperLU wants for them.
+
+    Raises RuntimeError if it is singular.
+    """
+    options = {"SymmetricMode": True}
+    return splu(sparse.csc_matrix(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)

@@ -7,13 +7,12 @@ lie on each other still do, and none crosses another.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from meshes.section.polyline import Line, Points, limits
-from meshes.section.simplified import needed
+from meshes.section.simplified import needed, with_farthest
 from meshes.section.stratum import Stratum
 from meshes.section.water import Water
 
@@ -156,24 +155,15 @@ def kept(x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.nd
     tolerance : float
         By how much a line may differ from the chord between places that stay.
     """
-    keep = fixed.copy()
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
-    ends = np.flatnonzero(fixed)
-    waiting = [(int(a), int(b)) for a, b in pairwise(ends)]
-    while waiting:
-        first, last = waiting.pop()
-        if last - first < 2:
-            continue
+
+    def off(first: int, last: int) -> np.ndarray:
         share = (x[first + 1 : last] - x[first]) / (x[last] - x[first])
         straight = right[:, first, None] + share * (left[:, last] - right[:, first])[:, None]
-        off = np.abs(left[:, first + 1 : last] - straight)
-        off = np.where(np.isfinite(off), off, 0.0).max(axis=0)
-        worst = int(np.argmax(off))
-        if off[worst] > tolerance:
-            middle = first + 1 + worst
-            keep[middle] = True
-            waiting += [(first, middle), (middle, last)]
-    return keep
+        away = np.abs(left[:, first + 1 : last] - straight)
+        return np.asarray(np.where(np.isfinite(away), away, 0.0).max(axis=0))
+
+    return with_farthest(fixed, off, tolerance)
 
 
 def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:

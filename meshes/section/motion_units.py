@@ -2,7 +2,9 @@
 
 import re
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field
 
 from meshes.section.quantity import GRAVITY
 
@@ -76,3 +78,15 @@ def checked(written: str) -> str:
     if written and motion_unit(written) is None:
         raise ValueError(f"not a unit of ground motion; {EXPECTED}")
     return written
+
+
+RecordUnit = Annotated[
+    str,
+    AfterValidator(checked),
+    Field(description='the unit of the record where its heading names none: "g", "m/s^2", "gal", "cm/sec^2", "%g"'),
+]
+RecordComponent = Annotated[
+    str,
+    Field(description='which component of a file with several, as its heading names it, such as "EW", or its number'),
+]
+RecordScale = Annotated[float, Field(gt=0.0, le=100.0, description="a number that multiplies the record, above 0")]

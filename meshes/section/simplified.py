@@ -1,5 +1,6 @@
 """Lines with the points that they need: Douglas & Peucker (1973), with distances measured upwards."""
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -24,17 +25,28 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
     keep[[0, -1]] = True
     steps = np.flatnonzero(np.diff(points[:, 0]) == 0.0)
     keep[steps] = keep[steps + 1] = True
+
+    def off(first: int, last: int) -> np.ndarray:
+        (x0, z0), (x1, z1) = points[first], points[last]
+        inner = points[first + 1 : last]
+        return np.abs(inner[:, 1] - (z0 + (z1 - z0) * (inner[:, 0] - x0) / (x1 - x0)))
+
+    return with_farthest(keep, off, tolerance)
+
+
+def with_farthest(fixed: np.ndarray, off: Callable[[int, int], np.ndarray], tolerance: float) -> np.ndarray:
+    """The places (n,) that are ``fixed``, and between two of these that which is farthest ``off`` the chord from the
+    first to the last, time and again, until none is farther off than the tolerance."""
+    keep = fixed.copy()
     ends = np.flatnonzero(keep)
     waiting = [(int(a), int(b)) for a, b in pairwise(ends)]
     while waiting:
         first, last = waiting.pop()
         if last - first < 2:
             continue
-        (x0, z0), (x1, z1) = points[first], points[last]
-        inner = points[first + 1 : last]
-        off = np.abs(inner[:, 1] - (z0 + (z1 - z0) * (inner[:, 0] - x0) / (x1 - x0)))
-        worst = int(np.argmax(off))
-        if off[worst] > tolerance:
+        far = off(first, last)
+        worst = int(np.argmax(far))
+        if far[worst] > tolerance:
             middle = first + 1 + worst
             keep[middle] = True
             waiting += [(first, middle), (middle, last)]

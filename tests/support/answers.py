@@ -7,9 +7,8 @@ from fem.continuum.strength import flow_of
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
-from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, PathVerdict
+from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, PathVerdict, Variant
 from workflow.results.results import Results
-from workflow.results.variants import Variant
 from workflow.run.store import Store
 
 

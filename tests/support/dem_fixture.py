@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import workflow.stages
+from meshes.errors import NoAnswerError
 from meshes.executor import Executor
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
@@ -35,7 +36,6 @@ from workflow.results.discs import (
     SlipSurfaces,
 )
 from workflow.results.history import write_histories
-from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store

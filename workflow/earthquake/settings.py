@@ -8,8 +8,8 @@ from pydantic import Field
 
 from dem.settings import SlideSettings
 from meshes.errors import InputError
+from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit
 from meshes.section.quantity import GRAVITY, Coordinate, Density, Length
-from meshes.section.record_of_motion import RecordComponent, RecordScale, RecordUnit
 from meshes.section.section import Model
 from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import STRONG, Accelerogram

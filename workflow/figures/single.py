@@ -3,6 +3,8 @@
 import ctypes
 import os
 import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,6 @@ from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs
 from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Sheet, Window, render
-from workflow.figures.fields import FIELDS, Field
 from workflow.figures.ground import foot
 from workflow.results.discs import SETS
 from workflow.results.fem_states import FemResults
@@ -27,6 +28,34 @@ from workflow.results.results import Results
 from workflow.run.stage import Job
 
 SAME_KH = 5e-4  # Kh is given with three digits
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a state: what it is with its unit, its values by cell or by point, and its colours."""
+
+    label: str
+    values: Callable[[State], np.ndarray]
+    colours: str = "viridis"
+    by_point: bool = False
+
+
+def _stress(component: int) -> Callable[[State], np.ndarray]:
+    return lambda state: state.stress[:, component] / 1e3
+
+
+FIELDS: Mapping[str, Field] = {
+    "displacement": Field("displacement (m)", lambda state: np.hypot(*state.displacement.T), by_point=True),
+    "displacement_x": Field("displacement to the right (m)", lambda state: state.displacement[:, 0], by_point=True),
+    "displacement_z": Field("displacement upwards (m)", lambda state: state.displacement[:, 1], by_point=True),
+    "mobilised": Field("mobilised share of strength (-)", lambda state: state.mobilised, "YlOrRd"),
+    "shear_strain": Field("largest shear strain (-)", lambda state: state.shear_strain, "magma_r"),
+    "plastic_shear_strain": Field("plastic shear strain (-)", lambda state: state.plastic_shear_strain, "magma_r"),
+    "stress_xx": Field("stress xx (kPa), tension positive", _stress(0)),
+    "stress_yy": Field("stress yy (kPa), tension positive", _stress(1)),
+    "stress_zz": Field("stress zz (kPa), tension positive", _stress(2)),
+    "stress_xy": Field("stress xy (kPa)", _stress(3)),
+}
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:

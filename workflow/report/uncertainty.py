@@ -9,10 +9,9 @@ from workflow.report.findings import fail_alike
 from workflow.report.flow_rule import WHEN, critical_with_flow
 from workflow.report.numbers import listed
 from workflow.results.bounds import BoundsAnswer
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
-from workflow.results.variants import Variant
 
 NO_MORE = 0.005  # a share of Kh that is none in whole per cent
 SIDES: Mapping[Sides, str] = {

@@ -21,8 +21,7 @@ from pydantic import (
 
 from meshes.section.section import Section
 from workflow.renamed import current_answer
-from workflow.run.errors import OtherVersionError
-from workflow.run.store import Store
+from workflow.run.store import OtherVersionError, Store
 
 Point = tuple[float, float]
 Line = tuple[Point, ...]

@@ -197,3 +197,33 @@ class FemAnswer(Answer):
     def last_in_equilibrium(self) -> KeptState | None:
         """The last state of the path, which shows the failure mechanism."""
         return next((state for state in reversed(self.states) if not state.past_equilibrium), None)
+
+
+class Variant(Part):
+    """One change, and the critical Kh with it; None where there is none."""
+
+    name: str
+    change: str = Field(description="what is changed, in words")
+    kc: float | None
+    kc_upper: float | None
+    verdict: PathVerdict | Literal["no answer"]
+    reason: str
+    seconds: float = Field(description="computing time")
+    kc_without: float | None = Field(
+        default=None,
+        description="the critical Kh without the change, where both were found on a coarser mesh than the answer",
+    )
+
+    def of(self, kc: float) -> float | None:
+        """What the change makes of the critical Kh ``kc`` of the answer: on another mesh, by the same ratio."""
+        if self.kc is None or self.kc_without is None:
+            return self.kc
+        return kc * self.kc / self.kc_without
+
+
+class VariantsAnswer(Answer):
+    """Every change that was asked for."""
+
+    FILE: ClassVar[str] = "fem/variants.json"
+
+    variants: tuple[Variant, ...]

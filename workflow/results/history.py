@@ -9,8 +9,7 @@ from pydantic import TypeAdapter
 
 from dem.slides.row import Row
 from meshes.errors import InputError
-from workflow.run.errors import OtherVersionError
-from workflow.run.store import Store
+from workflow.run.store import OtherVersionError, Store
 
 FILE = "dem/history.csv"
 COLUMNS = ["set", "case", *(field.name for field in fields(Row))]

@@ -12,7 +12,7 @@ from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import FemAnswer, VariantsAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.liquefied import LiquefiedAnswer
@@ -20,7 +20,6 @@ from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import TriggeringAnswer
-from workflow.results.variants import VariantsAnswer
 from workflow.run.plan import changes, is_of_this_input, made_from
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage

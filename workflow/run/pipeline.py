@@ -10,10 +10,10 @@ from pathlib import Path
 from threading import RLock
 from typing import Protocol
 
+from meshes.errors import NoAnswerError
 from meshes.executor import SERIAL, Tell, interruptible, then
 from workflow.config import Config
 from workflow.run import mesh_options
-from workflow.run.errors import NoAnswerError
 from workflow.run.fingerprint import title
 from workflow.run.lock import locked
 from workflow.run.log import Log

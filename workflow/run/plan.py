@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 from meshes.errors import InputError
-from workflow.run.errors import OtherVersionError
 from workflow.run.fingerprint import PROGRAM, fingerprint_of, inputs, title
 from workflow.run.record import Record
 from workflow.run.stage import Job, Stage
+from workflow.run.store import OtherVersionError
 
 Action = Literal["run", "redraw", "reuse", "off"]
 

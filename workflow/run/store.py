@@ -32,6 +32,10 @@ def _by_numbers(name: str) -> list[str | int]:
     return [int(part) if part.isdigit() else part for part in re.split(r"([0-9]+)", name)]
 
 
+class OtherVersionError(InputError):
+    """A file that this version of the program did not write: a key is missing, or unknown, or of another kind."""
+
+
 class Store:
     """The folder of one run; docs/reference/files.md names its files."""
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, assert_never
 
 from fem.errors import UnstableError
 from fem.settings import LEAST_KH, BoundsSettings
+from meshes.errors import NoAnswerError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import (
@@ -21,7 +22,6 @@ from workflow.results.bounds import (
     VelocityResiduals,
     Verdict,
 )
-from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:

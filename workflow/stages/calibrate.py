@@ -1,12 +1,12 @@
 """The stage `calibrate`: discs of the section, brought to fail at the Kh of a continuum that is like them."""
 
 from fem.settings import WITHOUT_EFFECT
+from meshes.errors import NoAnswerError
 from workflow.config import Config
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import DiscsAnswer
 from workflow.results.like_discs import LikeDiscs
-from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 
 

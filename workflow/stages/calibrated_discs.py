@@ -33,6 +33,7 @@ from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
+from meshes.errors import NoAnswerError
 from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.recorded_kh import in_name
 from workflow.config import Config
@@ -51,7 +52,6 @@ from workflow.results.discs import (
     SlipSurfaces,
 )
 from workflow.results.journal import Journal
-from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file

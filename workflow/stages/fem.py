@@ -6,6 +6,8 @@ import numpy as np
 
 from fem.continuum.strength import Flow
 from fem.search.doubts import is_doubtful
+from fem.search.slip_surface import slip_surface
+from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import Line, SectionLabel, line
@@ -17,15 +19,14 @@ from workflow.results.continuum import (
     MeshCount,
     MeshStep,
     OtherWay,
+    RigidBox,
     SkinFailure,
 )
 from workflow.results.stored_mesh import FEM_FILE
-from workflow.run.errors import NoAnswerError
 from workflow.run.progress import Progress, silent
 from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.stages.rigid_box import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.continuum.fields import State
@@ -98,8 +99,6 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
 
 def answer_of(config: Config, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
-    from fem.search.slip_surface import slip_surface
-
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
     surface = line(slip_surface(mesh, result.mechanism))
@@ -179,8 +178,6 @@ def _kept(mesh: "QuadMesh", state: "State", surface: Line) -> KeptState:
 
 
 def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
-    from fem.search.slip_surface import slip_surface
-
     result, rest = found.result, found.rounds[-1].rest if found.rounds else np.inf
     return FactorOfSafety(
         kh=result.kh,
@@ -221,6 +218,21 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["State"], stor
     store.write_collection(COLLECTION, entries)
     kept = {f"fem/{fields_file(number)}" for number in range(len(entries))}
     store.remove(sorted(set(store.matching(["fem/fields_*.vtu"])) - kept))
+
+
+def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = None) -> RigidBox:
+    """What is kept of a search with fixed sides; ``depth`` (m): failures of cohesionless faces that are less deep were
+    left out."""
+    return RigidBox(
+        kc=found.result.kc,
+        kc_upper=found.result.upper,
+        flow=found.result.flow,
+        verdict=found.result.verdict,
+        reason=found.result.reason,
+        slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
+        curve=tuple(found.result.steps),
+        deeper_than_m=depth,
+    )
 
 
 STAGE = Stage(

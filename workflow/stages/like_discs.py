@@ -14,7 +14,7 @@ from workflow.results.continuum import FemAnswer, displacement_at
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.stored_mesh import stored_mesh
 from workflow.run.store import Store
-from workflow.stages.rigid_box import rigid_box_of
+from workflow.stages.fem import rigid_box_of
 
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.material_points import PointCase, PointSlidesAnswer
-from workflow.run.errors import NoAnswerError
 from workflow.run.stage import Job, Stage
 from workflow.stages.liquefaction import cases_as_data, liquefying, lowest_factors
 

@@ -10,8 +10,7 @@ from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError
 from meshes.executor import Tell
 from workflow.config import Config
-from workflow.results.continuum import FemAnswer
-from workflow.results.variants import Variant, VariantsAnswer
+from workflow.results.continuum import FemAnswer, Variant, VariantsAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 

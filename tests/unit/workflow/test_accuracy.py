@@ -9,8 +9,7 @@ from tests.support.sections import slope
 from workflow.config import Config
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error, of_meshes, rounded_up
 from workflow.report.findings import findings
-from workflow.results.continuum import FemAnswer, MeshStep
-from workflow.results.variants import VariantsAnswer
+from workflow.results.continuum import FemAnswer, MeshStep, VariantsAnswer
 
 RUN = Config.parse(slope())
 

@@ -20,8 +20,7 @@ from workflow.results.continuum import PathStep, displacement_at
 from workflow.results.discs import DiscsAnswer
 from workflow.results.history import SlideHistory, read_histories, write_histories
 from workflow.results.journal import Journal
-from workflow.run.errors import OtherVersionError
-from workflow.run.store import Store
+from workflow.run.store import OtherVersionError, Store
 
 
 @pytest.fixture

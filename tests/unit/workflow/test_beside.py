@@ -9,11 +9,10 @@ from typing import Any, TypeVar
 
 import pytest
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Executor, Tell
 from tests.support.toy_stages import Heard, Toys, stage
 from workflow.run import pipeline
-from workflow.run.errors import NoAnswerError
 from workflow.run.plan import Choice
 from workflow.run.record import Record
 from workflow.run.stage import Job

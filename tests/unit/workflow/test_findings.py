@@ -12,10 +12,9 @@ from workflow.report.findings import fail_alike, findings, springs_of
 from workflow.report.numbers import about, between, coefficient, listed, metres, rough, span
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CaseAnswer, CasesAnswer, Profile, RandomCase, RandomPackings, Seed, Spread
-from workflow.results.continuum import Doubt, OtherWay, PathStep, SkinFailure
+from workflow.results.continuum import Doubt, OtherWay, PathStep, SkinFailure, VariantsAnswer
 from workflow.results.like_discs import LikeDiscs
 from workflow.results.results import Results
-from workflow.results.variants import VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
 

@@ -16,8 +16,8 @@ from workflow.config import Config
 from workflow.report.page import page
 from workflow.report.summary import summary
 from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
-from workflow.results.variants import VariantsAnswer
 
 
 def html(found: Results) -> str:

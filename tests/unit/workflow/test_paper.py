@@ -9,9 +9,9 @@ from workflow.config import Config
 from workflow.report.paper import is_s13, rows
 from workflow.report.uncertainty import doubts
 from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import Variant, VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.summary import PaperRow
-from workflow.results.variants import Variant, VariantsAnswer
 from workflow.run.record import Entry
 from workflow.run.store import Store
 

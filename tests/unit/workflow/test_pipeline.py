@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from meshes.errors import InputError
+from meshes.errors import InputError, NoAnswerError
 from tests.support.toy_stages import ALL_OF_THEM, Heard, Toys, leaves
 from workflow.run import pipeline
-from workflow.run.errors import NoAnswerError
 from workflow.run.plan import Choice, plan
 from workflow.run.record import Record
 from workflow.run.stage import Job
