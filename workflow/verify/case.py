@@ -76,6 +76,11 @@ def read_case(path: Path) -> Case:
 
 
 def read_cases(folder: Path, names: Sequence[str] = ()) -> list[Case]:
+    """The `case_files` of a folder as they are read."""
+    return [read_case(path) for path in case_files(folder, names)]
+
+
+def case_files(folder: Path, names: Sequence[str]) -> list[Path]:
     """The cases of a folder in the order of their names; some only, or those whose names begin with one of ``names``.
 
     Capitals are those of anybody. Raises InputError if the folder has none, or one that is asked for is missing.
@@ -88,8 +93,7 @@ def read_cases(folder: Path, names: Sequence[str] = ()) -> list[Case]:
     missing = [name for name in starts if not any(stem.startswith(name) for stem in stems)]
     if missing:
         raise InputError(str(folder), [f'there is no case "{name}"{_hint(name, stems)}' for name in missing])
-    wanted = [path for path, stem in zip(files, stems, strict=True) if not names or stem.startswith(tuple(starts))]
-    return [read_case(path) for path in wanted]
+    return [path for path, stem in zip(files, stems, strict=True) if not names or stem.startswith(tuple(starts))]
 
 
 def _hint(name: str, stems: Sequence[str]) -> str:

@@ -50,7 +50,7 @@ def run(
     record, version = folder / FILE, version_of(folder)
     rows = []
     for case in read_cases(folder, names):
-        answers = read_answers(record)
+        answers = read_answers(record, Answer)
         if parts:
             answers[case.name] = replace(answer(case, parts, answers.get(case.name)), commit=version)
             write_answers(record, answers)

@@ -86,9 +86,9 @@ def _page(folder: Path) -> Path:
     from workflow.verify.case import FOLDER, read_cases
     from workflow.verify.numbers import keep_numbers
     from workflow.verify.page import counts, write_page
-    from workflow.verify.record import FILE, read_answers
+    from workflow.verify.record import FILE, Answer, read_answers
 
-    cases, answers = read_cases(folder), read_answers(folder / FILE)
+    cases, answers = read_cases(folder), read_answers(folder / FILE, Answer)
     if folder == FOLDER:
         commits = [found.commit for found in answers.values()]
         keep_numbers(Path("docs"), "published", "noshiro verify --page", counts(cases, answers), commits)

@@ -47,11 +47,23 @@ def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> 
     """The page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
     parts = [_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
-    parts += ["## Remarks", _remarks(cases, answers, verdicts)]
+    remarks = {
+        case.name: [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]
+        for case in cases
+    }
+    return with_remarks(parts, remarks, folder)
+
+
+def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], folder: Path) -> str:
+    """A page of these parts, then the remarks on each case, and what the folder says was left out."""
+    lines = [
+        f"- **{name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in told)
+        for name, told in remarks.items()
+        if told
+    ]
     left_out = folder / LEFT_OUT
-    if left_out.exists():
-        parts += ["## Left out", left_out.read_text(encoding="utf-8").strip()]
-    return "\n\n".join(parts) + "\n"
+    last = ["## Left out", left_out.read_text(encoding="utf-8").strip()] if left_out.exists() else []
+    return "\n\n".join([*parts, "## Remarks", "\n".join(lines), *last]) + "\n"
 
 
 def numbers(found: Answer) -> str:
@@ -170,12 +182,3 @@ def _published(values: Sequence[Value]) -> str:
 def _number(value: Value) -> str:
     low, high = value.ends
     return f"{low:g}" if low == high else f"{low:g} to {high:g}"
-
-
-def _remarks(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mapping[str, CaseVerdict]) -> str:
-    lines = []
-    for case in cases:
-        remarks = [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]
-        if remarks:
-            lines.append(f"- **{case.name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in remarks))
-    return "\n".join(lines)

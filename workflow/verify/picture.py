@@ -28,6 +28,11 @@ def draw(section: Section, path: Path) -> None:
             axes.fill(*np.transpose(polygon), facecolor=soil_colour(k), edgecolor=INK, linewidth=0.5)
     axes.set_aspect("equal")
     axes.axis("off")
+    save_in_few_colours(figure, path)
+
+
+def save_in_few_colours(figure: Figure, path: Path) -> None:
+    """Write a figure as a small PNG."""
     drawn = io.BytesIO()
     FigureCanvasAgg(figure).print_png(drawn)
     Image.open(drawn).convert("RGB").quantize(COLOURS).save(path, optimize=True)

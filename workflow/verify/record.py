@@ -5,7 +5,7 @@ import subprocess
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -19,7 +19,17 @@ PARTS: tuple[Part, ...] = ("bounds", "associated", "davis")
 
 
 @dataclass(frozen=True)
-class Answer:
+class Named:
+    """What was found for the case of this name."""
+
+    name: str
+
+
+Kept = TypeVar("Kept", bound=Named)
+
+
+@dataclass(frozen=True)
+class Answer(Named):
     """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
 
     ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's substitute of ψ < φ; with each
@@ -27,7 +37,6 @@ class Answer:
     at ``skin``, all of these are of the slope as a whole. ``commit`` is the version of the program that found the last.
     """
 
-    name: str
     lower: float | None = None
     upper: float | None = None
     associated: float | None = None
@@ -55,18 +64,18 @@ def version_of(folder: Path) -> str:
     return told[0].strip() + ("+" if told[1] else "")
 
 
-def read_answers(path: Path) -> dict[str, Answer]:
-    """The answers in a file, none if there is no file; raises InputError if it is something else."""
+def read_answers(path: Path, kind: type[Kept]) -> dict[str, Kept]:
+    """The answers of a kind in a file, none if there is no file; raises InputError if it is something else."""
     if not path.exists():
         return {}
     try:
-        answers = TypeAdapter(list[Answer]).validate_json(path.read_bytes())
+        answers: list[Kept] = TypeAdapter(list[kind]).validate_json(path.read_bytes())  # type: ignore[valid-type]
     except ValidationError as error:
         raise InputError(str(path), ["these are not answers of `noshiro verify`; delete the file"]) from error
     return {found.name: found for found in answers}
 
 
-def write_answers(path: Path, answers: Mapping[str, Answer]) -> None:
-    """Write answers in the order of their names, whole or not at all."""
-    rows = [asdict(answers[name]) for name in sorted(answers)]
-    Store(path.parent).write_text(path.name, json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
+def write_answers(path: Path, answers: Mapping[str, Kept]) -> None:
+    """Write answers in the order of their names, a line each, whole or not at all."""
+    rows = [json.dumps(asdict(answers[name]), ensure_ascii=False) for name in sorted(answers)]
+    Store(path.parent).write_text(path.name, "[\n" + ",\n".join(rows) + "\n]\n")

@@ -9,11 +9,12 @@ from dem.problems.uniform_slope import G, newmark_shaken, newmark_slide
 from meshes.errors import InputError
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
+from workflow.verify.record import read_answers, write_answers
 from workflow.verify.slides.case import FOLDER, Column, SlideCase, UniformSlope, read_case, read_cases
 from workflow.verify.slides.collection import errors
 from workflow.verify.slides.page import text
 from workflow.verify.slides.predict import shaking_of_slope
-from workflow.verify.slides.record import SlideAnswer, read_answers, write_answers
+from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import bias, judge, right
 
 ROOT = Path(__file__).parents[3]
@@ -89,7 +90,7 @@ def test_verdicts() -> None:
 
 def test_answers_are_kept_and_told(tmp_path: Path) -> None:
     write_answers(tmp_path / "answers.json", {"column_33_100": answered(1.3, 1.0)})
-    answers = read_answers(tmp_path / "answers.json")
+    answers = read_answers(tmp_path / "answers.json", SlideAnswer)
     assert answers["column_33_100"].values == (1.3, 1.0)
     cases = [CASES["column_33_100"], CASES["vertical_cut_30"]]
     page = text(tmp_path, cases, answers)
@@ -106,7 +107,7 @@ def test_answers_are_kept_and_told(tmp_path: Path) -> None:
     ]
     (tmp_path / "answers.json").write_text("[1]")
     with pytest.raises(InputError, match="delete the file"):
-        read_answers(tmp_path / "answers.json")
+        read_answers(tmp_path / "answers.json", SlideAnswer)
 
 
 def test_the_error_of_the_model_is_the_factor_that_holds_two_thirds() -> None:

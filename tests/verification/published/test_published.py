@@ -10,7 +10,7 @@ from workflow.verify.answer import answer
 from workflow.verify.record import FILE, Answer, read_answers
 from workflow.verify.verdict import judge
 
-RECORDED = read_answers(PUBLISHED / FILE)
+RECORDED = read_answers(PUBLISHED / FILE, Answer)
 # Of processor time, for bounds to 3 %; the dozen is to take less than a minute.
 QUICK = 4.0
 ROUGHLY = BoundsSettings(gap=0.05, max_cells=1500)

@@ -7,15 +7,16 @@ import pytest
 
 from tests.support.published import PUBLISHED
 from workflow.estimates.slide_error import TABLE
+from workflow.verify.record import FILE, read_answers
 from workflow.verify.slides.case import read_cases
 from workflow.verify.slides.collection import errors
 from workflow.verify.slides.predict import predict
-from workflow.verify.slides.record import FILE, read_answers
+from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import judge
 
 SLIDES = PUBLISHED.parent / "slides"
 CASES = {case.name: case for case in read_cases(SLIDES)}
-RECORDED = read_answers(SLIDES / FILE)
+RECORDED = read_answers(SLIDES / FILE, SlideAnswer)
 
 
 def test_the_page_tells_of_every_case() -> None:

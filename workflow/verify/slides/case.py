@@ -1,5 +1,6 @@
 """A known slide: what was measured, and the problem that is put to the discs, in a TOML file each."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,6 +13,7 @@ from meshes.section.quantity import Angle, Length
 from meshes.section.section import Model, read_toml
 from workflow.after_triggering import config_after_triggering
 from workflow.config import Config
+from workflow.verify.case import case_files
 
 # Where the cases are in a checkout, seen from its top.
 FOLDER = Path("tests/verification/slides")
@@ -135,18 +137,6 @@ def read_case(path: Path) -> SlideCase:
     return SlideCase(name, title, known, config_after_triggering(Config.parse(data, str(path)), str(path)))
 
 
-def read_cases(folder: Path, names: tuple[str, ...] = ()) -> list[SlideCase]:
-    """The cases of a folder in the order of their names; some only, whose names begin with one of ``names``.
-
-    Raises InputError if the folder has none, or one that is asked for is missing.
-    """
-    files = sorted(folder.glob("*.toml"))
-    if not files:
-        raise InputError(str(folder), ["there are no cases in it; run this in a checkout, or name one with --folder"])
-    stems = [path.stem for path in files]
-    missing = [name for name in names if not any(stem.startswith(name.lower()) for stem in stems)]
-    if missing:
-        raise InputError(str(folder), [f'there is no case "{name}"; README.md in it names all' for name in missing])
-    return [
-        read_case(path) for path in files if not names or path.stem.startswith(tuple(name.lower() for name in names))
-    ]
+def read_cases(folder: Path, names: Sequence[str] = ()) -> list[SlideCase]:
+    """The `case_files` of a folder as they are read."""
+    return [read_case(path) for path in case_files(folder, names)]

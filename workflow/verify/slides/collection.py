@@ -3,15 +3,15 @@
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from workflow.estimates.slide_error import TABLE
 from workflow.run.store import Store
-from workflow.verify.record import version_of
+from workflow.verify.record import FILE, read_answers, version_of, write_answers
 from workflow.verify.slides.case import Ground, SlideCase, read_cases
-from workflow.verify.slides.predict import predict, with_commit
-from workflow.verify.slides.record import FILE, SlideAnswer, read_answers, write_answers
+from workflow.verify.slides.predict import predict
+from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import SlideVerdict, judge, judge_points
 
 
@@ -38,11 +38,13 @@ def run(
     """
     record, version = folder / FILE, version_of(folder)
     rows = []
-    for case in read_cases(folder, tuple(names)):
+    for case in read_cases(folder, names):
         if compute:
-            own = with_commit(predict(case, seeds), version)
-            write_answers(record, read_answers(record) | {case.name: own})  # others may have been at it meanwhile
-        found = read_answers(record).get(case.name)
+            own = replace(predict(case, seeds), commit=version)
+            write_answers(
+                record, read_answers(record, SlideAnswer) | {case.name: own}
+            )  # others may have been at it meanwhile
+        found = read_answers(record, SlideAnswer).get(case.name)
         rows.append(SlideRow(case, found, judge(case, found)))
         if tell:
             tell(rows[-1])

@@ -8,10 +8,11 @@ from rich.markup import escape
 
 from workflow.estimates import slide_error
 from workflow.verify.numbers import keep_numbers
+from workflow.verify.record import FILE, read_answers
 from workflow.verify.slides.case import FOLDER, read_cases
 from workflow.verify.slides.collection import run, write_errors
 from workflow.verify.slides.page import counts, number, told, write_page
-from workflow.verify.slides.record import FILE, read_answers
+from workflow.verify.slides.record import SlideAnswer
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -26,7 +27,7 @@ def verify_slides(
     place = folder or FOLDER
     rows = run(place, names, compute=not judge, seeds=packings, tell=lambda row: _tell(out, row))
     if page:
-        cases, answers = read_cases(place), read_answers(place / FILE)
+        cases, answers = read_cases(place), read_answers(place / FILE, SlideAnswer)
         out.print(str(write_page(place, cases, answers)), soft_wrap=True)
         if folder is None:
             commits = [found.commit for found in answers.values()]

@@ -1,14 +1,14 @@
 """The page of the known slides: a table of all cases, what was left out, and why."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from workflow.run.store import Store
+from workflow.verify.page import PAGE, PICTURES, with_remarks
 from workflow.verify.slides.case import SlideCase
 from workflow.verify.slides.record import SlideAnswer
 from workflow.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
 
-PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"
 GROUPS = ("theory", "experiment", "field")
 
 HEAD = f"""# Known slides
@@ -54,11 +54,7 @@ def text(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAn
         chosen = [case for case in cases if case.known.group == group]
         if chosen:
             parts += [f"## {group.capitalize()}", _table(chosen, answers, verdicts)]
-    parts += ["## Remarks", _remarks(cases, answers)]
-    left_out = folder / LEFT_OUT
-    if left_out.exists():
-        parts += ["## Left out", left_out.read_text(encoding="utf-8").strip()]
-    return "\n\n".join(parts) + "\n"
+    return with_remarks(parts, {case.name: list(_remarks(case, answers.get(case.name))) for case in cases}, folder)
 
 
 def told(verdict: SlideVerdict) -> str:
@@ -137,16 +133,11 @@ def _of_points(case: SlideCase, found: SlideAnswer) -> str:
     return "" if verdict is None else f"<br>{told(verdict)} ({verdict.word})"
 
 
-def _remarks(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
-    lines = []
-    for case in cases:
-        found = answers.get(case.name)
-        remarks = [f"source: {case.known.source}"]
-        if case.known.assumed:
-            remarks.append(f"assumed: {case.known.assumed}")
-        if found is not None and found.failure:
-            remarks.append(f"no prediction: {found.failure}")
-        if found is not None and found.rested and not all(found.rested):
-            remarks.append("it had not come to rest in every packing")
-        lines.append(f"- **{case.name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in remarks))
-    return "\n".join(lines)
+def _remarks(case: SlideCase, found: SlideAnswer | None) -> Iterator[str]:
+    yield f"source: {case.known.source}"
+    if case.known.assumed:
+        yield f"assumed: {case.known.assumed}"
+    if found is not None and found.failure:
+        yield f"no prediction: {found.failure}"
+    if found is not None and found.rested and not all(found.rested):
+        yield "it had not come to rest in every packing"

@@ -1,18 +1,16 @@
 """A picture of a known slide: its surface before and after, and how far it was measured to run."""
 
-import io
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from PIL import Image
 
 from workflow.figures.canvas import INK
+from workflow.verify.picture import DPI, save_in_few_colours
 from workflow.verify.slides.case import Column, SlideCase
 from workflow.verify.slides.record import SlideAnswer
 
-SIZE, DPI, COLOURS = (3.2, 1.25), 72, 16
+SIZE = (3.2, 1.25)
 BEFORE, AFTER, MEASURED = "#9a9a9a", "#c0392b", "#1f6fb2"
 
 
@@ -40,6 +38,4 @@ def draw(case: SlideCase, found: SlideAnswer, path: Path) -> None:
     axes.axhline(low, color=INK, linewidth=0.6)
     axes.set_aspect("equal", adjustable="datalim")
     axes.axis("off")
-    drawn = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(drawn)
-    Image.open(drawn).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+    save_in_few_colours(figure, path)

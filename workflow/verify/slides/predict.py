@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -225,8 +224,3 @@ _FINDERS: dict[type, Callable[[SlideCase, Any, int], Found]] = {
     UniformSlope: _uniform_slope,
     Ground: _section,
 }
-
-
-def with_commit(answer: SlideAnswer, commit: str) -> SlideAnswer:
-    """The answer, with the version of the program that found it."""
-    return replace(answer, commit=commit)
