@@ -6,7 +6,7 @@ takes a tenth of the time of a path.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -82,249 +82,222 @@ def strong_below(section: Section, faces: Sequence[Skin], settings: FemSettings)
     return strengthened(section, faces, settings) if faces else None
 
 
-def adapted_answer(
-    section: Section,
-    meshing: MeshSettings,
-    first: QuadMesh,
-    settings: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-    executor: Executor = SERIAL,
-) -> AdaptiveResult[AtOnce]:
-    """The critical Kh on meshes made for it, in the direction in which it is smaller; ``first`` alone if none are made.
+def _nobody(_: str) -> None:
+    """Hears nothing."""
 
-    A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
-    ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
+
+@dataclass(frozen=True)
+class AdaptiveSearch:
+    """What the answers for a section on meshes made for them have in common.
+
+    Attributes
+    ----------
+    section : Section
+        The ground.
+    meshing : MeshSettings
+        How it is meshed.
+    first : QuadMesh
+        The mesh to begin with, which is the only one where none are made.
+    comm : communicator
+        Of the ranks.
+    tell : callable
+        Is told what is being done.
+    executor : Executor
+        Looks for both directions side by side.
     """
 
-    def towards(direction: Direction, other: Callable[[], float]) -> AdaptiveResult[AtOnce]:
+    section: Section
+    meshing: MeshSettings
+    first: QuadMesh
+    comm: Any
+    tell: Callable[[str], None] = _nobody
+    executor: Executor = SERIAL
+
+    def critical(self, settings: FemSettings) -> AdaptiveResult[AtOnce]:
+        """The critical Kh, in the direction in which it is smaller.
+
+        A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
+        ``critical_coefficient``. Raises what ``critical_at_once`` does on the first mesh.
+        """
+        if settings.direction != "both":
+            return self._towards(settings.direction, settings, nothing)
+        begun = self.executor.submit(self._towards, "downhill", settings, nothing)
+        try:
+            up = self._towards("uphill", settings, lambda: begun.result().result.kc)
+        except NoAnswerError:
+            begun.result()  # what keeps that from an answer is told first
+            raise
+        down = begun.result()
+        if up.result.kc < down.result.kc and not up.leaves_through_sides:
+            return replace(up, other=down)
+        return replace(down, other=up)
+
+    def _towards(
+        self, direction: Direction, settings: FemSettings, other: Callable[[], float]
+    ) -> AdaptiveResult[AtOnce]:
         wish = settings.model_copy(update={"direction": direction})
-        faces = _rough_faces(section, first, wish, comm)
+        faces = self._rough_faces(self.first, wish)
 
         def solve(mesh: QuadMesh) -> AtOnce:
             nonlocal faces
-            listener(f"limit load of {len(mesh.cells)} cells, {direction}")
-            found = critical_at_once(section, mesh, wish, comm, faces)
+            self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
+            found = critical_at_once(self.section, mesh, wish, self.comm, faces)
             faces = found.ground.faces
             return found
 
         def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
-            return next_mesh(section, meshing, mesh, strain, cells, strong_below(section, faces or (), wish))
+            return self._next(mesh, strain, cells, faces or (), wish)
 
-        most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-        return solve_adaptively(first, remade, solve, Wish(settings.accuracy, most, other, LEAST_KH))
+        return solve_adaptively(
+            self.first, remade, solve, Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
+        )
 
-    if settings.direction != "both":
-        return towards(settings.direction, nothing)
-    begun = executor.submit(lambda: towards("downhill", nothing))
-    try:
-        up = towards("uphill", lambda: begun.result().result.kc)
-    except NoAnswerError:
-        begun.result()  # what keeps that from an answer is told first
-        raise
-    down = begun.result()
-    if up.result.kc < down.result.kc and not up.leaves_through_sides:
-        return replace(up, other=down)
-    return replace(down, other=up)
+    def _next(
+        self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[Skin], settings: FemSettings
+    ) -> QuadMesh:
+        """`next_mesh`, for ground that is strengthened below ``faces``."""
+        strong = strong_below(self.section, faces, settings)
+        return next_mesh(self.section, self.meshing, mesh, strain, cells, strong)
 
+    def _most_cells(self, settings: FemSettings) -> int:
+        """Cells of the finest mesh; 0 where none is made."""
+        return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
-def answer_beside(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[AtOnce],
-    other: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> AdaptiveResult[AtOnce]:
-    """What ``other`` settings, with ψ = φ, find on the mesh of ``found`` under the same forces, and on one with as many
-    cells that is made for the mechanism of that.
+    def beside(self, found: AdaptiveResult[AtOnce], other: FemSettings) -> AdaptiveResult[AtOnce]:
+        """What ``other`` settings, with ψ = φ, find on the mesh of ``found`` under the same forces, and on one with as
+        many cells that is made for the mechanism of that.
 
-    Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the mesh
-    of ``found``.
-    """
-    listener(f"limit load of {len(found.mesh.cells)} cells")
-    same = asked_again(found.result, section, found.mesh, other)
-    return _or_on_its_own(section, meshing, found, same, other, comm, listener)
+        Both are in the sequence, the smaller one is the result. Raises NoAnswerError if the solver leaves none on the
+        mesh of ``found``.
+        """
+        self.tell(f"limit load of {len(found.mesh.cells)} cells")
+        return self._or_on_its_own(found, asked_again(found.result, self.section, found.mesh, other), other)
 
+    def between_sides(self, found: AdaptiveResult[AtOnce], fixed: FemSettings) -> AdaptiveResult[AtOnce]:
+        """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``found`` was found with."""
+        mesh = found.mesh
+        self.tell(f"limit load of {len(mesh.cells)} cells")
+        faces = self._rough_faces(mesh, fixed) if len(found.rounds) < 2 else found.result.ground.faces
+        return self._or_on_its_own(found, critical_at_once(self.section, mesh, fixed, self.comm, faces), fixed)
 
-def answer_between(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[AtOnce],
-    fixed: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> AdaptiveResult[AtOnce]:
-    """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``found`` was found with."""
-    mesh = found.mesh
-    listener(f"limit load of {len(mesh.cells)} cells")
-    one_mesh = len(found.rounds) < 2
-    faces = _rough_faces(section, mesh, fixed, comm) if one_mesh else found.result.ground.faces
-    same = critical_at_once(section, mesh, fixed, comm, faces)
-    return _or_on_its_own(section, meshing, found, same, fixed, comm, listener)
+    def _or_on_its_own(self, found: AdaptiveResult[AtOnce], same: AtOnce, other: FemSettings) -> AdaptiveResult[AtOnce]:
+        """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if
+        that is less."""
+        first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
+        if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
+            return first
+        faces, strain = found.result.ground.faces, same.mechanism.plastic_shear_strain
+        try:
+            mesh = self._next(found.mesh, strain, len(found.mesh.cells), faces, other)
+            self.tell(f"limit load of {len(mesh.cells)} cells")
+            own = critical_at_once(self.section, mesh, other, self.comm, faces)
+        except NoAnswerError:
+            return first
+        if own.kc > same.kc:
+            return first
+        change = (same.kc - own.kc) / max(own.kc, SMALLEST_KH)
+        return AdaptiveResult(own, mesh, [*first.rounds, MeshRound(len(mesh.cells), own.kc, change, change)])
 
+    def beside_full_dilation(
+        self, found: AdaptiveResult[AtOnce], settings: FemSettings
+    ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce]]:
+        """``found``, and the answer with ψ = φ beside it.
 
-def _or_on_its_own(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[AtOnce],
-    same: AtOnce,
-    other: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> AdaptiveResult[AtOnce]:
-    """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if that is
-    less."""
-    first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
-    if same.mechanism is None or len(found.rounds) < 2:  # there is one mesh for all
-        return first
-    faces, strain = found.result.ground.faces, same.mechanism.plastic_shear_strain
-    try:
-        strong = strong_below(section, faces, other)
-        mesh = next_mesh(section, meshing, found.mesh, strain, len(found.mesh.cells), strong)
-        listener(f"limit load of {len(mesh.cells)} cells")
-        own = critical_at_once(section, mesh, other, comm, faces)
-    except NoAnswerError:
-        return first
-    if own.kc > same.kc:
-        return first
-    change = (same.kc - own.kc) / max(own.kc, SMALLEST_KH)
-    return AdaptiveResult(own, mesh, [*first.rounds, MeshRound(len(mesh.cells), own.kc, change, change)])
+        On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
+        than that of ``found``, this one was the poorer, and the answer is found anew on the other; what contradicts the
+        order afterwards is no matter of meshes. Raises what `beside` does.
+        """
+        full = settings.model_copy(update={"flow": "associated"})
+        beside = self.beside(found, full)
+        if beside.result.kc >= found.result.kc:
+            return found, beside
+        again = critical_at_once(self.section, beside.mesh, settings, self.comm, found.result.ground.faces)
+        last = replace(found.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
+        same = asked_again(again, self.section, beside.mesh, full)
+        return (
+            replace(found, result=again, mesh=beside.mesh, rounds=[*found.rounds[:-1], last]),
+            replace(beside, result=same),
+        )
 
+    def davis_beside(self, found: AdaptiveResult[AtOnce], settings: FemSettings) -> AdaptiveResult[AtOnce]:
+        """Davis's estimate of the critical Kh beside ``found``, which is with ψ = φ; 0 where the ground fails without
+        any.
 
-def beside_full_dilation(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[AtOnce],
-    settings: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce]]:
-    """``found``, and the answer with ψ = φ beside it.
+        On the mesh of ``found`` it is no more than that. Raises what `beside` does but for UnstableError.
+        """
+        try:
+            beside = self.beside(found, settings.model_copy(update={"flow": "davis"}))
+        except UnstableError:
+            beside = replace(found, result=replace(found.result, kc=-1.0, flow="davis"), other=None)
+        return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
 
-    On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less than
-    that of ``found``, this one was the poorer, and the answer is found anew on the other; what contradicts the order
-    afterwards is no matter of meshes. Raises what ``answer_beside`` does.
-    """
-    full = settings.model_copy(update={"flow": "associated"})
-    beside = answer_beside(section, meshing, found, full, comm, listener)
-    if beside.result.kc >= found.result.kc:
-        return found, beside
-    again = critical_at_once(section, beside.mesh, settings, comm, found.result.ground.faces)
-    last = replace(found.rounds[-1], cells=len(beside.mesh.cells), value=again.kc)
-    same = asked_again(again, section, beside.mesh, full)
-    return (
-        replace(found, result=again, mesh=beside.mesh, rounds=[*found.rounds[:-1], last]),
-        replace(beside, result=same),
-    )
+    def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
+        """The factor of safety at ``kh``; raises what ``safety_at_once`` does on the first mesh."""
+        guess = self._rough_safety(settings, kh)
+        faces = faces_at(self.section, settings, kh)
 
+        def solve(mesh: QuadMesh) -> SafetyFactor:
+            nonlocal guess
+            self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
+            found = safety_at_once(self.section, mesh, settings, kh, self.comm, guess)
+            guess = found.factor
+            return found
 
-def davis_beside(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[AtOnce],
-    settings: FemSettings,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> AdaptiveResult[AtOnce]:
-    """Davis's estimate of the critical Kh beside ``found``, which is with ψ = φ; 0 where the ground fails without any.
+        def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
+            return self._next(mesh, strain, cells, faces, settings)
 
-    On the mesh of ``found`` it is no more than that. Raises what ``answer_beside`` does but for UnstableError.
-    """
-    low = settings.model_copy(update={"flow": "davis"})
-    try:
-        beside = answer_beside(section, meshing, found, low, comm, listener)
-    except UnstableError:
-        beside = replace(found, result=replace(found.result, kc=-1.0, flow="davis"), other=None)
-    return beside if beside.result.kc > 0.0 else failing_by_itself(beside)
+        return solve_adaptively(
+            self.first, remade, solve, Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
+        )
+
+    def safety_beside(self, found: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
+        """The factor of safety by the flow rule of ``other`` settings on the mesh of ``found``, or on one of as many
+        cells that is made for its mechanism, if that is less; no less than ``found`` where that is Davis's estimate.
+
+        Raises what ``safety_at_once`` does.
+        """
+        same = safety_at_once(self.section, found.mesh, other, kh, self.comm, found.result.factor)
+        factor = same.factor
+        if same.mechanism is not None and len(found.rounds) > 1:
+            strain = same.mechanism.plastic_shear_strain
+            try:
+                faces = faces_at(self.section, other, kh)
+                mesh = self._next(found.mesh, strain, len(found.mesh.cells), faces, other)
+                factor = min(factor, safety_at_once(self.section, mesh, other, kh, self.comm, factor).factor)
+            except NoAnswerError:
+                pass
+        return max(factor, found.result.factor) if other.flow == "associated" else factor
+
+    def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[Skin] | None:
+        """The cohesionless faces to strengthen where a ``first`` mesh has many cells, as found on one of few; None
+        where it has to tell itself, in one more limit load."""
+        rough = self._rough_mesh(first)
+        try:
+            return critical_at_once(self.section, rough, settings, self.comm).ground.faces if rough else None
+        except NoAnswerError:
+            return None
+
+    def _rough_safety(self, settings: FemSettings, kh: float) -> float:
+        """Where to begin to look for the factor of safety on the first mesh: 1, or where that has many cells the factor
+        on one of few."""
+        rough = self._rough_mesh(self.first)
+        try:
+            return safety_at_once(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
+        except NoAnswerError:
+            return 1.0
+
+    def _rough_mesh(self, first: QuadMesh) -> QuadMesh | None:
+        """A mesh of few cells, where a ``first`` one has many."""
+        if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
+            return None
+        size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
+        try:
+            return generate(self.section, MeshSettings(size=size))
+        except (NoAnswerError, InputError):
+            return None
 
 
 def failing_by_itself(found: AdaptiveResult[AtOnce]) -> AdaptiveResult[AtOnce]:
     """The answer of ground that fails under its own weight: a critical Kh of 0."""
     result = replace(found.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
     return replace(found, result=result)
-
-
-def safety_beside(
-    section: Section,
-    meshing: MeshSettings,
-    found: AdaptiveResult[SafetyFactor],
-    other: FemSettings,
-    kh: float,
-    comm: Any,
-) -> float:
-    """The factor of safety by the flow rule of ``other`` settings on the mesh of ``found``, or on one of as many cells
-    that is made for its mechanism, if that is less; no less than ``found`` where that is Davis's estimate.
-
-    Raises what ``safety_at_once`` does.
-    """
-    same = safety_at_once(section, found.mesh, other, kh, comm, found.result.factor)
-    factor = same.factor
-    if same.mechanism is not None and len(found.rounds) > 1:
-        try:
-            strong = strong_below(section, faces_at(section, other, kh), other)
-            strain = same.mechanism.plastic_shear_strain
-            mesh = next_mesh(section, meshing, found.mesh, strain, len(found.mesh.cells), strong)
-            factor = min(factor, safety_at_once(section, mesh, other, kh, comm, factor).factor)
-        except NoAnswerError:
-            pass
-    return max(factor, found.result.factor) if other.flow == "associated" else factor
-
-
-def adapted_safety(
-    section: Section,
-    meshing: MeshSettings,
-    first: QuadMesh,
-    settings: FemSettings,
-    kh: float,
-    comm: Any,
-    listener: Callable[[str], None],
-) -> AdaptiveResult[SafetyFactor]:
-    """The factor of safety at ``kh`` on meshes made for it; raises what ``safety_at_once`` does on the first mesh."""
-
-    guess = _rough_safety(section, first, settings, kh, comm)
-    strong = strong_below(section, faces_at(section, settings, kh), settings)
-
-    def solve(mesh: QuadMesh) -> SafetyFactor:
-        nonlocal guess
-        listener(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
-        found = safety_at_once(section, mesh, settings, kh, comm, guess)
-        guess = found.factor
-        return found
-
-    def remade(mesh: QuadMesh, strain: np.ndarray, cells: int) -> QuadMesh:
-        return next_mesh(section, meshing, mesh, strain, cells, strong)
-
-    most = settings.max_cells if is_adapted(section, meshing, first, settings) else 0
-    return solve_adaptively(first, remade, solve, Wish(FACTOR_SHARE * settings.accuracy, most))
-
-
-def _rough_faces(section: Section, first: QuadMesh, settings: FemSettings, comm: Any) -> list[Skin] | None:
-    """The cohesionless faces to strengthen where a ``first`` mesh has many cells, as found on one of few; None where
-    it has to tell itself, in one more limit load."""
-    rough = _rough_mesh(section, first)
-    try:
-        return critical_at_once(section, rough, settings, comm).ground.faces if rough else None
-    except NoAnswerError:
-        return None
-
-
-def _rough_safety(section: Section, first: QuadMesh, settings: FemSettings, kh: float, comm: Any) -> float:
-    """Where to begin to look for the factor of safety on a ``first`` mesh: 1, or where that has many cells the factor
-    on one of few."""
-    rough = _rough_mesh(section, first)
-    try:
-        return safety_at_once(section, rough, settings, kh, comm).factor if rough else 1.0
-    except NoAnswerError:
-        return 1.0
-
-
-def _rough_mesh(section: Section, first: QuadMesh) -> QuadMesh | None:
-    """A mesh of few cells, where a ``first`` one has many."""
-    if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
-        return None
-    size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
-    try:
-        return generate(section, MeshSettings(size=size))
-    except (NoAnswerError, InputError):
-        return None

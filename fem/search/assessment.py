@@ -12,15 +12,7 @@ from fem.errors import UnstableError
 from fem.limit_load.limit_load import AtOnce
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
-from fem.search.adaptive import (
-    adapted_answer,
-    adapted_safety,
-    answer_between,
-    beside_full_dilation,
-    davis_beside,
-    failing_by_itself,
-    safety_beside,
-)
+from fem.search.adaptive import AdaptiveSearch, failing_by_itself
 from fem.search.checks import SAME_MESH, doubts_of, of_uplift
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.doubts import Doubt
@@ -247,7 +239,7 @@ class _Search:
         if not is_associated(self.section.strata, settings.flow):
             return None
         try:
-            return self.at_once("Kh", settings)
+            return self.on_meshes("Kh").critical(settings)
         except UnstableError:
             raise
         except NoAnswerError:
@@ -258,13 +250,12 @@ class _Search:
     ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce] | None]:
         """Those, and beside them those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the flow; None
         where there are none, or where ψ = φ is given."""
-        given = self.section, self.meshing, found, settings, self.comm
         try:
             if self.dilates_more(settings):
-                return found, davis_beside(*given, self._saying("Kh by Davis's estimate"))
+                return found, self.on_meshes("Kh by Davis's estimate").davis_beside(found, settings)
             if not self.is_substituted(settings):
                 return found, None
-            return beside_full_dilation(*given, self._saying("Kh with ψ = φ"))
+            return self.on_meshes("Kh with ψ = φ").beside_full_dilation(found, settings)
         except UnstableError:
             raise
         except NoAnswerError:
@@ -274,16 +265,19 @@ class _Search:
         """The limit load by the other flow rule, where a path has to do by its own; None where Davis's estimate has
         no answer."""
         if not self.dilates_more(settings):
-            return self.at_once("Kh with ψ = φ", settings.model_copy(update={"flow": "associated"}))
+            return self.on_meshes("Kh with ψ = φ").critical(settings.model_copy(update={"flow": "associated"}))
         try:
-            return self.at_once("Kh by Davis's estimate", settings.model_copy(update={"flow": "davis"}))
+            return self.on_meshes("Kh by Davis's estimate").critical(settings.model_copy(update={"flow": "davis"}))
         except NoAnswerError:
             return None
 
-    def at_once(self, what: str, settings: FemSettings) -> AdaptiveResult[AtOnce]:
-        """The limit loads of meshes made for the mechanism."""
-        told = self._saying(what)
-        return adapted_answer(self.section, self.meshing, self.first, settings, self.comm, told, self.executor)
+    def on_meshes(self, what: str = "") -> AdaptiveSearch:
+        """What finds answers on meshes made for them, and tells of it by ``what`` is looked for."""
+
+        def told(words: str) -> None:
+            self.tell(f"{what}: {words}" if what else words, None)
+
+        return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, told, self.executor)
 
     def rigid_box(
         self,
@@ -309,11 +303,10 @@ class _Search:
         fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})
         start, limit = None, None
         if below_faces:
-            limit = self.at_once("Kh, fixed sides", fixed) if is_associated(self.section.strata, fixed.flow) else None
+            if is_associated(self.section.strata, fixed.flow):
+                limit = self.on_meshes("Kh, fixed sides").critical(fixed)
         elif adapted and settings.sides != "periodic":
-            limit = answer_between(
-                self.section, self.meshing, adapted, fixed, self.comm, self._saying("Kh, fixed sides")
-            )
+            limit = self.on_meshes("Kh, fixed sides").between_sides(adapted, fixed)
         if limit is not None:
             mesh, ground = limit.mesh, limit.result.ground
             start = ground if ground.settings.sides == "fixed" and settings.element in ("auto", "reduced") else None
@@ -324,9 +317,7 @@ class _Search:
         """The factor of safety on meshes made for it; on the first one where the flow is not associated."""
         if is_associated(self.section.strata, settings.flow):
             try:
-                told = self._saying("")
-                best = adapted_safety(self.section, self.meshing, self.first, settings, kh, self.comm, told)
-                return self.with_factor_beside(best, settings, kh)
+                return self.with_factor_beside(self.on_meshes().safety(settings, kh), settings, kh)
             except UnstableError:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
@@ -343,7 +334,7 @@ class _Search:
         other = settings.model_copy(update={"flow": "davis" if settings.flow == "associated" else "associated"})
         self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
         try:
-            beside = safety_beside(self.section, self.meshing, found, other, kh, self.comm)
+            beside = self.on_meshes().safety_beside(found, other, kh)
         except NoAnswerError:
             return found
         return replace(found, result=replace(found.result, beside=beside))
@@ -378,10 +369,6 @@ class _Search:
     def by(self, flow: FlowSetting) -> str:
         """A flow rule as a message tells of it."""
         return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
-
-    def _saying(self, what: str) -> Callable[[str], None]:
-        """Tells what is being done."""
-        return lambda words: self.tell(f"{what}: {words}" if what else words, None)
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:
         """Tells the listener, unless nobody waits for this any more."""

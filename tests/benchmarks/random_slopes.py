@@ -15,7 +15,7 @@ from mpi4py import MPI
 from fem import BoundsSettings, FemSettings, UnstableError, kh_bounds
 from fem.limit.bracket import Bracket
 from fem.limit_load.limit_load import AtOnce
-from fem.search.adaptive import adapted_answer, beside_full_dilation
+from fem.search.adaptive import AdaptiveSearch
 from fem.search.mesh_sequence import AdaptiveResult
 from meshes.gmsh_model import generate
 from meshes.settings import MeshSettings
@@ -40,14 +40,12 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     wish = SETTINGS.model_copy(update={"flow": "davis"})
     answers: dict[str, AdaptiveResult[AtOnce] | None] = dict.fromkeys(("davis", "associated"))
     try:
-        found = adapted_answer(section, meshing, mesh, wish, MPI.COMM_SELF, lambda _: None)
-        answers["davis"], answers["associated"] = beside_full_dilation(
-            section, meshing, found, wish, MPI.COMM_SELF, lambda _: None
-        )
+        search = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF)
+        answers["davis"], answers["associated"] = search.beside_full_dilation(search.critical(wish), wish)
     except UnstableError as error:  # by its substitute ground may fail under its weight that stands as it dilates
         row["failed"] = str(error)
         full = SETTINGS.model_copy(update={"flow": "associated"})
-        answers["associated"] = adapted_answer(section, meshing, mesh, full, MPI.COMM_SELF, lambda _: None)
+        answers["associated"] = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF).critical(full)
     for flow, answer in answers.items():
         row[flow] = round(answer.result.kc, 4) if answer else None
         row[f"{flow}_meshes"] = [one.cells for one in answer.rounds] if answer else []

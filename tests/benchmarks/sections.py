@@ -32,13 +32,13 @@ COMMAND = "import sys; {}from workflow.cli import main; sys.argv[0] = 'noshiro';
 FACTOR = """import sys; {}
 from mpi4py import MPI
 from fem.continuum.strength import flow_of
-from fem.search.adaptive import adapted_safety
+from fem.search.adaptive import AdaptiveSearch
 from meshes.gmsh_model import generate
 from workflow.config import Config
 config = Config.load(sys.argv[1])
 section, meshing = config.section, config.mesh
 fem = config.fem.model_copy(update={{"flow": flow_of(section.strata, config.fem.flow)}})
-adapted_safety(section, meshing, generate(section, meshing), fem, 0.0, MPI.COMM_SELF, print)
+AdaptiveSearch(section, meshing, generate(section, meshing), MPI.COMM_SELF, print).safety(fem, 0.0)
 """
 # What is measured: a program, and its command.
 PARTS = {"fem": (COMMAND, ["fem"]), "factor": (FACTOR, []), "bounds": (COMMAND, ["bounds"])}

@@ -90,7 +90,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     from fem.continuum.strength import flow_of, is_associated
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
-    from fem.search.adaptive import adapted_answer
+    from fem.search.adaptive import AdaptiveSearch
     from fem.search.critical import critical_coefficient
     from fem.search.liquefied_ground import weight_borne
     from fem.search.strength_reduction import safety_factor
@@ -103,7 +103,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     critical: AtOnce | CriticalResult | None = None
 
     def limit_load() -> "AtOnce":
-        return adapted_answer(section, config.mesh, mesh, fem, MPI.COMM_SELF, lambda _: None).result
+        return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
 
     at_once = is_associated(section.strata, fem.flow)
     borne = _tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF)) if at_once else None

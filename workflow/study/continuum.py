@@ -7,7 +7,7 @@ from mpi4py import MPI
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
-from fem.search.adaptive import adapted_answer
+from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
@@ -41,7 +41,7 @@ def continuum(sample: Sample) -> Numbers:
 def _critical(config: Config, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
         try:
-            found = adapted_answer(config.section, config.mesh, first, config.fem, MPI.COMM_SELF, lambda words: None)
+            found = AdaptiveSearch(config.section, config.mesh, first, MPI.COMM_SELF).critical(config.fem)
             return found.result, found.mesh
         except UnstableError:
             raise

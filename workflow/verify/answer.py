@@ -11,7 +11,7 @@ from mpi4py import MPI
 from fem.continuum.strength import is_associated, is_dilating_fully
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
-from fem.search.adaptive import adapted_answer, adapted_safety
+from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import BoundsSettings, FemSettings
@@ -83,8 +83,8 @@ def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> float 
         return None
     try:
         if case.published.expected == "kc":
-            return adapted_answer(case.section, case.mesh, mesh, wish, comm, lambda words: None).result.kc
+            return AdaptiveSearch(case.section, case.mesh, mesh, comm).critical(wish).result.kc
         kh = case.published.kh
-        return adapted_safety(case.section, case.mesh, mesh, wish, kh, comm, lambda words: None).result.factor
+        return AdaptiveSearch(case.section, case.mesh, mesh, comm).safety(wish, kh).result.factor
     except NoAnswerError:
         return None

@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from fem.errors import UnstableError
 from fem.limit_load.conic_safety_factor import CLOSE
-from fem.search.adaptive import adapted_safety
+from fem.search.adaptive import AdaptiveSearch
 from fem.search.strength_reduction import SafetyFactor, safety_at_once, safety_factor
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
@@ -32,7 +32,7 @@ def test_a_footing_that_presses_with_prandtls_load_has_a_factor_of_one():
     case = cases()["strip_footing_30"]
     wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
     mesh = generate(case.section, case.mesh)
-    found = adapted_safety(case.section, case.mesh, mesh, wish, 0.0, MPI.COMM_SELF, lambda words: None)
+    found = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
     assert found.result.factor == pytest.approx(1.0, abs=0.003)
 
 
@@ -42,7 +42,7 @@ def test_a_loaded_slope_without_weight_has_a_factor_of_one():
     case = cases()["chen_shao_prandtl"]
     wish = case.fem.model_copy(update={"flow": "associated", "max_cells": 2500})
     mesh = generate(case.section, case.mesh)
-    found = adapted_safety(case.section, case.mesh, mesh, wish, 0.0, MPI.COMM_SELF, lambda words: None)
+    found = AdaptiveSearch(case.section, case.mesh, mesh, MPI.COMM_SELF).safety(wish, 0.0)
     assert found.result.factor == pytest.approx(1.0, abs=0.003)
 
 

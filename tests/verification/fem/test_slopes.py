@@ -10,7 +10,7 @@ from mpi4py import MPI
 from dem.slides.slip import compare
 from fem.continuum.fields import touched_sides
 from fem.limit_load.limit_load import at_rest, critical_at_once
-from fem.search.adaptive import adapted_answer
+from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
 from fem.search.dem_counterpart import as_discs, dilating_fully
 from fem.search.prescribed_surface import critical_above
@@ -231,7 +231,7 @@ def test_a_steep_cut_comes_within_1_percent_of_its_bracket_from_any_mesh(size):
     cut = Section.model_validate({**dict(cut), "base": {"elevation": -6.0}})
     meshing = MeshSettings(size=size, method="free" if size else "auto")
     settings = FemSettings(direction="downhill")
-    found = adapted_answer(cut, meshing, generate(cut, meshing), settings, MPI.COMM_SELF, lambda _: None)
+    found = AdaptiveSearch(cut, meshing, generate(cut, meshing), MPI.COMM_SELF).critical(settings)
     assert 0.2146 < found.result.kc < 1.01 * 0.2181
     assert found.rounds[0].value > 1.04 * 0.2181
     assert found.rounds[-1].rest < 0.03
