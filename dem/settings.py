@@ -300,7 +300,7 @@ class SlideSettings(Model):
     )
     duration: float = Field(default=60.0, gt=0.0, description="seconds after which a slide is not followed further")
     judges: tuple[Literal["discs", "mpm"], ...] = Field(
-        default=("discs",),
+        default=("discs", "mpm"),
         min_length=1,
         description='by which methods the slides are computed: "discs", "mpm" (material point method), or both',
     )

@@ -201,10 +201,9 @@ def fem(
         "flow": "associated" if associated else None,
     }
     request = Request.of(section, folder, {"mesh": mesh_options(refine, size, free), "fem": options}, settings)
-    beside: tuple[str, ...] = ()
     if safety_factor:
         request = request.with_safety_factors()
-        beside = () if request.config.bounds.run is False else ("bounds",)
+    beside = ("bounds",) if safety_factor and request.config.bounds.run is not False else ()
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
@@ -356,13 +355,15 @@ def slide(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """How far the ground slides once layers have liquefied: calibrated discs, or --model mpm."""
+    """How far the ground slides once layers have liquefied, by calibrated discs and by material points."""
     from workflow.request import Request
     from workflow.terminal import Voice
 
     request, cases = Request.of(section, folder, {}, settings), tuple(case) if case else None
     request.refuse_unknown(cases or ())
-    _up_to("mpm" if model == "mpm" else "slide", request, force, Voice.of(quiet, verbose, json), cases=cases)
+    both = model is None and "mpm" in request.config.slide.judges and request.config.section.liquefies
+    stage, beside = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
+    _up_to(stage, request, force, Voice.of(quiet, verbose, json), beside, cases=cases)
 
 
 for command in (section, migrate, study, converge, verify):

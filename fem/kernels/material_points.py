@@ -7,10 +7,12 @@ B-splines moves them. One step is (Hu et al. 2018, ACM Trans. Graph. 37, 150, eq
     C' = D⁻¹ Σ N v_i dᵀ,   x' = x + dt Σ N v_i,   v' = Σ N v_i + α (v - Σ N v_i(old)),
 
 d from the point to the node. α = 0 is the affine particle-in-cell transfer (APIC, Jiang et al. 2015), α near 1 keeps
-what the grid cannot resolve (affine FLIP). Stress is Mohr-Coulomb without dilation: with t the radius and p the mean of
-Mohr's circle in the plane (compression positive) t <= c cos φ + p sin φ, the out-of-plane stress the intermediate one,
-returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2, with ψ = 0); a mean tension beyond the apex opens
-the ground, and a volume that has opened has to close before it presses again.
+what the grid cannot resolve (affine FLIP). All points need the same α, or momentum is not conserved: a point that gives
+its velocity up to the grid takes that of its neighbours, which must give up theirs. Stress is Mohr-Coulomb without
+dilation: with t the radius and p the mean of Mohr's circle in the plane (compression positive) t <= c cos φ + p sin φ,
+the out-of-plane stress the intermediate one, returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2, with ψ
+= 0); a mean tension beyond the apex opens the ground, and a volume that has opened has to close before it presses
+again.
 
 Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
 columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
@@ -34,8 +36,10 @@ PROPERTIES = 8
 VOLUME, MASS, OPENED, SHEARED = range(4)
 # Of a node: mass, momentum, force, volume; then velocity before and after the step.
 NODE = 6
-# Sums of a stripe (J/m): work of weight and shaking, plastic work.
-EXTERNAL, PLASTIC = range(2)
+# Sums of a stripe (J/m): work of weight and shaking, energy dissipated by shear, opening and drainage.
+EXTERNAL, DISSIPATED = range(2)
+# Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
+GAINED, BUOYED = range(2)
 FREE, HELD, WALL = range(3)  # of a node: free; at rest; at rest horizontally
 
 
@@ -90,14 +94,14 @@ def move_grid(
     first: int, last: int, grid: Floats, uplift: Floats, held: NDArray[np.int8], dt: float, damping: float,
     velocity: Floats, gained: Floats,
 ) -> None:  # fmt: skip
-    """Velocities (nx, nz, 4) of the nodes of some columns before and after a step; ``gained`` (nx,) takes the kinetic
-    energy (J/m) that forces gave them.
+    """Velocities (nx, nz, 4) of the nodes of some columns before and after a step; ``gained`` (nx, 2) takes the kinetic
+    energy (J/m) that forces gave them, and the part of it that is of pore water.
 
     uplift (nx, nz, 2): what pore water does to a volume of ground, minus its pressure gradient (N/m³). damping: local
     non-viscous damping of the forces (Cundall 1987), 0 for none.
     """
     for i in range(first, last):
-        energy = 0.0
+        energy = buoyed = 0.0
         for j in range(grid.shape[1]):
             mass = grid[i, j, 0]
             if mass <= 0.0 or held[i, j] == HELD:
@@ -106,8 +110,8 @@ def move_grid(
             old_x, old_z = grid[i, j, 1] / mass, grid[i, j, 2] / mass
             if held[i, j] == WALL:
                 old_x = 0.0
-            ax = (grid[i, j, 3] + grid[i, j, 5] * uplift[i, j, 0]) / mass
-            az = (grid[i, j, 4] + grid[i, j, 5] * uplift[i, j, 1]) / mass
+            water_x, water_z = grid[i, j, 5] * uplift[i, j, 0], grid[i, j, 5] * uplift[i, j, 1]
+            ax, az = (grid[i, j, 3] + water_x) / mass, (grid[i, j, 4] + water_z) / mass
             if damping > 0.0:
                 ax *= 1.0 - damping if ax * old_x > 0.0 else 1.0 + damping
                 az *= 1.0 - damping if az * old_z > 0.0 else 1.0 + damping
@@ -116,7 +120,9 @@ def move_grid(
                 new_x = 0.0
             velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
             energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
-        gained[i] += energy
+            buoyed += 0.5 * dt * (water_x * (old_x + new_x) + water_z * (old_z + new_z))
+        gained[i, GAINED] += energy
+        gained[i, BUOYED] += buoyed
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -124,11 +130,14 @@ def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
     drained: float,
 ) -> float:  # fmt: skip
-    """Stress of a point after a strain increment (tensor components) and a rotation; the plastic work (J/m)."""
+    """Stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated (J/m)."""
     bulk, shear = properties[p, BULK], properties[p, SHEAR]
     mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     cos, sin = math.cos(2.0 * spin), math.sin(2.0 * spin)
     half, cross = half * cos + cross * sin, cross * cos - half * sin
+    # dissipated (slip, opening, drainage, softening): work at the mean of both stresses less elastic energy
+    lost = 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz + 0.5 * mean * mean / bulk
+    lost += 0.5 * (half * half + cross * cross) / shear
     half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
     volumetric = xx + zz + drained
     opened = state[p, OPENED]
@@ -142,16 +151,17 @@ def _update_stress(
         opened += (mean - properties[p, LIMIT]) / bulk
         mean = properties[p, LIMIT]
     state[p, OPENED] = opened
-    radius, work = math.sqrt(half * half + cross * cross), 0.0
+    radius = math.sqrt(half * half + cross * cross)
     strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
     if radius > strength:
-        slip = (radius - strength) / shear
-        state[p, SHEARED] += slip
-        work = strength * slip * state[p, VOLUME]
+        state[p, SHEARED] += (radius - strength) / shear
         half, cross = half * strength / radius, cross * strength / radius
     stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
+    lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz - 0.5 * mean * mean / bulk
+    lost -= 0.5 * (half * half + cross * cross) / shear
+    lost *= state[p, VOLUME]
     state[p, VOLUME] *= 1.0 + xx + zz
-    return work
+    return lost
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -165,7 +175,7 @@ def gather(
     stiff = 4.0 * inverse * inverse
     low, high_x, high_z = 2.0 * cell, (columns - 3.0) * cell, (rows - 3.0) * cell
     for stripe in stripes:
-        external = plastic = 0.0
+        external = dissipated = 0.0
         for p in range(offsets[stripe], offsets[stripe + 1]):
             i, j = math.floor(x[p, 0] * inverse - 0.5), math.floor(x[p, 1] * inverse - 0.5)
             fx, fz = x[p, 0] * inverse - i, x[p, 1] * inverse - j
@@ -204,12 +214,12 @@ def gather(
             if not low < x[p, 1] < high_z:
                 x[p, 1], v[p, 1] = min(max(x[p, 1], low), high_z), 0.0
             drained = dt * properties[p, DRAINS]
-            plastic += _update_stress(
+            dissipated += _update_stress(
                 stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
                 drained,
             )  # fmt: skip
         sums[stripe, EXTERNAL] += external
-        sums[stripe, PLASTIC] += plastic
+        sums[stripe, DISSIPATED] += dissipated
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

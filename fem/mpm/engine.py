@@ -11,7 +11,7 @@ from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints
 from meshes.section.quantity import GRAVITY
 
-COURANT = 0.4  # time step over the time in which the fastest wave crosses a cell
+COURANT = 0.7  # time step over the time in which the fastest wave crosses a cell
 STRIPE = 8  # columns of cells that belong together
 DRIFT = 0.5  # of a cell, that points may go before they are sorted again
 BATCH = 0.02  # s, after which the time step follows the fastest point
@@ -26,30 +26,45 @@ class MaterialPointEnergy:
     Attributes
     ----------
     external : float
-        Work of weight and shaking.
-    plastic : float
-        Plastic work in shear.
+        Work of weight, shaking and pore water.
+    dissipated : float
+        What shear, opening and drainage dissipated.
     kinetic_gained : float
         What forces gave to the nodes as kinetic energy.
     kinetic, elastic : float
         What the points have now.
+    kinetic_began, elastic_began : float
+        What they had at the beginning.
     """
 
     external: float = 0.0
-    plastic: float = 0.0
+    dissipated: float = 0.0
     kinetic_gained: float = 0.0
     kinetic: float = 0.0
     elastic: float = 0.0
+    kinetic_began: float = 0.0
+    elastic_began: float = 0.0
+
+    @property
+    def turned_over(self) -> float:
+        """What shares are of (J/m): the work done on the ground or what it dissipated, whichever is larger."""
+        return max(abs(self.external), self.dissipated, 1e-300)
 
     @property
     def transfer_loss(self) -> float:
         """What was lost between points and grid (J/m): kinetic energy that forces gave and points do not have."""
-        return self.kinetic_gained - self.kinetic
+        return self.kinetic_gained + self.kinetic_began - self.kinetic
 
     @property
     def transfer_loss_share(self) -> float:
-        """The same over the work of weight and shaking (-)."""
-        return self.transfer_loss / max(abs(self.external), 1e-300)
+        """The same over what was turned over (-)."""
+        return self.transfer_loss / self.turned_over
+
+    @property
+    def imbalance_share(self) -> float:
+        """Work that is neither dissipated nor in the points, by transfer and time steps, over what was turned over."""
+        kept = self.dissipated + self.elastic - self.elastic_began + self.kinetic - self.kinetic_began
+        return (self.external - kept) / self.turned_over
 
 
 class MaterialPointEngine:
@@ -77,10 +92,10 @@ class MaterialPointEngine:
         self.points, self.grid, self.gravity, self.threads = points, grid, gravity, threads
         self.time, self.steps = 0.0, 0
         self.order = np.arange(len(points.x))  # numbers, as handed over, of the points as they lie now
-        self._began = points.kinetic(grid.cell)
+        self._began = points.kinetic(grid.cell), points.elastic()
         columns, rows = grid.shape
         self._nodes, self._velocity = np.zeros((columns, rows, kernel.NODE)), np.zeros((columns, rows, 4))
-        self._gained = np.zeros(columns)
+        self._gained = np.zeros((columns, 2))
         stripes = 1 if grid.periodic and columns < 2 * STRIPE else -(-columns // STRIPE)
         if grid.periodic and stripes % 2 and stripes > 1:
             stripes -= 1  # even, so that the last one is no neighbour of its like
@@ -91,10 +106,9 @@ class MaterialPointEngine:
     @property
     def energy(self) -> MaterialPointEnergy:
         """The balance of energy by now."""
-        external, plastic = self._sums.sum(axis=0)
-        now = self.points.kinetic(self.grid.cell)
-        gained = float(self._gained.sum()) + self._began
-        return MaterialPointEnergy(float(external), float(plastic), gained, now, self.points.elastic())
+        (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
+        now = self.points.kinetic(self.grid.cell), self.points.elastic()
+        return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
 
     def run(self, seconds: float, push: Push | None = None, damping: float = 0.0) -> None:
         """Go on for some seconds; ``push`` gives the acceleration by shaking (m/s²) at times (s).
@@ -129,7 +143,7 @@ class MaterialPointEngine:
         """Count time and energies from here."""
         self.time, self.steps = 0.0, 0
         self._gained[:], self._sums[:] = 0.0, 0.0
-        self._began = self.points.kinetic(self.grid.cell)
+        self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def _advance(self, dt: float, pushes: np.ndarray, damping: float) -> None:
         points, grid = self.points, self.grid

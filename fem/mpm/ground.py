@@ -11,6 +11,7 @@ import numpy as np
 from fem.kernels import material_points as kernel
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 BORDER = 3  # cells of rigid ground around the section
@@ -76,11 +77,13 @@ def ground_of(section: Section, cells: int) -> PointGround:
     soil, softened = _soil(section, places, owners, inside)
     number = np.where(inside, owners, -1)
     points = MaterialPoints.of(places - offset, volumes, soil, number)
+    surface = np.flatnonzero(is_top & inside)
+    _load(section, points, places, surface, spacing)
     poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
     grid = _grid(section, cell, shape, offset)
-    return PointGround(section, points, grid, offset, np.flatnonzero(is_top & inside), effective, softened)
+    return PointGround(section, points, grid, offset, surface, effective, softened)
 
 
 def _columns(section: Section, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -128,7 +131,18 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> np.n
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
     total = water.overburden(at, at) + water.ponded(water.after, at, at)
-    return np.maximum(total - water.at_rest(at, at, stratum), 0.0)
+    loads = sum((load.at(at[:, 0], at[:, 0]) for load in section.surcharges), np.zeros(len(at)))
+    return np.maximum(total + loads - water.at_rest(at, at, stratum), 0.0)
+
+
+def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float) -> None:
+    """Let the points of the surface carry the surcharges above them as weight, and the mass of it that shakes."""
+    x, mass = places[surface, 0], points.state[surface, kernel.MASS]
+    weighs = points.properties[surface, kernel.HEAVY] * mass
+    for load in section.surcharges:
+        carried = load.at(x, x) * spacing / GRAVITY
+        weighs, mass = weighs + carried, mass + load.seismic_share * carried
+    points.state[surface, kernel.MASS], points.properties[surface, kernel.HEAVY] = mass, weighs / mass
 
 
 def _soil(

@@ -14,10 +14,13 @@ from fem.search.liquefied_ground import LEAST, Remains
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
 STILL = 1e-4  # m: movement between those looks with which the ground is at rest
-LOOK, WINDOW, WINDOWS = 0.5, 5.0, 2  # s between two looks; s in which the surface must not move, twice in a row
+LOOK, WINDOW, WINDOWS = 0.5, 5.0, 3  # s between two looks; s and number of windows in which the surface must not move
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
-UNDRAINED_DECAY = 1.0  # 1/s: with which ground that cannot drain gives its own velocities up to the grid
-LOSS = 0.02  # of the work of weight and shaking, lost between points and grid, above which a slide is doubted
+# 1/s: with which points give velocities of their own, which the grid cannot resolve, up to it. The smaller one keeps
+# more noise, and slides further; both are computed, and their difference is the method's interval.
+DECAYS = (10.0, 1.0)
+LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
+FAR = 0.25  # of the section's width, that a slide goes before one which has reached a side is not followed further
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
@@ -31,6 +34,8 @@ class SlideProgramme:
         Acceleration that the ground feels (m/s²) at times (n,) in s, positive downslope.
     starts : dict of int to float
         When each liquefying stratum begins to liquefy, by its number.
+    remains : dict of int to Remains
+        What each of them keeps.
     onset : float
         How long that takes (s).
     calm : float
@@ -38,15 +43,19 @@ class SlideProgramme:
     duration : float
         When it is no longer followed.
     still : float
-        Movement (m) of the surface in 5 s below which, twice in a row, it is at rest.
+        Movement (m) of the surface from one 5 s to the next below which, twice in a row, it is at rest.
+    drained : float
+        Volume that drains away over the onset (-).
     """
 
     push: Push
     starts: Mapping[int, float]
+    remains: Mapping[int, Remains]
     onset: float
     calm: float
     duration: float
     still: float = 0.01
+    drained: float = 0.0
 
 
 @dataclass
@@ -66,9 +75,9 @@ class PointSlide:
     before, after : ndarray (k, 2)
         The surface in coordinates of the section.
     transfer_loss_share : float
-        Energy lost between points and grid over the work of weight and shaking (-).
-    plastic_share : float
-        Plastic work over the same (-).
+        Energy lost between points and grid over the energy turned over (-).
+    energy_lost_share : float
+        All energy that is neither dissipated by the ground nor in it, over the same (-).
     stopped_by : str or None
         "left" or "right", the side of the box that the slide ran up against.
     cell : float
@@ -83,7 +92,7 @@ class PointSlide:
     before: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     after: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     transfer_loss_share: float = 0.0
-    plastic_share: float = 0.0
+    energy_lost_share: float = 0.0
     stopped_by: str | None = None
     cell: float = 0.0
 
@@ -102,28 +111,12 @@ class PointSlider:
         The section as points; they are changed.
     downslope : int
         +1 if the slide's positive direction is to the right, -1 if to the left.
-    remains : dict of int to Remains
-        What each liquefying stratum keeps, by its number.
-    drained : float
-        Volume that drains away over the onset (-).
     threads : int
         Threads of the engine; same bits for any number.
-    affine_flip : bool
-        Whether undrained ground keeps velocities that the grid cannot resolve (κ of ``UNDRAINED_DECAY``); without it
-        all ground is moved by APIC, whose loss acts as a viscosity.
     """
 
-    def __init__(
-        self,
-        ground: PointGround,
-        downslope: int,
-        remains: Mapping[int, Remains],
-        drained: float = 0.0,
-        threads: int = 1,
-        affine_flip: bool = True,
-    ) -> None:
-        self.ground, self.sign, self.remains, self.drained = ground, downslope, remains, drained
-        self.affine_flip = affine_flip
+    def __init__(self, ground: PointGround, downslope: int, threads: int = 1) -> None:
+        self.ground, self.sign = ground, downslope
         self.engine = MaterialPointEngine(ground.points, ground.grid, threads=threads)
         self.began: dict[str, np.ndarray] = {}
 
@@ -152,10 +145,19 @@ class PointSlider:
         self.engine.begin_again()
         return far
 
-    def run(self, programme: SlideProgramme, on_look: Callable[[float, np.ndarray], None] | None = None) -> PointSlide:
-        """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide."""
+    def run(
+        self,
+        programme: SlideProgramme,
+        on_look: Callable[[float, np.ndarray], None] | None = None,
+        decay: float = DECAYS[0],
+    ) -> PointSlide:
+        """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide.
+
+        ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``.
+        """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
-        self._remember()
+        self.ground.points.decay[:] = decay
+        self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         while not slide.reason:
             time = self.engine.time
@@ -165,24 +167,24 @@ class PointSlider:
             self._look(slide)
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
+            slide.stopped_by = self._side_reached()
             if self._at_rest(slide, programme):
                 slide.settled, slide.reason = True, "the surface has come to rest"
+            elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
+                slide.reason = f"it has run across the section to its {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:g} s"
         slide.after = self._surface()
         energy = self.engine.energy
-        slide.transfer_loss_share = energy.transfer_loss_share
-        slide.plastic_share = energy.plastic / max(abs(energy.external), 1e-300)
-        slide.stopped_by = self._side_reached()
+        slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
         return slide
 
-    def _remember(self) -> None:
+    def _remember(self, programme: SlideProgramme) -> None:
         """Strength before anything liquefies, and what it becomes, point by point."""
         points, original = self.ground.points, self.engine.original
         before = original(points.properties[:, [kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT]])
         after, stratum = before.copy(), original(points.stratum)
-        undrained = (before[:, 1] == 0.0) & (stratum >= 0)
-        for k, kept in self.remains.items():
+        for k, kept in programme.remains.items():
             mine, soil = stratum == k, self.ground.section.strata[k]
             stress = self.ground.effective[mine]
             friction = np.arctan(kept.friction * np.tan(soil.friction_angle))
@@ -191,10 +193,7 @@ class PointSlider:
                 cohesion = np.maximum(cohesion, LEAST * stress)
             after[mine, 0], after[mine, 1] = cohesion * np.cos(friction), np.sin(friction)
             after[mine, 2] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
-            undrained |= mine
-        self.began = {"before": before, "after": after, "stratum": stratum}
-        if self.affine_flip:
-            points.decay[undrained[self.engine.order]] = UNDRAINED_DECAY
+        self.began = {"before": before, "after": after}
 
     def _under_way(self, programme: SlideProgramme, time: float) -> bool:
         """Whether some stratum is liquefying now."""
@@ -214,7 +213,7 @@ class PointSlider:
             apex = np.divide(strength, sine, out=np.full(len(sine), UNLIMITED), where=sine > 0.0)
             limit = np.minimum(np.maximum(before[:, 2], after[:, 2]), apex)
             points.properties[np.ix_(mine, columns)] = np.column_stack([strength, sine, limit])
-            draining = self.drained / programme.onset if 0.0 < share < 1.0 else 0.0
+            draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[mine, kernel.DRAINS] = draining
             shares[k] = share
 
@@ -236,17 +235,16 @@ class PointSlider:
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
     def _at_rest(self, slide: PointSlide, programme: SlideProgramme) -> bool:
-        """Whether the surface has moved by less than ``still`` in each of the last windows."""
+        """Whether the mean place of the surface in each of the last windows is within ``still`` of that in the window
+        before: ground under Kh swings about where it has come to lie, and little damps that.
+        """
         times = np.array(slide.times)
         if times[-1] - max(programme.calm, times[0]) < WINDOWS * WINDOW - 1e-9:
             return False
+        window = ((times[-1] - times) / WINDOW).astype(int)
         moved = np.hstack([np.array(slide.slide), np.array(slide.settlement)])
-        for k in range(WINDOWS):
-            first, last = times[-1] - (k + 1) * WINDOW, times[-1] - k * WINDOW
-            inside = (times >= first - 1e-9) & (times <= last + 1e-9)
-            if np.ptp(moved[inside], axis=0).max() >= programme.still:
-                return False
-        return True
+        means = np.array([moved[window == k].mean(axis=0) for k in range(WINDOWS)])
+        return bool(np.abs(np.diff(means, axis=0)).max() < programme.still)
 
     def _side_reached(self) -> str | None:
         """The side against which the slide has piled up: ground that moved lies within two cells of it."""

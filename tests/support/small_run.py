@@ -17,7 +17,10 @@ RECORD = "time (s), acceleration (g)\n" + "\n".join(
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
 # Discs for seconds: a few, only roughly at rest, not calibrated, and let slide for a moment.
 FEW_DISCS = {"elements": 60, "parameter": "none", "kh": [0.2], "resolution": 0.1, "unbalanced": 1e-2}
-SHORT_SLIDE = {"seeds": [], "duration": 0.5, "frames": 2, "cases": [{"stiffness": k} for k in (0.1, 0.02, 0.01)]}
+SHORT_SLIDE = {
+    "judges": ["discs"], "seeds": [], "duration": 0.5, "frames": 2,
+    "cases": [{"stiffness": k} for k in (0.1, 0.02, 0.01)],
+}  # fmt: skip
 
 
 def written(folder: Path, **more: Any) -> Path:

@@ -161,7 +161,7 @@ SMALL = {
     "mesh.size": "4 m", "fem.accuracy": "0", "fem.direction": "downhill", "bounds.max_cells": "400",
     "variants.which": '["sides"]', "dem.elements": "250", "dem.resolution": "0.05", "dem.tolerance": "0.05",
     "dem.out_of_reach": "go on", "dem.element_tests": "false", "slide.seeds": "[]", "slide.duration": "2",
-    "slide.frames": "2",
+    "slide.frames": "2", "slide.mpm_cells": "200",
 }  # fmt: skip
 QUICK = ("init", "check", "section", "liquefaction")
 

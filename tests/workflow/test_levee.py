@@ -25,6 +25,7 @@ SMALL = {
     **COARSE, "mesh.size": "3 m", "bounds.max_cells": "400", "bounds.seconds": "60", "variants.which": '["sides"]',
     "dem.elements": "250", "dem.resolution": "0.05", "dem.tolerance": "0.05", "dem.out_of_reach": "go on",
     "dem.element_tests": "false", "slide.seeds": "[]", "slide.duration": "2", "slide.frames": "2",
+    "slide.mpm_cells": "200",
 }  # fmt: skip
 
 

@@ -54,9 +54,14 @@ def test_the_report_has_it_beside_the_discs(folder: Path) -> None:
     assert set(json.loads((folder / "summary.json").read_text())["cases_mpm"]) == {"1", "2"}
 
 
-def test_loads_on_the_ground_are_not_passed_over(folder: Path, tmp_path: Path) -> None:
-    text = (folder.parent / "gentle.toml").read_text()
-    loaded = tmp_path / "loaded.toml"
-    loaded.write_text(text + '\n[[surcharges]]\nfrom = 2.0\nto = 8.0\npressure = "20 kPa"\n')
-    assert command_line.run("slide", loaded, "--model", "mpm", "--out", tmp_path / "run", "--quiet") == 3
-    assert not (tmp_path / "run/mpm/slides.json").exists()
+def test_what_material_points_cannot_do_is_told_and_ends_no_run(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fem.mpm.slide.LONGEST_SETTLING", 0.0)
+    out = tmp_path / "run"
+    assert command_line.run("slide", folder.parent / "gentle.toml", "--model", "mpm", "--out", out, "--quiet") == 0
+    answer = json.loads((out / "mpm/slides.json").read_text())
+    assert answer["cases"] == {}
+    assert "does not come to rest under its weight" in answer["not_possible"]
+    assert command_line.run("report", out, "--quiet") == 0
+    assert "Not possible by material points" in (out / "report.html").read_text(encoding="utf-8")

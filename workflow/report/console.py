@@ -224,6 +224,8 @@ def stratum_sentence(stratum: StratumPart) -> str:
 
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     """How far every case slides by the material point method, from mpm/slides.json."""
+    if answer.not_possible:
+        yield f"Not possible by material points: {answer.not_possible}."
     for number, case in sorted(answer.cases.items()):
         low, high = f"{case.slide_max_low_m:.2g}", f"{case.slide_max_high_m:.2g}"
         interval = low if low == high else f"{low} to {high}"

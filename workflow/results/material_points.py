@@ -10,8 +10,8 @@ from workflow.results.answer import Answer, Line, Part, SectionLabel
 class PointCase(Part):
     """One case by material points. Lengths in m, downslope and down positive."""
 
-    slide_max_m: float = Field(description="largest slide of the surface, with the transfer that counts (affine FLIP)")
-    slide_max_low_m: float = Field(description="the smaller of the slides by affine FLIP and by APIC")
+    slide_max_m: float = Field(description="largest slide of the surface, with velocities given up at 10 1/s")
+    slide_max_low_m: float = Field(description="the smaller of the slides with 10 and with 1 1/s")
     slide_max_high_m: float = Field(description="the larger of the two; their difference is the method's interval")
     slide_max_at_x_m: float = Field(description="where the surface slides furthest")
     slide_uphill_m: float = Field(description="median over the uphill third of the surface")
@@ -24,7 +24,8 @@ class PointCase(Part):
     settled: bool = Field(description="whether the surface came to rest")
     reason: str
     seconds_simulated: float
-    transfer_loss_share: float = Field(description="energy lost between points and grid, over that of weight and Kh")
+    transfer_loss_share: float = Field(description="energy lost between points and grid, over that turned over")
+    energy_lost_share: float = Field(description="energy out of balance over that turned over; negative: created")
     stopped_by: str | None = Field(default=None, description="the side of the box that the slide ran up against")
     notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
     surface_before: Line
@@ -38,8 +39,11 @@ class PointSlidesAnswer(Answer):
     FILE: ClassVar[str] = "mpm/slides.json"
 
     section: SectionLabel
-    points: int = Field(description="material points of the ground")
-    cell_m: float = Field(description="side of a cell of the background grid")
-    settled_by_m: float = Field(description="how far the ground moved as its stress came to equilibrium under weight")
-    softened: tuple[str, ...] = Field(description="strata that were made less stiff, so that waves allow longer steps")
-    cases: dict[int, PointCase]
+    points: int = Field(default=0, description="material points of the ground")
+    cell_m: float = Field(default=0.0, description="side of a cell of the background grid")
+    settled_by_m: float = Field(default=0.0, description="how far the ground moved to equilibrium under its weight")
+    softened: tuple[str, ...] = Field(
+        default=(), description="strata that were made less stiff, so that waves allow longer steps"
+    )
+    cases: dict[int, PointCase] = Field(default={})
+    not_possible: str = Field(default="", description="why there are no slides by material points, if there are none")

@@ -1,11 +1,12 @@
 """The stage `mpm`: every case of liquefaction by the material point method, a second opinion beside the discs."""
 
-from collections.abc import Callable
+import copy
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.errors import NoAnswerError
+from meshes.executor import Tell
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
@@ -15,41 +16,60 @@ from workflow.stages.liquefaction import cases_as_data, liquefying, lowest_facto
 
 if TYPE_CHECKING:
     from dem.settings import Case
-    from fem.mpm.slide import PointSlide, SlideProgramme
+    from fem.mpm.slide import PointSlide, PointSlider, SlideProgramme
     from fem.search.liquefied_ground import Remains
 
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
+DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
+
+
+@dataclass(frozen=True, eq=False)
+class PointRun:
+    """One case with one decay of velocities (1/s), from ground at rest."""
+
+    config: Config
+    slider: "PointSlider"
+    number: int
+    decay: float
 
 
 def work(job: Job) -> None:
     """Slides of the cases asked for, or of all; leaves mpm/slides.json and a picture.
 
-    Raises NoAnswerError for ground that bears loads.
+    What material points cannot do is told in the place of an answer.
     """
-    config, store = job.config, job.store
-    if config.section.surcharges:
-        raise NoAnswerError(
-            "the material point method does not carry loads on the ground", "leave them out, or slide discs alone"
-        )
+    from fem.mpm.slide import DECAYS
+
+    config = job.config
     wanted = [n for n in liquefying(config) if job.cases is None or n in job.cases]
-    found: dict[int, PointCase] = {}
-    about: tuple[int, float, float, tuple[str, ...]] = (0, 0.0, 0.0, ())
-    for number in wanted:
-        slides = []
-        for affine_flip in (True, False):
-            slide, about = _slid(job, number, affine_flip, len(found), len(wanted))
-            slides.append(slide)
-        found[number] = _answer(slides[0], slides[1], about[3])
-    points, cell, far, softened = about
+    job.progress("material points come to rest under their weight", 0.0)
+    try:
+        slider, far = at_rest(config)
+    except FloatingPointError as error:
+        PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
+        return
+    runs = [PointRun(config, slider, number, decay) for number in wanted for decay in DECAYS]
+    shares = [0.0] * len(runs)
+
+    def heard(place: int, message: tuple[float, float, float]) -> None:
+        shares[place], time, slide = message
+        said = f"{config.called(runs[place].number)}: {time:.1f} s, slide {slide:.2f} m"
+        job.progress(said, sum(shares) / len(runs))
+
+    found = job.executor.compute(_slid, runs, heard)
+    ground = slider.ground
     PointSlidesAnswer(
         section=SectionLabel.of(config.section),
-        points=points,
-        cell_m=cell,
+        points=int((ground.points.stratum >= 0).sum()),
+        cell_m=ground.grid.cell,
         settled_by_m=far,
-        softened=softened,
-        cases=found,
-    ).write(store)
+        softened=ground.softened,
+        cases={
+            number: _answer(found[2 * place], found[2 * place + 1], ground.softened)
+            for place, number in enumerate(wanted)
+        },
+    ).write(job.store)
     draw(job)
 
 
@@ -63,27 +83,21 @@ def draw(job: Job) -> None:
             profiles(job.config, answer, path)
 
 
-def _slid(
-    job: Job, number: int, affine_flip: bool, done: int, count: int
-) -> "tuple[PointSlide, tuple[int, float, float, tuple[str, ...]]]":
-    """One slide with one transfer, and the ground's points, cell, movement in coming to rest, softened strata."""
-    config = job.config
-    name = "affine FLIP" if affine_flip else "APIC"
+def at_rest(config: Config) -> "tuple[PointSlider, float]":
+    """Material points of a section at rest under their weight, and how far they moved to that (m).
 
-    def told(share: float, time: float, slide: np.ndarray) -> None:
-        share = (done + 0.5 * ((not affine_flip) + share)) / count
-        job.progress(f"{config.called(number)}, {name}: {time:.1f} s, slide {slide.max():.2f} m", share)
+    Raises FloatingPointError where the ground has no equilibrium.
+    """
+    from fem.continuum.loads import downhill
+    from fem.mpm.ground import ground_of
+    from fem.mpm.slide import PointSlider
 
-    return slide_of_points(config, number, affine_flip, told)
+    slider = PointSlider(ground_of(config.section, config.slide.mpm_cells), downhill(config.section))
+    return slider, slider.settle()
 
 
-def slide_of_points(
-    config: Config,
-    number: int,
-    affine_flip: bool = True,
-    told: Callable[[float, float, np.ndarray], None] | None = None,
-) -> "tuple[PointSlide, tuple[int, float, float, tuple[str, ...]]]":
-    """One case by material points.
+def slide_of_points(config: Config, number: int) -> "PointSlide":
+    """One case by material points, of the decay that counts.
 
     Parameters
     ----------
@@ -91,39 +105,30 @@ def slide_of_points(
         The section, and the strength that is left in its cases.
     number : int
         Of the case, from 1.
-    affine_flip : bool
-        Whether velocities go over by affine FLIP; by APIC otherwise.
-    told : callable or None
-        Hears at every look of the share of the time that is done, of the time (s), and of the slide (k,) in m.
 
     Returns
     -------
-    PointSlide, (int, float, float, tuple of str)
-        The slide; and how many points there are, the side of a cell (m), how far the ground moved in coming to rest
-        (m), and the strata that were made less stiff.
+    PointSlide
+        The slide.
 
     Raises
     ------
     FloatingPointError
         Where the ground has no equilibrium under its weight.
     """
-    from fem.continuum.loads import downhill
-    from fem.mpm.ground import ground_of
-    from fem.mpm.slide import PointSlider
+    from fem.mpm.slide import DECAYS
 
-    case, strata = config.cases[number - 1], liquefying(config)[number]
-    ground = ground_of(config.section, config.slide.mpm_cells)
-    remains = {k: _remains(config.section, case, k) for k in strata}
-    slider = PointSlider(ground, downhill(config.section), remains, case.volumetric_strain, affine_flip=affine_flip)
-    far = slider.settle()
-    programme = programme_of(config, strata)
+    return _slid(PointRun(config, at_rest(config)[0], number, DECAYS[0]), lambda _: None)
+
+
+def _slid(run: PointRun, tell: Tell) -> "PointSlide":
+    """A slide; tells the share of its time that is done, the time (s) and the largest slide (m)."""
+    programme = programme_of(run.config, run.number)
 
     def look(time: float, slide: np.ndarray) -> None:
-        if told is not None:
-            told(min(time / programme.duration, 1.0), time, slide)
+        tell((min(time / programme.duration, 1.0), time, float(slide.max())))
 
-    found = slider.run(programme, look)
-    return found, (len(ground.points.x), ground.grid.cell, far, ground.softened)
+    return copy.deepcopy(run.slider).run(programme, look, run.decay)
 
 
 def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
@@ -133,20 +138,22 @@ def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
     return Remains(case.cohesion, case.friction, case.residual_of(name), case.strength_of(name))
 
 
-def programme_of(config: Config, strata: list[int]) -> "SlideProgramme":
+def programme_of(config: Config, number: int) -> "SlideProgramme":
     """What shakes the ground and when strata liquefy: Kh that is held, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
     from meshes.section.quantity import GRAVITY
     from workflow.stages.shaking import shaking_of
 
     settings, onset = config.slide, config.slide.onset_of("soil")
+    case, strata = config.cases[number - 1], liquefying(config)[number]
+    remains = {k: _remains(config.section, case, k) for k in strata}
     shaking = shaking_of(config, strata)
     if shaking is not None:
         time, push = shaking.time - shaking.time[0], shaking.push
         last = max([float(time[-1]), *(start + onset for start in shaking.onsets.values())])
         return SlideProgramme(
-            lambda t: np.interp(t, time, push, right=0.0), dict(shaking.onsets), onset, last,
-            float(time[-1]) + settings.duration, settings.still,
+            lambda t: np.interp(t, time, push, right=0.0), dict(shaking.onsets), remains, onset, last,
+            float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
         )  # fmt: skip
     held = settings.kh_seconds
 
@@ -155,11 +162,14 @@ def programme_of(config: Config, strata: list[int]) -> "SlideProgramme":
         return settings.kh * GRAVITY * rise * (np.ones_like(t) if held is None else t < held)
 
     calm = LEAD + onset if held is None else max(LEAD + onset, held + AFTER)
-    return SlideProgramme(push_at, dict.fromkeys(strata, LEAD), onset, calm, settings.duration, settings.still)
+    return SlideProgramme(
+        push_at, dict.fromkeys(strata, LEAD), remains, onset, calm, settings.duration, settings.still,
+        case.volumetric_strain,
+    )  # fmt: skip
 
 
 def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]) -> PointCase:
-    """A case as its answer holds it, from the slides by affine FLIP and by APIC."""
+    """A case as its answer holds it, from the slides with both decays."""
     from fem.mpm.slide import LOSS
 
     slide, settlement = counts.slide[-1], counts.settlement[-1]
@@ -167,10 +177,10 @@ def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
     notes = []
-    lost = 100.0 * counts.transfer_loss_share
-    if abs(counts.transfer_loss_share) > LOSS:
+    lost = 100.0 * counts.energy_lost_share
+    if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
         how = "lost, so that the slide is a low estimate" if lost > 0.0 else "gained, so that the slide is a high one"
-        notes.append(f"{abs(lost):.0f} % of the energy is {how}: between points and grid; APIC gives the other end")
+        notes.append(f"Doubtful: {abs(lost):.0f} % of the energy is {how}")
     if counts.stopped_by:
         notes.append(f"the slide ran up against the {counts.stopped_by} side of the section, which held it")
     if softened:
@@ -189,6 +199,7 @@ def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]
         reason=counts.reason,
         seconds_simulated=counts.times[-1],
         transfer_loss_share=counts.transfer_loss_share,
+        energy_lost_share=counts.energy_lost_share,
         stopped_by=counts.stopped_by,
         notes=tuple(notes),
         surface_before=_line(counts.before),

@@ -163,7 +163,7 @@ def _by_points(case: SlideCase) -> float | None:
 @lru_cache(maxsize=8)
 def _points_slid(sliding: "Sliding", number: int) -> PointSlide:
     """A slide by material points, of the transfer that counts."""
-    return slide_of_points(sliding.config, number)[0]
+    return slide_of_points(sliding.config, number)
 
 
 class Sliding:
