@@ -14,14 +14,15 @@ class Quality:
     quadrilaterals : number of cells
     nodes : number of corners
     smallest_scaled_jacobian : 1 for a rectangle, 0 or less for a flat or folded cell
-    worst_angle : the corner angle farthest from 90 (deg)
+    smallest_angle, largest_angle : of all corners (deg)
     largest_aspect_ratio : longest edge times perimeter over four times the area, 1 for a square
     """
 
     quadrilaterals: int
     nodes: int
     smallest_scaled_jacobian: float
-    worst_angle: float
+    smallest_angle: float
+    largest_angle: float
     largest_aspect_ratio: float
 
     def as_dict(self) -> dict[str, float]:
@@ -70,6 +71,7 @@ def quality(points: np.ndarray, cells: np.ndarray) -> Quality:
         quadrilaterals=len(cells),
         nodes=len(points),
         smallest_scaled_jacobian=float(scaled_jacobians(points, cells).min()),
-        worst_angle=float(angles.flat[np.argmax(np.abs(angles - 90.0))]),
+        smallest_angle=float(angles.min()),
+        largest_angle=float(angles.max()),
         largest_aspect_ratio=float(aspect.max()),
     )

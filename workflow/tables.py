@@ -49,6 +49,10 @@ class ReportSettings(Model):
     number: str = Field(default="", description="the number of the report, or its revision")
     standard: str = Field(default="", description="the standard that it follows")
     logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
+    language: Literal["en", "ja"] = Field(default="en", description='of the report: "en" (English) or "ja" (Japanese)')
+    appendix: bool = Field(
+        default=False, description="true adds the appendices: comparison with the paper, input and provenance"
+    )
     observed: tuple[Observed, ...] = Field(
         default=(), description="one table [[report.observed]] for each measured displacement, drawn beside all others"
     )

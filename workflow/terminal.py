@@ -144,27 +144,33 @@ def _tell(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str], pdf: 
     if voice == Voice.JSON:
         say_data(data.of_stages(job, choice.chosen, warnings))
     elif voice.speaks:
-        _tell_in_sentences(job, choice)
+        _tell_in_sentences(job, choice, voice == Voice.VERBOSE)
 
 
-def _tell_in_sentences(job: Job, choice: Choice) -> None:
-    from workflow.report.console import sentences
+def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
+    """What a whole run found, in at most twelve lines; what single stages found, or ``every`` stage, in sentences."""
+    from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results
+    from workflow.results.summary import Summary
 
-    ends = Results.of(job).ends
-    if "mesh" not in choice.chosen:  # which tells them itself
-        _show_shaking(job)
-    for stage in job.stages:
-        if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
-            for line in sentences(stage.name, job.config, job.store):
-                out.print(escape(line))
-    if "report" in choice.chosen and job.store.has("report.html"):
-        for line in sentences("report", job.config, job.store):
-            out.print(escape(line))
-        out.print(f"Report: {job.store.folder / 'report.html'}", soft_wrap=True)
-        if job.store.has("report.pdf"):
-            out.print(f"Printed: {job.store.folder / 'report.pdf'}", soft_wrap=True)
-    out.print(f"Results and pictures are in {job.store.folder}/", soft_wrap=True)
+    reported = "report" in choice.chosen and job.store.has("report.html")
+    if every or not reported:
+        ends = Results.of(job).ends
+        if "mesh" not in choice.chosen:  # which tells them itself
+            _show_shaking(job)
+        for stage in job.stages:
+            if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
+                for line in sentences(stage.name, job.config, job.store):
+                    out.print(escape(line))
+    if reported:
+        for line in [
+            *(sentences("report", job.config, job.store) if every else ()),
+            *run_lines(Summary.read(job.store)),
+        ]:
+            say(legible(line))
+        printed = f", printed as {job.store.folder / 'report.pdf'}" if job.store.has("report.pdf") else ""
+        say(f"Report: {job.store.folder / 'report.html'}{printed}")
+    say(f"Results and pictures are in {job.store.folder}/")
 
 
 def redraw(job: Job, json: bool) -> None:

@@ -128,7 +128,8 @@ def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
             told.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
         if side.came:
             told.append(
-                f"{side.came} discs of the surface slid to within two diameters of the {side.name} side: it takes part"
+                f"{side.came} discs of the surface slid to within two diameters of the {side.name} side, which may "
+                "hold them: take a longer section (beyond)"
             )
     return told
 

@@ -5,6 +5,7 @@ from typing import Any
 from fem.continuum.loads import Direction
 from fem.continuum.strength import flow_of
 from workflow.config import Config
+from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, KeptState, MeshCount, PathVerdict, Variant
@@ -59,3 +60,8 @@ def variant(name: str, change: str, kc: float | None) -> Variant:
         reason="slow",
         seconds=1.0,
     )
+
+
+def warned(found: Results) -> list[str]:
+    """The warnings of a run, each with its remedy, the weightiest first."""
+    return [f"{one.what} {one.remedy}".strip() for one in warnings(found)]

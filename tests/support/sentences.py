@@ -65,18 +65,26 @@ def _disagree(summary: Summary, low: str, high: str | None, observed: str, obser
     return discs and _estimate(summary, "Hamada", observed, observed_high)
 
 
-def _other(summary: Summary, prefix: str = "", of: Summary | None = None) -> float | None:
-    """The number by the other flow rule: Davis's estimate, or psi = phi."""
-    numbers = of or summary["fem"]
-    return next(
-        (numbers[prefix + name] for name in ("davis", "associated") if numbers[prefix + name] is not None), None
-    )
+def _span_of_slides(summary: Summary, low: str, high: str | None) -> bool:
+    slides = [max(case["slide_max_m"], 0.0) for case in summary["cases"].values()]
+    return _near(low, min(slides)) and _near(high or low, max(slides))
 
 
-def _safe(summary: Summary, factor: str, other: str | None) -> bool:
-    """The factor of safety without shaking, by both flow rules where they differ."""
-    found = next(one for one in summary["fem"]["safety_factors"] if one["kh"] == 0.0)
-    return _near(factor, found["factor"]) and (other is None or _near(other, _other(summary, of=found)))
+def _paper(summary: Summary, off: str, count: str, off_discs: str, discs: str) -> bool:
+    """How many comparisons with the paper disagree, of all and of those of the calibrated discs."""
+    compared = [row for row in summary["paper"] if row["agrees"] is not None]
+    own = [row for row in compared if "calibrated" in row["quantity"]]
+    found = [sum(not row["agrees"] for row in compared), len(compared), sum(not row["agrees"] for row in own), len(own)]
+    return found == [int(off), int(count), int(off_discs), int(discs)]
+
+
+def _safe(summary: Summary, factor: str, key: str = "factor") -> bool:
+    """The factor of safety without shaking, or by Davis's estimate."""
+    return _near(factor, next(one for one in summary["fem"]["safety_factors"] if one["kh"] == 0.0)[key])
+
+
+def _any_safe(summary: Summary, found: str | None, searched: str | None) -> bool:
+    return _safe(summary, found or searched or "")
 
 
 def _known_slides(summary: Summary, told: str) -> bool:
@@ -88,47 +96,51 @@ Check = Callable[..., bool]
 CASES = r"In (cases? [\d, and]+\d)"
 # The first pattern that is found in a sentence decides about it.
 CHECKS: tuple[tuple[str, Check], ...] = (
-    (rf"^Asked was .* how far it slides under Kh = {NUMBER} once", lambda s, kh: float(kh) == 0.1),
-    (r"^There is no answer to the first question: (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
-    (rf"under every Kh up to {NUMBER}, where", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
-    (rf"stands, with a factor of safety of {NUMBER} (?:with|by) .*?(?:[:] {NUMBER})?\.$", _safe),
+    (r"^No (?:critical Kh|factor of safety): (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
+    (rf"stands at every Kh up to {NUMBER}, where", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
+    (rf"with a factor of safety of {NUMBER} \(|with its strength divided by {NUMBER}\.", _any_safe),
+    (r"^No factor of safety was computed; fem.safety_factors = \[0\] asks for one", lambda s: True),
     (
-        rf"it fails \w+, to the \w+, at Kh of about {NUMBER} (?:with|by) .*?(?:[:] {NUMBER}.*)?\.$",
-        lambda s, kh, other: _near(kh, s["fem"]["kc"]) and (other is None or _near(other, _other(s, "kc_"))),
-    ),
-    (
-        rf"^A Kh of {NUMBER} is a horizontal acceleration of {NUMBER} m/s²\.",
+        rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} \({NUMBER} m/s²\)",
         lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
     ),
-    (rf"^Numerical error is below {NUMBER}, by ", lambda s, error: 0.0 < float(error) < s["fem"]["kc"]),
-    (rf"^The sequence of meshes has not converged: the numerical error may be {NUMBER}", lambda s, _: True),
-    # a push uphill that leaves through a side counts only if there is nothing else
-    (r"^Pushed uphill it fails at Kh of about .*, but only at the ", lambda s: True),
-    (rf"^Pushed \w+ it fails at Kh of about {NUMBER}", lambda s, kh: float(kh) >= round(s["fem"]["kc"], 2)),
-    (r"^Pushed \w+ it stands up to Kh", lambda s: True),
-    (r"^The assumptions matter |^With other assumptions: ", lambda s: True),
-    (rf"^Before that, at Kh = {NUMBER}, single grains", lambda s, kh: float(kh) <= s["fem"]["kc"]),
+    (rf"^With Davis reduced strength it is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),
+    (rf"^With Davis reduced strength, .* it is {NUMBER}\.", lambda s, kh: _near(kh, s["fem"]["kc_davis"])),
     (
-        rf"^Limit analysis proves that it is {NUMBER} to {NUMBER} for",
-        lambda s, low, high: _near(low, s["bounds"]["lower"]) and _near(high, s["bounds"]["upper"]),
+        rf"^Strict bounds prove failure at Kh = {NUMBER}, below the {NUMBER} ",
+        lambda s, high, kh: _near(high, s["bounds"]["upper"]) and _near(kh, s["fem"]["kc"]),
     ),
+    (r"the surface slides < 0.1 m", lambda s: max(case["slide_max_m"] for case in s["cases"].values()) < 0.1),
+    (rf"^After liquefaction of .* the surface slides {NUMBER}(?: to {NUMBER})? m", _span_of_slides),
+    (
+        rf"^The slides are computed at Kh = {NUMBER}, .* after liquefaction, {NUMBER}",
+        lambda s, kh, limit: any(_near(limit, one["kc"]) for one in s["liquefied"]),
+    ),
+    (r"^(\d+) of (\d+) comparisons with the paper disagree, (\d+) of (\d+) of them", _paper),
+    (
+        rf"^The numerical error of the critical Kh is below {NUMBER}, by ",
+        lambda s, error: 0.0 < float(error) < s["fem"]["kc"],
+    ),
+    (rf"^The sequence of meshes has not converged: the numerical error may be {NUMBER}", lambda s, _: True),
+    (r"^The assumptions matter |^With other assumptions: ", lambda s: True),
+    (rf"^At Kh = {NUMBER} already, the cohesionless face", lambda s, kh: float(kh) <= s["fem"]["kc"] + 5e-4),
     (
         rf"^{CASES}(?: \(.*\))? liquefaction leaves",
         lambda s, cases: set(re.findall(r"\d+", cases)) == set(s.get("cases") or "123"),
     ),
     (
-        rf"fail at Kh of about {NUMBER}, {NUMBER} times that",
+        rf"^Uncalibrated, the discs fail at Kh = {NUMBER}, {NUMBER} times",
         lambda s, kh, _: _near(kh, s["dem"]["kc_uncalibrated"]),
     ),
-    (rf"^{CASES} the section stays where it is", lambda s, cases: all(
+    (rf"^{CASES} the surface moves less than", lambda s, cases: all(
         s["cases"][number]["slide_max_m"] < 0.1 for number in re.findall(r"\d+", cases)
     )),
-    (rf"^{CASES} it (?:slides|had slid) about ([\d., and]+) m", _slides),
-    (r"^No interval is known, since only one packing", lambda s: "cases_random" not in s or not s["cases_random"]),
+    (rf"^{CASES} the surface (?:slides|had slid) ([\d., and]+) m", _slides),
+    (r"^One packing of discs was computed", lambda s: "cases_random" not in s or not s["cases_random"]),
     (
-        rf"^The methods disagree .* about {NUMBER}(?: to {NUMBER})? m.* gives about {NUMBER}(?: to {NUMBER})? m",
+        rf"^The methods differ .* discs {NUMBER}(?: to {NUMBER})? m.* slides {NUMBER}(?: to {NUMBER})? m",
         _disagree,
     ),
     (r"^(.* of the collection were predicted within a factor of [\d.]+ in \d+ of \d+ cases)", _known_slides),
-    (rf"^{CASES} it is a flow failure: without any shaking it slides about ([\d., and]+) m in 20 s", _by_weight),
+    (rf"^{CASES} this is a flow failure: without shaking the surface slides ([\d., and]+) m in 20 s", _by_weight),
 )  # fmt: skip

@@ -175,7 +175,7 @@ class Sheet:
         axes.yaxis.set_major_locator(MaxNLocator(nbins=int(np.clip(high / 0.2, 1, 6)), steps=[1, 2, 5, 10]))
         axes.xaxis.set_major_locator(MaxNLocator(nbins=max(1, round(12 * wide)), steps=[1, 2, 2.5, 5, 10]))
         axes.ticklabel_format(style="plain", useOffset=False)
-        axes.tick_params(labelsize=8, colors=INK, right=True, top=False, length=3)
+        axes.tick_params(labelsize=8, colors=INK, length=3)
         if title:
             axes.set_title(title, fontsize=9, loc="left", color=INK, pad=3, parse_math=False)
         return axes

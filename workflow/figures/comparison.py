@@ -12,6 +12,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.displacements import displacements
+from workflow.figures.front import FRONT, front
 from workflow.figures.ground import Overlay, draw_section, foot
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.discs import DiscSearch
@@ -20,7 +21,7 @@ from workflow.results.results import Results
 CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
 CALIBRATION, BLOCK = "figures/calibration.png", "figures/sliding_block.png"
 DISPLACEMENTS = "figures/displacements.png"
-PICTURES = (CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
+PICTURES = (FRONT, CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
 SEEN = 0.005  # of Kh: less is no interval
@@ -30,7 +31,7 @@ def draw_all(results: Results) -> list[str]:
     """Draw what the results allow, and remove what they no longer do; returns the names of the pictures."""
     drawn = []
     for name, draw in (
-        (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
+        (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
         (DISPLACEMENTS, displacements),
     ):  # fmt: skip
         if draw(results, name):

@@ -1,7 +1,7 @@
 """Pictures of the ground and of its mesh."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -51,9 +51,21 @@ class Overlay(NamedTuple):
     label: str
 
 
-def draw_section(section: Section, path: Path, title: str = "layers", lines: Sequence[Overlay] = ()) -> None:
-    """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it."""
-    window = Window.around(section.outline())
+def draw_section(
+    section: Section,
+    path: Path,
+    title: str = "layers",
+    lines: Sequence[Overlay] = (),
+    decorate: Callable[[Axes], None] | None = None,
+    above: float = 0.0,
+) -> None:
+    """The layers in colour, the liquefiable ones dotted, the water table, true proportions; lines over it.
+
+    ``decorate`` draws more into each view, ``above`` is the room for it above the ground (of the height).
+    """
+    outline = section.outline()
+    room = np.array([0.0, above * np.ptp(outline[:, 1])])
+    window = Window.around(np.vstack([outline, outline.max(axis=0) + room]))
     handles = _legend_of(section)
     handles += [
         Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
@@ -77,6 +89,8 @@ def draw_section(section: Section, path: Path, title: str = "layers", lines: Seq
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
         for line in lines:
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
+        if decorate is not None:
+            decorate(axes)
     sheet.save(path)
 
 
@@ -90,8 +104,8 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     quality = mesh.quality()
     title = f"{section.heading}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method})"
     subtitle = (
-        f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
-        f"largest aspect ratio {quality.largest_aspect_ratio:.2f}"
+        f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, angles from {quality.smallest_angle:.0f}° "
+        f"to {quality.largest_angle:.0f}°, largest aspect ratio {quality.largest_aspect_ratio:.2f}"
     )
     line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
     # Where cells are but a few pixels, full lines would hide the colours.

@@ -72,6 +72,32 @@ class Frame:
         return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
 
 
+def smoothed(line: np.ndarray, size: float) -> np.ndarray:
+    """The surface that discs of a diameter ``size`` (m) resolve: single discs upon it or missing in it make no spike.
+
+    Parameters
+    ----------
+    line : array (n, 2)
+        Tops of the discs of the surface: x and elevation (m).
+    size : float
+        Diameter of the discs (m). The median over three of them, then the mean over two.
+
+    Returns
+    -------
+    array (m, 2)
+        Points half a diameter apart.
+    """
+    line = line[np.argsort(line[:, 0], kind="stable")]
+    if len(line) < 2 or not size > 0.0:
+        return line
+    x = np.arange(line[0, 0], line[-1, 0] + 0.25 * size, 0.5 * size)
+    z = np.interp(x, *line.T)
+    for width, average in ((7, np.median), (5, np.mean)):
+        padded = np.pad(z, width // 2, mode="edge")
+        z = average(np.lib.stride_tricks.sliding_window_view(padded, width), axis=1)
+    return np.column_stack([x, z])
+
+
 def name_of(config: Config, springs: str, case: int) -> str:
     """The title of a case."""
     return f"{config.section.heading}: {config.called(case)}, {SPRINGS.get(springs, springs)}"
@@ -122,8 +148,9 @@ def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int,
         window,
         "displacement, and the surface before and after",
     )
-    axes.plot(*before.T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
-    axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
+    size = 2.0 * float(frame.radius[frame.free].mean())
+    axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
+    axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3)
     sheet.show(1, render(window, strata), window, "layers")
     sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
     lines = [

@@ -119,13 +119,13 @@ def numerical_error(found: Accuracy | None, kc: float) -> str:
     """The numerical error of ``kc``, in a sentence."""
     if found is None:
         return (
-            "How large its numerical error is, is not known: there is one mesh, without strict bounds of the same flow "
-            "rule. To find it: --set 'variants.which=[\"mesh\"]'."
+            "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "
+            'same flow rule; variants.which = ["mesh"] finds it.'
         )
     error = f"{rounded_up(found.error(kc)):g}"
     if not found.sure:
         return (
-            f"The sequence of meshes has not converged: the numerical error may be {error}, Kh anywhere in "
-            f"{between([found.low, found.high])}."
+            f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
+            f"anywhere from {between([found.low, found.high])}."
         )
-    return f"Numerical error is below {error}, {found.by}."
+    return f"The numerical error of the critical Kh is below {error}, {found.by}."

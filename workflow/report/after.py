@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from meshes.section.cutting import spoken
-from workflow.report.doubtful import of_cases
 from workflow.report.numbers import coefficient, listed, number, span
+from workflow.report.warnings import of_cases
 from workflow.results.liquefied import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.results import Results
 

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from PIL import Image
 
+from workflow.report.texts import Texts
+
 COLOURS = 64  # of a drawing without smooth shades
 QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm's length
 
@@ -30,6 +32,13 @@ class Caption(NamedTuple):
 
 # In the order in which the report shows them.
 CAPTIONS = (
+    Caption(
+        r"front",
+        "front",
+        "The section in true proportions, with its layers, water, borings, the direction of the seismic force, the "
+        "slip surface at the critical Kh, and the surface after the largest slide.",
+        True,
+    ),
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
     Caption(r"weights", "ground", "What the ground weighs, loads on it, and the pore pressure, without shaking.", True),
     Caption(r"site_response", "response", "The layers under the record of the rock, with depth."),
@@ -62,7 +71,7 @@ CAPTIONS = (
         "Continuum at Kh = {0}: displacement since gravity, and where the strength is used up.",
     ),
     Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
-    Caption(r"fem_safety", "fem", "Continuum: where it slips with its strength over the factor of safety.", True),
+    Caption(r"fem_safety", "fem", "Continuum: where it slips with its strength over the factor of safety."),
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
     Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
@@ -113,14 +122,14 @@ class Picture:
     height: int
 
 
-def collect(names: Sequence[str], folder: Path, width: int) -> list[Picture]:
+def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None = None) -> list[Picture]:
     """The pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
-    found = list(_captioned(names, folder))
+    found = list(_captioned(names, folder, texts or Texts()))
     with ThreadPoolExecutor() as threads:  # Pillow lets go of Python's lock
         return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), found))
 
 
-def _captioned(names: Sequence[str], folder: Path) -> Iterator[tuple[str, Caption, str]]:
+def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tuple[str, Caption, str]]:
     """Every still picture that is there, with the first caption that fits it."""
     left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
     for one in CAPTIONS:
@@ -128,7 +137,7 @@ def _captioned(names: Sequence[str], folder: Path) -> Iterator[tuple[str, Captio
             match = re.fullmatch(one.pattern, Path(name).stem)
             if match is not None:
                 left.remove(name)
-                yield name, one, one.words.format(*match.groups())
+                yield name, one, texts(one.words).format(*match.groups())
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:

@@ -15,6 +15,7 @@ from workflow.report.numbers import metres
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.tables import case_heads, case_rows
+from workflow.report.verdicts import verdict_paragraph
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
@@ -28,6 +29,8 @@ from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 
+MOST_LINES = 10  # of a run without -v, before the two that say where the report is
+
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     """How many cells, and how good."""
@@ -35,7 +38,8 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
     quality = mesh.quality()
     yield (
         f"{quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method}). "
-        f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, worst corner {quality.worst_angle:.1f}°, "
+        f"Smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, angles from {quality.smallest_angle:.0f}° "
+        f"to {quality.largest_angle:.0f}°, "
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
     for notice in config.notices:
@@ -274,14 +278,22 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
         "slide": lambda: slide_sentences(config, CasesAnswer.read(store)),
-        "report": lambda: report_sentences(Summary.read(store)),
+        "report": lambda: iter(Summary.read(store).findings),
     }
     return of_stage[name]() if name in of_stage else iter(())
 
 
-def report_sentences(answer: Summary) -> Iterator[str]:
-    """The conclusions of the report, and what is doubtful."""
-    yield from answer.in_short
-    if answer.doubtful:
-        yield "What is doubtful, the most important first:"
-        yield from (f"- {doubt}" for doubt in answer.doubtful)
+def run_lines(answer: Summary) -> list[str]:
+    """Tell what a run found, in at most ten lines: the three numbers, criteria, stages without answer, warnings."""
+    told = [
+        f"{one.name}: {one.value}" + (f" ({one.interval})" if one.interval else "") for one in answer.headlines
+    ]  # fmt: skip
+    told += verdict_paragraph(list(answer.criteria or ()))
+    failed = [f"{stage}: no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
+    told += failed[:1]
+    warnings = [one.what if not one.remedy else f"{one.what} {one.remedy}" for one in answer.warnings]
+    shown = warnings[: MOST_LINES - len(told) - 1]
+    told += [f"- {line}" for line in shown]
+    if len(warnings) > len(shown):
+        told.append(f"{len(warnings) - len(shown)} more warnings stand in the report.")
+    return told

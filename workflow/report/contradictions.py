@@ -6,10 +6,11 @@ from itertools import combinations
 import numpy as np
 
 from dem.settings import Case
-from workflow.report.numbers import coefficient, listed, metres
+from workflow.report.numbers import coefficient, listed, metre_range, metres
 from workflow.results.cases import CaseAnswer, RandomPackings
 from workflow.results.discs import DiscsAnswer, DiscSearch
 from workflow.results.results import Results
+from workflow.results.verdicts import Weight
 
 # A case that leaves less strength and slides less by so much (m), and by such a share, contradicts the other.
 LESS, LESS_SHARE = 0.1, 0.03
@@ -20,17 +21,17 @@ FALLEN = 0.25
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
-def contradictions(results: Results) -> Iterator[str]:
-    """Sentences, what weighs most first: curves of the discs, sides of the box, order of cases, settlements."""
+def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
+    """Weight and text of each: curves of the discs, sides of the box, order of cases, settlements."""
     _, cases = results.case_set()
     if results.dem is not None:
-        yield from of_curve(results.dem)
-    yield from of_sides(cases)
+        yield from ((1, text) for text in of_curve(results.dem))
+    yield from ((2, text) for text in of_sides(cases))
     strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
     random = results.cases.random if results.cases is not None else None
     config = {number: results.config.cases[number - 1] for number in cases if number <= len(results.config.cases)}
-    yield from of_order(config, _largest_slides(cases, random), strata)
-    yield from of_settlement(cases)
+    yield from ((1, text) for text in of_order(config, _largest_slides(cases, random), strata))
+    yield from ((2, text) for text in of_settlement(cases))
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
@@ -109,16 +110,24 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str]) -> bool:
 
 
 def of_settlement(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
-    """Surfaces that fall much further somewhere than the mean of their uphill third is told to."""
-    for number, case in cases.items():
-        fall, x = case.largest_fall
-        mean = abs(case.settlement_uphill_m)
-        if fall > max(FALLS, FALLS_TIMES * mean):
-            yield (
-                f"in case {number} the surface falls by {metres(fall)} at x = {x:.0f} m, though the mean over its "
-                f"uphill third {case.uphill} by {metres(mean)}: take the fall for what happens to a crest, and look at "
-                "the profile before and after"
-            )
+    """Surfaces that fall much further somewhere than on average over a third of the section."""
+    found = {number: case.largest_fall for number, case in cases.items()}
+    far = {
+        number: fall
+        for number, fall in found.items()
+        if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[number].settlement_uphill_m))
+    }
+    if far:
+        falls, places = zip(*far.values(), strict=True)
+        yield (
+            f"the surface falls by {metre_range(falls)} at x = {_ends(places)} m in {_cases(list(far))}, far more than "
+            "the mean settlements of its thirds: take this value for what happens to a crest"
+        )
+
+
+def _ends(places: Sequence[float]) -> str:
+    low, high = f"{min(places):.0f}", f"{max(places):.0f}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | None) -> dict[int, float]:

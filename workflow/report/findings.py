@@ -1,4 +1,4 @@
-"""What was found, in plain sentences written from the numbers: the first paragraphs of the report."""
+"""The results in sentences written from the numbers, for the section of results."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -6,17 +6,16 @@ from itertools import pairwise
 from typing import Any
 
 from meshes.section.cutting import spoken
-from meshes.section.quantity import GRAVITY
 from workflow.config import Config
 from workflow.estimates.comparison import Kind, estimates
 from workflow.report.accuracy import Accuracy, accuracy, numerical_error
 from workflow.report.after import in_short
 from workflow.report.contradictions import is_weaker
-from workflow.report.doubtful import of_cases
-from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
+from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
 from workflow.report.numbers import about, coefficient, listed, span
 from workflow.report.tables import factor
+from workflow.report.warnings import of_cases
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
 from workflow.results.results import Results
@@ -33,14 +32,14 @@ def springs_of(results: Results) -> dict[str, str]:
     """What every set of slides was computed with, by its name."""
     found = results.calibration
     if found is not None and found.verdict == "out of reach":
-        own = "that come as near as they can to the Kh of the finite elements"
+        own = "whose calibration failed, as near to the critical Kh of the finite elements as possible"
     elif found is not None and (found.leaves_open or found.verdict == "not asked for"):
         own = fail_alike(results)
     else:
-        own = "that fail at the same Kh as the finite elements"
+        own = "calibrated to the critical Kh of the finite elements with the same boundary conditions"
     return {
         "calibrated": f"discs {own}",
-        "table2": "the springs of the paper's Table 2 as printed",
+        "table2": "discs with the springs of the paper's Table 2 as printed",
     }
 
 
@@ -48,69 +47,37 @@ def fail_alike(results: Results) -> str:
     """What calibrated packings have in common, in words."""
     found = results.calibration
     if found is not None and found.verdict == "not asked for":
-        return "as their element tests have them, not brought to the Kh of the finite elements"
+        return "with the strength of their element tests, not calibrated to the finite elements"
     if found is not None and found.leaves_open:
-        return "that fail within what the finite elements leave open"
-    return "that fail at the same Kh"
+        return "calibrated to within the uncertainty of the finite elements"
+    return "calibrated to the same critical Kh"
 
 
 def findings(results: Results) -> list[str]:
-    """Paragraphs: what was asked, where the section fails, and how far it slides."""
+    """Paragraphs on what the first page leaves out: cases, accuracy and assumptions, slides, and other methods."""
     paragraphs = (
-        _asked(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
+        _cases(results), _failure(results), in_short(results), _slides(results), _disagreement(results),
         _measured(results),
     )  # fmt: skip
     return [" ".join(sentences) for paragraph in paragraphs if (sentences := list(paragraph))]
 
 
-def _asked(results: Results) -> Iterator[str]:
-    names = [spoken(stratum.name, quoted=False) for stratum in results.config.section.strata if stratum.liquefies_in]
-    question = "Asked was at which horizontal seismic coefficient Kh (acceleration over gravity) the section fails"
-    if names:
-        have = "has" if len(names) == 1 else "have"
-        under = results.config.slide.shaking
-        yield f"{question}, and how far it slides under {under} once {listed(names)} {have} liquefied."
+def _cases(results: Results) -> Iterator[str]:
+    if results.config.section.liquefies:
         yield from _cases_are(results.config)
-    else:
-        yield f"{question}. No layer is said to liquefy, so no slide was computed."
 
 
 def _failure(results: Results) -> Iterator[str]:
-    fem, entry = results.fem, results.no_answer("fem")
-    if entry is not None:
-        yield f"There is no answer to the first question: {entry.reason}."
-    elif fem is None:
-        yield "The first question is still open: the finite element analysis has not run for this input."
-    elif fem.verdict == "no failure":
-        yield (
-            f"Without shaking the section stands, and so it does under every Kh up to {coefficient(fem.kc_lower)}, "
-            "where the search ended."
-        )
-    else:
-        yield from _critical(results, fem)
-
-
-def _critical(results: Results, fem: FemAnswer) -> Iterator[str]:
-    """At which Kh the continuum fails, how far that may be off, and what it hangs on."""
-    still = next((factor for factor in fem.safety_factors if factor.kh == 0.0), None)
-    safe = ""
-    if still is not None:
-        beside = still.davis if still.davis is not None else still.associated
-        told = with_flow(still.factor, fem.flow, beside, fem.estimate, "{:.2f}".format)
-        told = f"above {still.factor:.3g}" if still.verdict == "no failure" else told
-        safe = f", with a factor of safety of {told}"
-    yield f"Without shaking the section stands{safe}."
-    yield (
-        f"By finite elements it fails {fem.direction}, to the {fem.towards}, at Kh of about "
-        f"{critical_with_flow(fem, coefficient)}. A Kh of {coefficient(fem.kc)} is a horizontal acceleration of "
-        f"{fem.kc * GRAVITY:.2g} m/s²."
-    )
+    """How far the critical Kh of the continuum may be off, and what it depends on."""
+    fem = results.fem
+    if results.kc is None or fem is None:
+        return
     if fem.davis is not None or fem.associated is not None:
         yield WHEN
     found = accuracy(results, fem)
     yield numerical_error(found, fem.kc)
     yield from _assumed(results, fem, found)
-    yield from _beside(results, fem)
+    yield from _shallow(results, fem)
 
 
 def _assumed(results: Results, fem: FemAnswer, found: Accuracy | None) -> Iterator[str]:
@@ -145,68 +112,48 @@ def _too_much(name: str, kc: float, most: float) -> str:
     return " (more than ground with ψ = φ bears: the mesh is too coarse for it)"
 
 
-def _beside(results: Results, fem: FemAnswer) -> Iterator[str]:
-    """The other direction, the skin of cohesionless faces, and strict bounds."""
-    other = fem.opposite
-    if other is not None and other.verdict == "no failure":
-        yield f"Pushed {other.direction} it stands up to Kh = {coefficient(other.kc)} at least."
-    elif other is not None:
-        cut = (
-            f", but only at the {listed(other.at_sides)} side, where the section was cut off" if other.at_sides else ""
-        )
-        yield f"Pushed {other.direction} it fails at Kh of about {coefficient(other.kc)}{cut}."
+def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
+    """Shallow failures of cohesionless faces, and whether the mechanism leaves the section at a side."""
     for skin in fem.skins:
         yield (
-            f"Before that, at Kh = {coefficient(max(skin.kh, 0.0))}, single grains of "
-            f"{spoken(skin.stratum, quoted=False)} roll down its face from x = {skin.start_x_m:g} to "
-            f"{skin.end_x_m:g} m."
+            f"At Kh = {coefficient(max(skin.kh, 0.0))} already, the cohesionless face of "
+            f"{spoken(skin.stratum, quoted=False)} from x = {skin.start_x_m:g} to {skin.end_x_m:g} m fails as an "
+            "infinite slope (shallow failure)."
         )
-    bounds = results.bounds
-    if bounds is not None and bounds.lower is not None and bounds.upper is not None:
-        full = fem.associated
-        out = full.at_sides if full is not None and bounds.sides == fem.settings.sides else ()
-        where = f"; it slides out at the {listed(out)} side, where the section was cut off" if out else ""
-        deeper = f", failures deeper than {bounds.least_depth:g} m below such faces" if bounds.skins else ""
-        yield (
-            f"Limit analysis proves that it is {bounds.lower:.3f} to {bounds.upper:.3f} for ground that dilates fully "
-            f"(ψ = φ, sides {bounds.sides}, seismic force {bounds.direction}{deeper}{where}), and never above "
-            f"{bounds.upper:.3f} for such ground that dilates less."
-        )
+    sides = fem.associated.at_sides if fem.associated is not None else ()
+    if sides:
+        yield f"With ψ = φ the ground slides out at the {listed(sides)} side, where the section was cut off."
 
 
 def _slides(results: Results) -> Iterator[str]:
     """How far each case slides, and whether it comes to rest: on the springs that count first."""
     first, cases = results.case_set()
     if not cases:
-        entry = results.no_answer("calibrate") or results.no_answer("slide")
-        if results.config.section.liquefies:
-            why = entry.reason if entry is not None else "it has not been computed"
-            yield f"How far the section slides is still open: {why}."
         return
     springs = springs_of(results)
-    yield f"How far it slides was computed with {springs.get(first, first)}."
+    yield f"The slides that count are those of {springs.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
     yield from model_error(results)
-    for other, its in (results.cases.sets if results.cases is not None else {}).items():
-        if other != first and its:
-            yield f"Computed with {springs.get(other, other)} instead:"
-            yield from _by_end(its)
+    for other, compared in (results.cases.sets if results.cases is not None else {}).items():
+        if other != first and compared:
+            yield f"For comparison, {springs.get(other, other)}:"
+            yield from _by_end(compared)
 
 
 def _prediction(results: Results) -> Iterator[str]:
-    """How near the discs come to the continuum before they are calibrated to it."""
+    """The critical Kh of the uncalibrated discs, over that of the FEM model that they are compared with."""
     calibration = results.calibration
     if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
         yield (
-            f"Made from the soil alone they fail at Kh of about {coefficient(calibration.predicted_kc)}, "
-            f"{calibration.predicted_ratio:.2f} times that of the finite elements{_alike(results)}."
+            f"Uncalibrated, the discs fail at Kh = {coefficient(calibration.predicted_kc)}, "
+            f"{calibration.predicted_ratio:.2f} times the critical Kh of the finite elements{_alike(results)}."
         )
 
 
 def _alike(results: Results) -> str:
-    """What of the continuum that discs are held against is theirs, and what is not."""
+    """Boundary conditions and flow rule of the FEM model that the discs are compared with, and its critical Kh."""
     like = results.like_discs
     if like is None:
         return ""
@@ -219,7 +166,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
     """The cases that come to rest, and those that were still moving; apart where a side of the box stopped them."""
     stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < STAYS]
     if stays:
-        yield f"In {of_cases(stays)} the section stays where it is, and moves less than {STAYS:g} m."
+        yield f"In {of_cases(stays)} the surface moves less than {STAYS:g} m."
     ends: dict[tuple[str, str | None], list[int]] = {}
     for number, case in cases.items():
         if number not in stays:
@@ -227,26 +174,26 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
             ends.setdefault((end, case.stopped_by), []).append(number)
     for (end, side), numbers in sorted(ends.items(), key=lambda one: ENDS.index(one[0][0])):
         lengths = about([cases[number].slide_max_m for number in numbers])
-        until = f", until the {side} side of the discs' box stops it" if side else ""
+        until = f", where the {side} side of the disc model stops it" if side else ""
         if end == "settled":
-            yield f"In {of_cases(numbers)} it slides about {lengths}{until or ', and comes to rest'}."
+            yield f"In {of_cases(numbers)} the surface slides {lengths}{until or ' and comes to rest'}."
         elif end == "lying":
             lately = moved_lately([cases[number] for number in numbers])
-            yield f"In {of_cases(numbers)} it slides about {lengths}{until}, and moved {lately} in the last 10 s."
+            yield f"In {of_cases(numbers)} the surface slides {lengths}{until}; it moved {lately} in the last 10 s."
         else:
             seconds = max(cases[number].seconds_simulated for number in numbers)
-            against = f", up against the {side} side of the discs' box," if side else ""
+            against = f", against the {side} side of the disc model," if side else ""
             yield (
-                f"In {of_cases(numbers)} it had slid about {lengths}{against} after {seconds:.0f} s and was still "
-                "moving: these are no final values."
+                f"In {of_cases(numbers)} the surface had slid {lengths}{against} after {seconds:.0f} s and was still "
+                "moving: these are not final values."
             )
     stopped = [number for number, case in cases.items() if case.stopped_by is not None]
     if stopped:
-        yield "Its box ends where the section was cut off: in a longer section it would slide further."
+        yield "The disc model ends where the section was cut off: in a longer section the slide would be longer."
     flowing = {number: case.slide_by_weight_m for number, case in cases.items() if case.flows}
     if flowing:
         far = about([slide for slide in flowing.values() if slide is not None])
-        yield f"In {of_cases(list(flowing))} it is a flow failure: without any shaking it slides about {far} in 20 s."
+        yield f"In {of_cases(list(flowing))} this is a flow failure: without shaking the surface slides {far} in 20 s."
 
 
 def lies_still(case: CaseNumbers) -> bool:
@@ -313,14 +260,14 @@ def _interval(results: Results) -> str:
         if spread.mean is not None and spread.mean_ci95 is not None
     ]
     if not told:
-        return "No interval is known, since only one packing was computed; slide.seeds = [1, 2] gives one."
+        return "One packing of discs was computed, so no interval is known; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
     strata = [stratum.name for stratum in results.config.section.strata if stratum.liquefies_in]
     weaker = all(is_weaker(after, before, strata) for before, after in pairwise(results.config.cases))
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
-        order = f" On {on} of them every case slides further than the one before."
+        order = f" On {on} of them each case slides further than the case before."
     return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(told)}.{order}"
 
 
@@ -339,23 +286,21 @@ def _disagreement(results: Results) -> Iterator[str]:
     values = [*discs, *observed, *blocks]
     if not discs or values == discs or max(values) <= DISAGREE * min(values):
         return
-    told = [f"the discs slide about {span(discs)}"]
-    told += [f"the regression over observed slides gives about {span(observed)}"] if observed else []
-    told += [f"the rigid block on the slip surface {_slid(blocks)}"] if blocks else []
-    yield f"The methods disagree by more than a factor of three: {listed(told)}."
+    told = [f"discs {span(discs)}"]
+    told += [f"regression over observed slides {span(observed)}"] if observed else []
+    told += [f"rigid block on the slip surface {span(blocks)}"] if blocks else []
+    yield f"The methods differ by more than a factor of three: {listed(told)}."
     if blocks:
-        yield "The block keeps the strength that the ground had before it liquefied, and so is silent on such a slide."
+        yield "The rigid block has the strength before liquefaction, so it does not predict slides after it."
     if observed:
         yield (
-            "The regression says what gentle slopes of liquefied sand have done on average, whatever the shaking and "
-            "their strength."
+            "The regression is the average of gentle slopes of liquefied sand; shaking and strength do not enter it, "
+            "and flow failures are not part of it."
         )
-    if observed and any(case.flows for case in cases.values()):
-        yield "The discs flow, by their weight alone: such a regression does not know that."
-    elif observed and max(discs) > DISAGREE * min(observed):
+    if observed and max(discs) > DISAGREE * min(observed) and not any(case.flows for case in cases.values()):
         yield (
-            "Discs that slide much farther say that little in the model holds the ground back: look first at how soft "
-            "the liquefied layers are taken to be, and whether the discs came to rest."
+            "Where the discs slide much farther than the regression, check the stiffness and strength of the liquefied "
+            "layers, and whether the discs came to rest."
         )
 
 
@@ -363,7 +308,7 @@ def _measured(results: Results) -> Iterator[str]:
     """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
     _, cases = results.case_set()
     for one in results.config.report.observed if cases else ():
-        told = f"Measured were {one.displacement:.3g} m ({one.name})"
+        told = f"The measured displacement is {one.displacement:.3g} m ({one.name})"
         there = results.slides_at(one.x)
         where = "at most" if there is None else f"there, at x = {one.x:g} m,"
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
@@ -374,7 +319,3 @@ def _measured(results: Results) -> Iterator[str]:
 def _displacements(results: Results, kind: Kind) -> list[float]:
     found = (one for one in estimates(results.config, results.kc, results.slip_surface) if one.kind == kind)
     return [one.displacement_m for one in found if one.displacement_m is not None]
-
-
-def _slid(blocks: list[float]) -> str:
-    return "does not move" if max(blocks) == 0.0 else f"slides about {span(blocks)}"

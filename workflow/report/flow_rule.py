@@ -8,9 +8,9 @@ from workflow.results.continuum import FemAnswer
 
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
-    "ψ = φ is what strict bounds bracket, and what limit equilibrium and, as a rule, strength reduction come to. "
-    "Davis's estimate counts for dense ground that is held tightly, for thin bands, for planes that cannot stretch, "
-    "and where a dilation angle was given."
+    "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
+    "reduced strength, applies to dense confined ground, thin bands, planes that cannot extend, and where a dilation "
+    "angle was given."
 )
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from workflow.report.texts import Texts
+
 
 @dataclass
 class Labels:
@@ -11,6 +13,7 @@ class Labels:
 
     Attributes
     ----------
+    texts : the texts in the language of the page
     known : what was found before: "Table 3", "Figure 7", by name
     found : what is found now
     sections : headings by name, with their numbers
@@ -18,6 +21,7 @@ class Labels:
     counts : how many there are so far, by kind
     """
 
+    texts: Texts = field(default_factory=Texts)
     known: dict[str, str] = field(default_factory=dict)
     found: dict[str, str] = field(default_factory=dict)
     sections: dict[str, str] = field(default_factory=dict)
@@ -30,11 +34,11 @@ class Labels:
 
     def table(self, name: str) -> str:
         """The number of the table that stands here."""
-        return self._named(name, f"Table {self._next('table')}")
+        return self._named(name, self.texts("Table {number}", number=self._next("table")))
 
     def figure(self, name: str) -> str:
         """The number of the figure that stands here."""
-        return self._named(name, f"Figure {self._next('figure')}")
+        return self._named(name, self.texts("Figure {number}", number=self._next("figure")))
 
     def section(self, name: str, title: str) -> str:
         """The heading of the section that begins here, with its number."""

@@ -24,6 +24,12 @@ def metres(value: float | None) -> str:
     return f"{value:.{2 if size < 1.0 else 1 if size < 10.0 else 0}f} m"
 
 
+def metre_range(values: Sequence[float]) -> str:
+    """The range of some lengths (m): 6.1 to 6.9 m, or one of them where all are the same."""
+    low, high = metres(min(values)), metres(max(values))
+    return low if low == high else f"{low.removesuffix(' m')} to {high}"
+
+
 def rough(value: float) -> float:
     """A number to one digit, or to two where the first one is a 1: what a slide of discs is good for."""
     if value == 0.0:
@@ -51,8 +57,8 @@ def _plain(value: float) -> str:
 
 
 def coefficient(kh: float) -> str:
-    """A seismic coefficient in two digits: 0.23, 0.034."""
-    return f"{kh:.2f}" if kh >= 0.0995 else f"{kh:.2g}"
+    """A seismic coefficient to three places, as all tables and pictures have it: 0.234."""
+    return f"{kh:.3f}"
 
 
 def listed(words: Sequence[str]) -> str:

@@ -14,19 +14,19 @@ from workflow.estimates.comparison import estimates
 from workflow.figures import fonts
 from workflow.figures.comparison import PICTURES
 from workflow.figures.displacements import slides
-from workflow.figures.fem import conditions
+from workflow.figures.front import FRONT
 from workflow.report import tables
 from workflow.report.after import just_enough
 from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
-from workflow.report.findings import fail_alike, lies_still, moved_lately, springs_of
-from workflow.report.flow_rule import critical_with_flow
+from workflow.report.findings import lies_still, moved_lately, springs_of
 from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
 from workflow.report.player import films
-from workflow.report.slices import on_surface_found, slices_sentences
+from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
+from workflow.report.texts import Texts
 from workflow.report.uncertainty import doubts
 from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.results import Results
@@ -35,12 +35,15 @@ from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 from workflow.tables import ReportSettings
 
-# Parts of the page with a template of their own.
 MOST_TESTS = 60  # in a table
+MOST_WARNINGS, NOTE = 9, 3  # on the first page; the weight of what stands among the checks
+LAYERS = "figures/section.png"
+VARIED = ("Mesh", "Element", "Step", "Dilation", "Side condition", "Random packing")  # rows of the sensitivity
+# Parts of the page with a template of their own.
 PARTS = {
     "triggering": "triggering.html.jinja", "liquefied": "liquefied.html.jinja", "response": "response.html.jinja",
     "mpm": "mpm.html.jinja", "structures": "structures.html.jinja",
-    "crests": "crests.html.jinja", "verdicts": "verdicts.html.jinja",
+    "crests": "crests.html.jinja", "verdicts": "verdicts.html.jinja", "tests": "tests.html.jinja",
 }  # fmt: skip
 LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
@@ -56,16 +59,18 @@ def page(results: Results, summary: Summary) -> str:
     )
     environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
-    template, content = environment.get_template("template.html.jinja"), _content(results, summary)
-    first, second = Labels(), Labels()
+    texts = Texts(results.config.report.language)
+    environment.globals["_"] = texts
+    template, content = environment.get_template("template.html.jinja"), _content(results, summary, texts)
+    first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
     second.known, second.contents = first.found, first.sections
     return template.render(content, labels=second)
 
 
-def _content(results: Results, summary: Summary) -> dict[str, Any]:
+def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """All that the template shows."""
-    config = results.config
+    config, rows_of_doubts = results.config, list(doubts(results))
     return {
         "config": config,
         "results": results,
@@ -76,30 +81,30 @@ def _content(results: Results, summary: Summary) -> dict[str, Any]:
         "written": datetime.now().isoformat(" ", "minutes"),
         "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
         "strata": list(tables.strata_rows(config.section)),
-        "cases": list(tables.case_rows(config)),
-        "case_heads": tables.case_heads(config),
         "springs": springs_of(results),
-        "conditions": conditions(config, results.fem.element) if results.fem is not None else "",
-        "in_one_line": critical_with_flow(results.fem, "{:.3f}".format) if results.fem is not None else "",
         "flow": flow_of(config.section.strata, config.fem.flow),
         "by_davis": not is_dilating_fully(config.section.strata),
-        "doubts": list(doubts(results)),
+        "sensitivity": [row for row in rows_of_doubts if row[0] in VARIED],
+        "checks": [row for row in rows_of_doubts if row[0] not in VARIED],
+        "stability": stability_rows(results, texts),
+        "strata_sources": [tables.source_of(config.section, stratum) for stratum in config.section.strata],
+        "parameters": list(tables.parameter_rows(config)),
+        "cases": results.case_set()[1],
+        "first_warnings": [one for one in summary.warnings if one.weight < NOTE][:MOST_WARNINGS],
+        "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
-        "fail_alike": fail_alike(results),
-        "slices_sentences": slices_sentences,
         "faces": face_rows(config, results.slices) if results.slices is not None else [],
         "crests": summary.crests or (),
         "verdicts": summary.criteria or (),
         "limit_words": limit_words,
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
-        "on_surface_found": list(on_surface_found(config, results.fem)),
         "estimates": estimates(config, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),
-        "pictures": _pictures(results),
+        "pictures": _pictures(results, texts),
         "films": films(results) if config.figures.report_animations else [],
         "Notes": Notes,
         "most_tests": MOST_TESTS,
@@ -126,7 +131,9 @@ def _css_text(text: str) -> Markup:
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
     """What the user wants at the head of the report: pairs of a word and a text."""
-    return [(name, text) for name, text in report if name != "logo" and isinstance(text, str) and text]
+    return [
+        (name, text) for name, text in report if name not in ("logo", "language") and isinstance(text, str) and text
+    ]
 
 
 def _logo(file: str) -> str:
@@ -143,11 +150,12 @@ def _logo(file: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(data).decode()}"
 
 
-def _pictures(results: Results) -> dict[str, list[Any]]:
+def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
     """The pictures of what belongs to the input, by the part of the report."""
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}
-    for picture in collect(names, results.store.folder, results.config.figures.report_width):
-        by_part.setdefault(picture.part if picture.main else "further", []).append(picture)
+    for picture in collect(names, results.store.folder, results.config.figures.report_width, texts):
+        shown_before = picture.name == LAYERS and FRONT in names
+        by_part.setdefault(picture.part if picture.main and not shown_before else "further", []).append(picture)
     return by_part

@@ -4,11 +4,13 @@ from collections.abc import Iterator
 
 from workflow.estimates.comparison import estimates
 from workflow.report.crests import crest_parts
-from workflow.report.doubtful import doubtful
 from workflow.report.findings import findings
+from workflow.report.first_page import conclusions, headlines
 from workflow.report.paper import rows
 from workflow.report.structures import face_rows
+from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
+from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
@@ -39,9 +41,14 @@ def summary(results: Results, report_seconds: float) -> Summary:
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(rows(results))
     judged = verdicts(results)
+    texts = Texts(config.report.language)
+    numbers = headlines(results, texts)
+    short = [one.conclusion for one in numbers]
     return Summary(
-        in_short=(*verdict_paragraph(judged), *findings(results)),
-        doubtful=tuple(doubtful(results)),
+        headlines=numbers,
+        in_short=(*short, *verdict_paragraph(judged), *conclusions(results, texts)),
+        findings=tuple(findings(results)),
+        warnings=tuple(warnings(results)),
         section=SectionLabel.of(config.section),
         mesh=_mesh(results),
         fem=_fem(results),

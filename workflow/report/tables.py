@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
@@ -9,12 +10,13 @@ from pydantic import BaseModel
 from dem.settings import Case
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
-from workflow.config import Config
+from workflow.config import FILES, Config
 
 STRATA_HEADS = (
     "stratum", "area\nm²", "thickness\nm", "from-to x\nm", "E\nMPa", "ν\n", "ρ ord/seis\nt/m³", "c\nkPa", "φ/ψ\ndeg",
 )  # fmt: skip
 
+FILE = "section file"
 # The parameters of a stratum as they were written: field, symbol, and the SI unit of a plain number.
 WRITTEN = (
     ("youngs_modulus", "E", "Pa"),
@@ -54,6 +56,33 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             + (f", tension {stratum.tension / 1e3:.3g}" if stratum.tension is not None else ""),
             f"{math.degrees(stratum.friction_angle):.3g}/{math.degrees(stratum.dilation):.3g}",
         ]
+
+
+def source_of(section: Section, stratum: Stratum) -> str:
+    """Where the parameters of a stratum come from: its description, and whether the ground is a reconstruction."""
+    told = [stratum.description or FILE]
+    return "; ".join([*told, *(["reconstruction"] if section.reconstruction else [])])
+
+
+def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
+    """Water, earthquake, shaking and the cases of liquefaction: name, value and source of each."""
+    water = config.section.water_points()
+    if water is not None:
+        low, high = water[:, 1].min(), water[:, 1].max()
+        yield "water table", f"elevation {low:.4g} to {high:.4g} m" if high > low else f"elevation {low:.4g} m", FILE
+    earthquake = config.earthquake
+    if earthquake.magnitude is not None:
+        yield "earthquake", f"M {earthquake.magnitude:g}", "[earthquake]"
+    if config.section.liquefies:
+        default = config.slide.kh == type(config.slide).model_fields["kh"].default
+        by = "[earthquake], [site_response]" if "kh" in config.left_open else "default" if default else "slide.kh"
+        yield "shaking of the slides", config.slide.shaking, by
+    heads = [name for name, _ in case_heads(config)]
+    for number, names, *left in case_rows(config):
+        told = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
+        derived = int(number) > len(config.slide.cases)
+        called = config.called(int(number))
+        yield called, f"{names}: {told}", "borings ([triggering])" if derived else "slide.cases"
 
 
 def texts(section: Section) -> list[str]:
@@ -155,15 +184,20 @@ def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
         for key, field in type(settings).model_fields.items():
             value = getattr(settings, key)
             if value != field.get_default(call_default_factory=True) and table != "report":
-                yield f"{table}.{key}", plain(value), str(field.description or "")
+                shown = Path(value).name if (table, key) in FILES else plain(value)
+                yield f"{table}.{key}", shown, str(field.description or "")
 
 
 def plain(value: Any) -> str:
-    """A setting as people read it."""
+    """A setting as people read it; of a file its name alone."""
+    if value is None:
+        return "not given"
+    if isinstance(value, Path):
+        return value.name
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, BaseModel):
-        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value if each != "")
+        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value if each not in ("", None))
     if isinstance(value, dict):
         return ", ".join(f"{name}: {plain(each)}" for name, each in value.items())
     if isinstance(value, tuple | list):

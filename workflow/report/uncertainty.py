@@ -1,4 +1,4 @@
-"""On what the answers hang, and by how much: mesh, step, dilation, sides, bounds, packing."""
+"""What the results depend on, and by how much: mesh, step, dilation, sides, bounds, packing."""
 
 from collections.abc import Iterator, Mapping
 
@@ -34,8 +34,8 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
     if results.older:
         yield (
             "Version of the program",
-            f"Computed by another version of it than wrote this report: {listed(results.older)}. To do: noshiro run "
-            "computes them again.",
+            f"Another version of the program computed {listed(results.older)} than wrote this report; noshiro run "
+            "computes again.",
         )
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
@@ -55,7 +55,7 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
             + (
                 "what they share with the discs in rows does not come from their order."
                 if rows
-                else "what they do not share hangs on how the discs happen to lie."
+                else "the differences between them come from the random packing alone."
             ),
         )
 

@@ -1,9 +1,9 @@
 """summary.json: the numbers of a run, units in their names."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fem.continuum.strength import Flow
 from fem.settings import Element, Sides
@@ -16,7 +16,7 @@ from workflow.results.liquefied import LiquefiedCase
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
 from workflow.results.triggering import StratumPart
-from workflow.results.verdicts import CrestPart, VerdictPart
+from workflow.results.verdicts import CrestPart, HeadlinePart, VerdictPart, WarningPart
 
 
 class SafetySummary(Part):
@@ -179,8 +179,10 @@ class Summary(Answer):
 
     FILE: ClassVar[str] = "summary.json"
 
-    in_short: tuple[str, ...] = Field(description="what was found, in plain sentences, a paragraph each")
-    doubtful: tuple[str, ...] = Field(description="what of it is doubtful, one doubt each, the most important first")
+    headlines: tuple[HeadlinePart, ...] = Field(description="the numbers of the report's first page")
+    in_short: tuple[str, ...] = Field(description="the conclusions of the first page, a sentence each")
+    findings: tuple[str, ...] = Field(description="the results in sentences, a paragraph each")
+    warnings: tuple[WarningPart, ...] = Field(description="the weightiest first")
     section: SectionLabel
     mesh: MeshCount | None
     fem: FemSummary | None
@@ -206,3 +208,14 @@ class Summary(Answer):
     no_answer: dict[str, NoAnswer]
     seconds: dict[str, float] = Field(description="computing time of every stage")
     made_with: MadeWith
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_old_key(cls, data: Any) -> Any:
+        """Read the files of version 0.1, whose warnings were sentences under the key doubtful."""
+        if not isinstance(data, dict) or "doubtful" not in data:
+            return data
+        sentences = data["doubtful"]
+        kept = {key: value for key, value in data.items() if key != "doubtful"}
+        warnings = [{"weight": 2, "what": text, "remedy": ""} for text in sentences]
+        return {"headlines": (), "findings": (), **kept, "warnings": warnings}

@@ -1,4 +1,4 @@
-"""Parts of summary.json: crests after each slide, and what is held against the criteria."""
+"""Parts of summary.json: crests after each slide, criteria, and the warnings and headline numbers of the report."""
 
 from typing import Literal
 
@@ -8,6 +8,24 @@ from workflow.criteria.verdict import Verdict
 from workflow.results.answer import Part
 
 Criterion = Literal["factor of safety", "critical Kh", "displacement", "crest settlement", "freeboard"]
+Weight = Literal[1, 2, 3]
+
+
+class WarningPart(Part):
+    """A warning, and what to do about it."""
+
+    weight: Weight = Field(description="1: contradicts an answer, 2: changes an answer, 3: a note")
+    what: str
+    remedy: str = Field(description="empty where the warning says it")
+
+
+class HeadlinePart(Part):
+    """One of the numbers of the first page, as it is written there."""
+
+    name: str
+    value: str
+    interval: str
+    conclusion: str
 
 
 class CrestPart(Part):

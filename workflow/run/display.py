@@ -65,7 +65,7 @@ class Display:
     """Listens to a run; to be used as a context.
 
     On a terminal all stages stand below each other and change in place, on ``err``. Elsewhere lines go to ``out``: one
-    when a stage begins, one when it ends, and between them one every ``every`` seconds, or all of them when verbose.
+    when a stage ends, before that one every ``every`` seconds, and when verbose all of them and one when it begins.
     """
 
     def __init__(
@@ -90,7 +90,8 @@ class Display:
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)
-        self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
+        if self.verbosity == VERBOSE:
+            self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
         last = shown.start
 
         def progress(line: str, share: float | None) -> None:

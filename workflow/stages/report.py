@@ -67,6 +67,7 @@ STAGE = Stage(
     results=(Summary.FILE, REPORT),
     read=Summary.read,
     pictures=(
+        "figures/front.png",
         "figures/curves.png",
         "figures/slip_surfaces.png",
         "figures/calibration.png",

@@ -16,7 +16,8 @@ def test_a_square_is_perfect() -> None:
             "quadrilaterals": 1,
             "nodes": 4,
             "smallest_scaled_jacobian": 1.0,
-            "worst_angle": 90.0,
+            "smallest_angle": 90.0,
+            "largest_angle": 90.0,
             "largest_aspect_ratio": 1.0,
         }
     )
@@ -30,7 +31,8 @@ def test_a_slanted_parallelogram(slant: float) -> None:
     points = np.array([[0.0, 0.0], [3.0, 0.0], [3.0 + side[0], side[1]], side])
     found = quality(points, CELL)
     assert found.smallest_scaled_jacobian == pytest.approx(math.sin(angle))
-    assert abs(found.worst_angle - 90.0) == pytest.approx(abs(slant - 90.0))
+    assert found.smallest_angle == pytest.approx(min(slant, 180.0 - slant))
+    assert found.largest_angle == pytest.approx(max(slant, 180.0 - slant))
     assert found.largest_aspect_ratio == pytest.approx(3.0 * 8.0 / (4.0 * 3.0 * math.sin(angle)))
 
 

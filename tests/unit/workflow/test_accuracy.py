@@ -26,7 +26,7 @@ def test_a_sequence_that_still_falls_is_not_told_to_leave_nothing_open() -> None
     answer = sequence(0.0549, 0.0388, 0.0367, limit=0.0324)
     told = " ".join(findings(results(RUN, fem=answer)))
     assert "leaves nothing open" not in told
-    assert "Numerical error is below 0.005, by the sequence of meshes, which tends to 0.032." in told
+    assert "error of the critical Kh is below 0.005, by the sequence of meshes, which tends to 0.032." in told
 
 
 def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
@@ -50,7 +50,9 @@ def test_strict_bounds_of_the_same_flow_close_the_interval() -> None:
     answer = sequence(0.2844, 0.2826, limit=0.2820)
     found = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.2799, 0.2815)), answer)
     assert found == Accuracy(0.2799, 0.2815, "by strict bounds", True)
-    assert numerical_error(found, answer.kc) == "Numerical error is below 0.003, by strict bounds."
+    assert (
+        numerical_error(found, answer.kc) == "The numerical error of the critical Kh is below 0.003, by strict bounds."
+    )
     inside = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.27, 0.30)), answer)
     assert inside is not None
     assert (inside.low, inside.high) == pytest.approx((0.2820, 0.2826))

@@ -38,13 +38,14 @@ def whole(run: Config) -> Results:
 
 @pytest.fixture(scope="module")
 def s13() -> Config:
-    return Config.load(SECTIONS / "s13.toml")
+    config = Config.load(SECTIONS / "s13.toml")
+    return config.model_copy(update={"report": config.report.model_copy(update={"appendix": True})})
 
 
 @pytest.mark.parametrize("answers", [{}, {"fem": True}])
 def test_a_report_without_answers(answers: dict[str, Any], s13: Config) -> None:
     text = html(results(s13, fem=fem(s13)) if answers else results(s13))
-    assert "How far the section slides is still open" in text
+    assert "The slide after liquefaction is not known" in text
     assert_refers_to_what_is_there(text)
 
 
@@ -53,7 +54,7 @@ def test_all_that_is_referred_to_is_there_and_numbered_in_order(s13: Config) -> 
     assert_refers_to_what_is_there(text)
     tables = [int(number) for number in re.findall(r"<caption[^>]*><b>Table (\d+)\.</b>", text)]
     assert tables == list(range(1, len(tables) + 1))
-    assert len(tables) == text.count("<table>")
+    assert len(tables) == len(re.findall(r'<table(?! class="(?:head|sign)")', text))
     heads = re.findall(r'<h2 id="(\w+)">(\d+) ', text)
     assert [int(number) for _, number in heads] == list(range(1, len(heads) + 1))
     contents = re.findall(r'<li[^>]*><a href="#(\w+)">', text)
@@ -74,14 +75,13 @@ def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Config
     text = html(whole(s13))
     rows = re.findall(r"<tr><td>(\d+)</td><td class=\"n\"><b>", text)
     assert rows == [str(number) for number in range(1, 12)] * 2
-    assert "<td>4 Asd, 6 As1</td>" in text  # what liquefies in a case
-    assert "Stiffness: factor on the element springs" in text
-    assert text.index("4 Asd, 6 As1") < text.index("largest slide</th>")
+    assert "4 Asd, 6 As1: stiffness 0.1" in text  # what liquefies in a case, and what is left of it
+    assert text.index("4 Asd, 6 As1: stiffness") < text.index("largest slide</th>")
 
 
 def test_the_input_is_a_table_strata_first(s13: Config) -> None:
     text = html(results(s13))
-    assert text.index("The strata as given.") < text.index("The lines of the section")
+    assert text.index("Layers as given in the section file.") < text.index("The lines of the section")
     assert "<td>1560 tf/m^2</td>" in text.replace(' class="n"', "")
     assert '<td>ground surface</td><td>elevation</td><td class="points">(0, 9.08)  (200, 0)</td>' in text
     assert "dem.springs" in text  # which S-13 sets
@@ -115,6 +115,6 @@ def test_no_markup_of_a_template_stands_raw_in_a_page() -> None:
         (file.name, text)
         for file in (TOP / "workflow/report").glob("*.jinja")
         for expression in re.findall(r"{{(.*?)}}|{%(.*?)%}", file.read_text(encoding="utf-8"), flags=re.DOTALL)
-        for text in re.findall(r'"[^"]*<[a-z]+>[^"]*"(?!\s*\|\s*safe)', "".join(expression))
+        for text in re.findall(r'"[^"]*<[a-z]+>[^"]*"(?!\)?\s*\|\s*safe)', "".join(expression))
     ]
     assert raw == []

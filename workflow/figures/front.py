@@ -1,0 +1,74 @@
+"""The picture of the report's first page: the section, how it fails, and where the surface comes to lie."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+
+from workflow.figures.canvas import CRITICAL, DISCS, INK
+from workflow.figures.ground import Overlay, draw_section
+from workflow.figures.slides import smoothed
+from workflow.results.cases import CaseAnswer
+from workflow.results.results import Results
+
+FRONT = "figures/front.png"
+ARROW = 0.12  # of the width of the section
+ABOVE = 0.25  # of the height of the section: room for the arrow above it
+HALO = [withStroke(linewidth=2.5, foreground="white")]
+
+
+def front(results: Results, name: str) -> bool:
+    """Draw the section with slip surface, largest slide, borings and the seismic force; False without any of them."""
+    lines: list[Overlay] = []
+    if results.kc is not None and len(results.slip_surface):
+        label = f"slip surface at Kh = {results.kc:.3f}"
+        lines.append(Overlay(results.slip_surface, CRITICAL, (0, ()), label))
+    number, case = _largest(results)
+    if case is not None and results.dem is not None:
+        after = smoothed(np.array(case.surface_after), 2.0 * results.dem.model.radius_m)
+        label = f"surface after the slide, case {number}: {case.slide_max_m:.2g} m"
+        lines.append(Overlay(after, DISCS, (0, ()), label))
+    if not lines and results.fem is None:
+        return False
+    with results.store.writing(name) as path:
+        draw_section(
+            results.config.section, path, "failure and slide", lines, decorate=lambda axes: _marks(axes, results)
+        )
+    return True
+
+
+def _largest(results: Results) -> tuple[int, CaseAnswer | None]:
+    """The case of the set that counts with the largest slide; None without slides."""
+    _, cases = results.case_set()
+    if not cases:
+        return 0, None
+    number = max(cases, key=lambda one: cases[one].slide_max_m)
+    return number, cases[number]
+
+
+def _marks(axes: Axes, results: Results) -> None:
+    """The borings as deep as they were tested, and an arrow in the direction of the seismic force."""
+    section, fem = results.config.section, results.fem
+    for boring in results.triggering.borings if results.triggering is not None else ():
+        tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
+        x, deepest = tests[0].x_m, max(test.depth_m for test in tests)
+        top = float(np.interp(x, *section.ground.T))
+        axes.plot([x, x], [top - deepest, top], color=INK, linewidth=1.6)
+        axes.annotate(
+            boring.name, (x, top), (0, 3), textcoords="offset points", fontsize=6.5, ha="center", color=INK,
+            path_effects=HALO, parse_math=False,
+        )  # fmt: skip
+    if fem is None:
+        return
+    left, right = section.extent
+    ground = section.outline()
+    sign = 1.0 if fem.towards == "right" else -1.0
+    start = left + (0.04 if sign > 0.0 else 0.96) * (right - left)
+    z = ground[:, 1].max() + 0.5 * ABOVE * np.ptp(ground[:, 1])
+    axes.annotate(
+        "", (start + sign * ARROW * (right - left), z), (start, z),
+        arrowprops={"arrowstyle": "-|>", "color": CRITICAL, "linewidth": 2.0, "shrinkA": 0.0, "shrinkB": 0.0},
+    )  # fmt: skip
+    axes.annotate(
+        "Kh", (start + sign * 0.5 * ARROW * (right - left), z), (0, 3), textcoords="offset points", fontsize=8,
+        ha="center", color=CRITICAL,
+    )  # fmt: skip

@@ -1,0 +1,231 @@
+"""The first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
+
+from collections.abc import Iterator, Mapping
+
+from meshes.section.cutting import spoken
+from meshes.section.quantity import GRAVITY
+from workflow.estimates.slide_error import slide_error
+from workflow.report.accuracy import Accuracy, accuracy
+from workflow.report.numbers import coefficient, span
+from workflow.report.paper import rows
+from workflow.report.texts import Texts
+from workflow.results.cases import CaseAnswer
+from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.results import Results
+from workflow.results.verdicts import HeadlinePart
+
+LEAST_SLIDE = 0.1  # m: discs do not resolve less
+DIRECTION: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
+FLOW: Mapping[str, str] = {
+    "associated": "associated flow, ψ = φ",
+    "davis": "Davis reduced strength",
+    "section": "non-associated flow with the given ψ",
+}
+SIDES: Mapping[str, str] = {
+    "free-field": "free-field sides", "smooth": "smooth sides", "fixed": "fixed sides", "periodic": "periodic sides",
+}  # fmt: skip
+
+
+def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
+    """Write the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction.
+
+    Parameters
+    ----------
+    results : Results
+        What the stages found; a number that was not found is a dash with its reason.
+    _ : Texts
+        The texts in the language of the report.
+    """
+    return (_critical(results, _), _safety(results, _), _slide(results, _))
+
+
+def _critical(results: Results, _: Texts) -> HeadlinePart:
+    fem, name = results.fem, _("critical Kh")
+    entry = results.no_answer("fem")
+    if fem is None or entry is not None:
+        reason = entry.reason if entry is not None else _("the finite element analysis was not run")
+        return HeadlinePart(name=name, value="–", interval="", conclusion=_("No critical Kh: {reason}.", reason=reason))
+    if not fem.has_kc:
+        least = coefficient(fem.kc_lower)
+        if fem.verdict == "no failure":
+            told = _("The section stands at every Kh up to {kh}, where the search ended.", kh=least)
+            return HeadlinePart(name=name, value=f"> {least}", interval="", conclusion=told)
+        told = _("The critical Kh was not found: {reason}.", reason=fem.reason)
+        return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=told)
+    error = accuracy(results, fem)
+    conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(FLOW[fem.flow]))
+    if error is not None and fem.kc > 1.005 * error.high:
+        return _contradicted(fem, error, conditions, _)
+    told = _(
+        "The section fails {direction}, to the {side}, at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
+        direction=_(DIRECTION[fem.direction]),
+        side=_(fem.towards),
+        kc=coefficient(fem.kc),
+        acceleration=f"{fem.kc * GRAVITY:.2g}",
+        conditions=conditions,
+    )
+    if fem.davis is not None and fem.flow == "associated":
+        told += " " + _(
+            "With Davis reduced strength, a low estimate for soil that dilates less, it is {kc}.",
+            kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
+        )
+    return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=told)
+
+
+def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
+    """The critical Kh where strict bounds say that it is smaller than the finite elements have it."""
+    told = _(
+        "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
+        "limit ({conditions}).",
+        high=coefficient(error.high),
+        kc=coefficient(fem.kc),
+        conditions=conditions,
+    )
+    value = f"≤ {coefficient(error.high)}"
+    return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=told)
+
+
+def _interval(error: Accuracy | None, _: Texts) -> str:
+    if error is None:
+        return _("numerical error not known: one mesh, no strict bounds")
+    low, high = coefficient(error.low), coefficient(error.high)
+    if error.by.startswith("by strict bounds"):
+        return _("{low} to {high} by strict bounds", low=low, high=high)
+    return _("{low} to {high} by the sequence of meshes", low=low, high=high)
+
+
+def _safety(results: Results, _: Texts) -> HeadlinePart:
+    fem, name = results.fem, _("factor of safety")
+    found = next((one for one in fem.safety_factors if one.kh == 0.0), None) if fem is not None else None
+    entry = results.no_answer("fem")
+    if entry is not None:
+        told = _("No factor of safety: {reason}.", reason=entry.reason)
+        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+    if fem is None or found is None:
+        told = _("No factor of safety was computed; fem.safety_factors = [0] asks for one.")
+        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+    if found.verdict == "no failure":
+        told = _(
+            "Without shaking the section stands with its strength divided by {factor}.", factor=f"{found.factor:.2f}"
+        )
+        return HeadlinePart(name=name, value=f"> {found.factor:.2f}", interval="", conclusion=told)
+    word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
+    if found.factor < 1.0:
+        word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
+    told = _(word, factor=f"{found.factor:.2f}", flow=_(FLOW[fem.flow]))
+    if found.davis is not None:
+        told += " " + _("With Davis reduced strength it is {factor}.", factor=f"{found.davis:.2f}")
+    return HeadlinePart(
+        name=name, value=f"{found.factor:.2f}", interval=_of_safety(results, fem, found, _), conclusion=told
+    )
+
+
+def _of_safety(results: Results, fem: FemAnswer, found: FactorOfSafety, _: Texts) -> str:
+    """The interval of a factor of safety: strict bounds of the same conditions, else what its mesh leaves open."""
+    bounds = results.bounds
+    if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
+        for one in bounds.safety:
+            if one.kh == found.kh and one.lower is not None and one.upper is not None:
+                return _("{low} to {high} by strict bounds", low=f"{one.lower:.2f}", high=f"{one.upper:.2f}")
+    if found.rest is not None:
+        low = f"{found.factor * (1.0 - found.rest):.2f}"
+        return _("{low} to {high} by the sequence of meshes", low=low, high=f"{found.factor:.2f}")
+    return _("numerical error not known: one mesh, no strict bounds")
+
+
+def _slide(results: Results, _: Texts) -> HeadlinePart:
+    name = _("slide after liquefaction")
+    _set, cases = results.case_set()
+    if not cases:
+        if not results.config.section.liquefies:
+            told = _("No layer of the section liquefies, so no slide was computed.")
+            return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+        entry = results.no_answer("calibrate") or results.no_answer("slide")
+        reason = entry.reason if entry is not None else _("the slides were not computed")
+        told = _("The slide after liquefaction is not known: {reason}.", reason=reason)
+        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+    told = _(
+        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases, calibrated discs) "
+        "and {end}.",
+        layers=_.listed([spoken(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
+        shaking=results.config.slide.shaking,
+        slide=_span(cases),
+        count=len(cases),
+        end=_end(cases, _),
+    )
+    return HeadlinePart(name=name, value=_span(cases), interval=_of_slides(results, cases, _), conclusion=told)
+
+
+def _span(cases: Mapping[int, CaseAnswer]) -> str:
+    slides = [max(case.slide_max_m, 0.0) for case in cases.values()]
+    return f"< {LEAST_SLIDE:g} m" if max(slides) < LEAST_SLIDE else span(slides)
+
+
+def _end(cases: Mapping[int, CaseAnswer], _: Texts) -> str:
+    if any(case.flows for case in cases.values()):
+        return _("flows by its weight alone")
+    if all(case.settled for case in cases.values()):
+        return _("comes to rest")
+    return _("was still moving when the computation ended")
+
+
+def _of_slides(results: Results, cases: Mapping[int, CaseAnswer], _: Texts) -> str:
+    """The interval of the largest slide, with the error of such predictions on known slides."""
+    known = {case.flows for case in cases.values()}
+    error = slide_error(known.pop() if len(known) == 1 else None)
+    random = results.cases.random if results.cases is not None else None
+    slides = [case.slide_max_m for case in cases.values()]
+    for case in random.cases.values() if random is not None else ():
+        slides += case.slide_max_m.values
+    moved = [one for one in slides if one > 0.0]
+    if error is None or not moved:
+        return _("the error on known slides is not known")
+    if 2 * error.held < error.cases:
+        return _("no interval: discs did not predict the known slides of this kind")
+    return _(
+        "{span} with the error on known slides (factor {factor} in {held} of {cases})",
+        span=span(error.interval(min(moved), max(moved))),
+        factor=f"{error.factor:g}",
+        held=error.held,
+        cases=error.cases,
+    )
+
+
+def conclusions(results: Results, _: Texts) -> Iterator[str]:
+    """Sentences of the first page behind the numbers: why this Kh, which slide counts, and the paper."""
+    yield from _why_kh(results, _)
+    if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
+        yield _("The slides of the calibrated discs count; those with the springs of Table 2 are a comparison.")
+    compared = [row for row in rows(results) if row.agrees is not None]
+    if compared:
+        off = [row for row in compared if not row.agrees]
+        discs = [row for row in compared if "calibrated" in row.quantity]
+        yield _(
+            "{off} of {all} comparisons with the paper disagree, {off_discs} of {discs} of them for the calibrated "
+            "discs: the depths of the layers are a reconstruction.",
+            off=len(off),
+            all=len(compared),
+            off_discs=len([row for row in discs if not row.agrees]),
+            discs=len(discs),
+        )
+
+
+def _why_kh(results: Results, _: Texts) -> Iterator[str]:
+    """What the constant Kh of the slides is beside the limit load after liquefaction."""
+    slide = results.config.slide
+    if results.liquefied is None or not results.case_set()[1] or slide.accelerogram or slide.kh_cycles or not slide.kh:
+        return
+    kc = [one.kc if one.kc is not None else 0.0 for one in results.liquefied.cases]
+    if not kc:
+        return
+    low, high = min(kc), max(kc)
+    limit = coefficient(low) if coefficient(low) == coefficient(high) else f"{coefficient(low)} to {coefficient(high)}"
+    word = "The slides are computed at Kh = {kh}, which exceeds the critical Kh after liquefaction, {limit}."
+    if slide.kh < 0.9 * low:
+        word = "The slides are computed at Kh = {kh}, below the critical Kh after liquefaction, {limit}."
+    elif slide.kh <= 1.1 * high:
+        word = (
+            "The slides are computed at Kh = {kh}, which is about the critical Kh after liquefaction, {limit}: small "
+            "changes of strength change the slide much."
+        )
+    yield _(word, kh=f"{slide.kh:g}", limit=limit)

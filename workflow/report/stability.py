@@ -1,0 +1,135 @@
+"""All that says at which Kh the section fails, and its factor of safety: one row each, with what it is of."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from workflow.report.first_page import FLOW, SIDES
+from workflow.report.numbers import coefficient
+from workflow.report.slices import factor_on_surface
+from workflow.report.texts import Texts
+from workflow.results.results import Results
+from workflow.results.slices import CirclePart
+
+
+@dataclass(frozen=True)
+class Row:
+    """A quantity, its value, its interval, and the conditions that it holds for."""
+
+    quantity: str
+    value: str
+    interval: str
+    conditions: str
+
+
+def stability_rows(results: Results, _: Texts) -> list[Row]:
+    """The rows of the table, those of one method after the other."""
+    return [*_elements(results, _), *_bounds(results, _), *_slices(results, _), *_discs(results, _)]
+
+
+def _elements(results: Results, _: Texts) -> Iterator[Row]:
+    fem, name = results.fem, _("critical Kh, finite elements")
+    if fem is None:
+        return
+    if results.kc is not None:
+        most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
+        yield Row(name, coefficient(fem.kc), most, f"{_sides(fem.settings.sides, _)}, {_flow(fem.flow, _)}")
+    for other, flow in ((fem.davis, "davis"), (fem.associated, "associated")):
+        if other is not None and other.verdict in ("plateau", "peak"):
+            yield Row(name, coefficient(other.kc), "", f"{_sides(fem.settings.sides, _)}, {_flow(flow, _)}")
+    other = fem.opposite
+    if other is not None:
+        value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
+        cut = _("; slides out at the side of the section") if other.at_sides else ""
+        force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
+        yield Row(name, value, "", force + cut)
+    for skin in fem.skins:
+        where = _("shallow failure of the face from x = {start} to {end} m",
+                  start=f"{skin.start_x_m:g}", end=f"{skin.end_x_m:g}")  # fmt: skip
+        yield Row(name, coefficient(max(skin.kh, 0.0)), "", where)
+    for factor in fem.safety_factors:
+        of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
+        value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
+        yield Row(of, value, "", _flow(fem.flow, _))
+        beside, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
+        if beside is not None:
+            yield Row(of, f"{beside:.2f}", "", _flow(flow, _))
+
+
+def _bounds(results: Results, _: Texts) -> Iterator[Row]:
+    bounds = results.bounds
+    if bounds is None:
+        return
+    interval = _("{low} to {high}", low=_or_dash(bounds.lower, 3), high=_or_dash(bounds.upper, 3))
+    conditions = f"{_sides(bounds.sides, _)}, {_flow('associated', _)}"
+    if bounds.skins:
+        conditions += _("; failures deeper than {depth} m", depth=f"{bounds.least_depth:g}")
+    yield Row(_("critical Kh, strict bounds"), "", interval, conditions)
+    for one in bounds.safety:
+        interval = _("{low} to {high}", low=_or_dash(one.lower, 2), high=_or_dash(one.upper, 2))
+        of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{one.kh:g}")
+        yield Row(of, "", interval, conditions)
+
+
+def _slices(results: Results, _: Texts) -> Iterator[Row]:
+    if results.slices is None:
+        return
+    for group in results.slices.factors:
+        of = _("factor of safety at Kh = {kh}, slip circles", kh=f"{group.kh:g}")
+        yield from (_circle(of, circle, 2, _) for circle in group.circles)
+    yield from (_circle(_("critical Kh, slip circles"), circle, 3, _) for circle in results.slices.critical)
+    for factor in results.fem.safety_factors if results.fem is not None else ():
+        if (found := factor_on_surface(results.config, factor)) is not None:
+            of = _("factor of safety at Kh = {kh}, Spencer", kh=f"{factor.kh:g}")
+            yield Row(of, f"{found:.2f}", "", _("slip surface of the finite elements"))
+
+
+def _circle(of: str, circle: CirclePart, digits: int, _: Texts) -> Row:
+    spencer = "" if circle.spencer is None else _("Spencer {value}", value=f"{circle.spencer:.{digits}f}")
+    return Row(of, f"{circle.bishop:.{digits}f}", spencer, _("Bishop, towards the {side}", side=_(circle.towards)))
+
+
+def _discs(results: Results, _: Texts) -> Iterator[Row]:
+    """The discs, and the finite elements that they are compared with."""
+    like, calibration, discs = results.like_discs, results.calibration, results.dem
+    if like is not None:
+        most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""
+        conditions = _(
+            "boundary conditions of the disc box: {terms}", terms=f"{_sides(like.sides, _)}, {_flow(like.flow, _)}"
+        )
+        yield Row(_("critical Kh, finite elements to compare discs with"), coefficient(like.kc), most, conditions)
+    compared = _("compare with the row above, not with the first row") if like is not None else ""
+    if calibration is not None and calibration.predicted_kc is not None:
+        yield Row(_("critical Kh, discs, uncalibrated"), coefficient(calibration.predicted_kc), "", compared)
+        compared = ""
+    if discs is not None and discs.after.kc is not None:
+        interval = ""
+        if discs.after.kc_upper is not None:
+            interval = _(
+                "{low} to {high}", low=coefficient(discs.after.kc_lower), high=coefficient(discs.after.kc_upper)
+            )
+        if calibration is not None and calibration.verdict == "calibrated":
+            factor = _(
+                "factor {value} on {what}", value=f"{calibration.value:.3g}", what=_parameter(calibration.parameter, _)
+            )
+            compared = f"{factor}; {compared}" if compared else factor
+        yield Row(_("critical Kh, discs, calibrated"), coefficient(discs.after.kc), interval, compared)
+
+
+def _parameter(name: str, _: Texts) -> str:
+    return {"all": _("all contact constants"), "strength": _("contact strength")}.get(name, name.replace("_", " "))
+
+
+def _sides(sides: str, _: Texts) -> str:
+    return _(SIDES[sides])
+
+
+def _flow(flow: str, _: Texts) -> str:
+    return _(FLOW[flow])
+
+
+def _more(value: float, than: float) -> bool:
+    return coefficient(value) != coefficient(than)
+
+
+def _or_dash(value: float | None, digits: int) -> str:
+    return "–" if value is None else f"{value:.{digits}f}"

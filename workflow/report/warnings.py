@@ -1,0 +1,177 @@
+"""The warnings of a report by weight, each with what to do; the same of several cases is one warning."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from workflow.report.contradictions import contradictions
+from workflow.report.numbers import coefficient, listed
+from workflow.results.discs import SlipSurfaces
+from workflow.results.results import Results
+from workflow.results.verdicts import WarningPart, Weight
+
+CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
+SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
+# A number in a note, and what is none though it has digits: what stands in quotation marks, and names as Ac1.
+NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?)(?![\w.]*\w)')
+
+
+def warnings(results: Results) -> list[WarningPart]:
+    """Find every warning, the weightiest first: contradictions, then what changes an answer, then notes."""
+    found: dict[tuple[str, str], WarningPart] = {}
+    for weight, text in _warnings(results):
+        what, remedy = split(text)
+        found.setdefault((what, remedy), WarningPart(weight=weight, what=what, remedy=remedy))
+    return sorted(found.values(), key=lambda one: one.weight)
+
+
+def split(text: str) -> tuple[str, str]:
+    """A warning as two sentences: what was found, and what to do, which stands behind the first colon."""
+    what, _, remedy = text.partition(": ")
+    return _sentence(what), _sentence(remedy)
+
+
+def _sentence(text: str) -> str:
+    text = text.strip().rstrip(".")
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def of_cases(numbers: Sequence[int]) -> str:
+    """Cases as a sentence names them."""
+    return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
+
+
+def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
+    """Weight and text of every warning: what was found, a colon, and what to do."""
+    fem = results.fem
+    if fem is not None and fem.verdict == "undecided":
+        yield 1, f"the path of the finite elements ended undecided ({fem.reason}): {fem.remedy or 'refine the mesh'}"
+    for found in results.doubts:
+        yield (1 if found.contradiction else 3), f"{found.what.rstrip('.')}: {found.remedy}"
+    if results.response is not None and results.response.doubt:
+        yield 2, f"response of the layers to {results.response.record}: {results.response.doubt}"
+    for text in _sides(results):
+        yield 2, text
+    if results.config.section.reconstruction:
+        yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
+    for text in (*_calibration(results), *_target_range(results), *_fails_when_held(results)):
+        yield 2, text
+    yield from contradictions(results)
+    yield from ((2, text) for text in _of_cases(results))
+    discs = results.dem
+    if discs is not None:
+        for text in _elsewhere(discs.slip_surface, float(np.ptp(results.config.section.outline()[:, 1]))):
+            yield 2, text
+        if discs.model.packing != "random":
+            yield 3, 'the discs lie in rows, which must climb over each other to slide: take dem.packing = "random"'
+
+
+def _of_cases(results: Results) -> Iterator[str]:
+    """Discs that left the section, and the notes of cases."""
+    _, cases = results.case_set()
+    escaped = [number for number, case in cases.items() if case.escaped]
+    if escaped:
+        yield f"discs have left the section in {of_cases(escaped)}: take a longer section (beyond)"
+    yield from joined({number: case.notes for number, case in cases.items()})
+
+
+def _target_range(results: Results) -> Iterator[str]:
+    """That the critical Kh which the discs are calibrated to is known as a range only."""
+    like = results.like_discs
+    if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
+        yield (
+            f"the finite elements with the boundary conditions of the discs ({like.terms}) fail between Kh = "
+            f"{coefficient(like.kc)} and {coefficient(like.kc_upper)}: discs that fail within this range are taken as "
+            "calibrated"
+        )
+
+
+def _sides(results: Results) -> Iterator[str]:
+    """That the critical Kh depends on the condition at the sides of the section."""
+    fem = results.fem
+    change = next((one for one in results.variants.variants if one.name == "sides"), None) if results.variants else None
+    other = change.of(fem.kc) if change is not None and fem is not None else None
+    if fem is None or change is None or other is None or not fem.kc > 0.0:
+        return
+    if not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
+        longer = "a larger value of beyond" if results.config.section.beyond else 'beyond = "50 m"'
+        yield (
+            f"with {change.change} the critical Kh is {coefficient(other)} instead of {coefficient(fem.kc)}, so that "
+            f"the condition at the sides decides: move the sides away by {longer}"
+        )
+
+
+def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
+    """That discs fail elsewhere than the continuum, in a section of that height (m)."""
+    apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
+    if apart is not None and apart > SURFACES_APART * height:
+        yield (
+            f"the slip surfaces of discs and finite elements lie {apart:.0f} m apart on average: take smaller discs "
+            "(dem.elements)"
+        )
+    elif apart is None and all(lines):
+        discs, fem = ([point[0] for point in line] for line in lines)
+        yield (
+            f"discs fail from x = {min(discs):.0f} to {max(discs):.0f} m, the finite elements from {min(fem):.0f} to "
+            f"{max(fem):.0f} m: take smaller discs (dem.elements)"
+        )
+
+
+def _fails_when_held(results: Results) -> Iterator[str]:
+    """That discs fail under a constant Kh below the critical one of their pushover."""
+    discs = results.dem
+    if discs is None or discs.after.kc is None:
+        return
+    fallen = [s.kh for s in discs.states if s.set == "after" and s.verdict == "fails" and s.kh < discs.after.kc_lower]
+    if fallen:
+        yield (
+            f"the calibrated discs fail under a constant Kh = {min(fallen):g}, below their critical Kh of "
+            f"{coefficient(discs.after.kc)} under prescribed displacement: rely on the smaller Kh"
+        )
+
+
+def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
+    """What the notes of cases say, each once, with its cases; numbers that differ become a range.
+
+    Every case has its notes in the order of their weight, and so have all of them.
+    """
+    found: dict[str, dict[int, list[str]]] = {}
+    places: dict[str, int] = {}
+    remedies: dict[str, str] = {}
+    for case, texts in notes.items():
+        for place, note in enumerate(texts):
+            fact, _, remedy = note.partition(": ")
+            same = NUMBER.sub(lambda match: match[1] or "{}", fact.replace("{", "(").replace("}", ")"))
+            found.setdefault(same, {})[case] = [number for quoted, number in NUMBER.findall(fact) if not quoted]
+            places[same] = max(place, places.get(same, 0))
+            remedies.setdefault(same, remedy)
+    for same in sorted(found, key=lambda words: places[words]):
+        numbers = zip(*found[same].values(), strict=True)
+        remedy = f": {remedies[same]}" if remedies[same] else ""
+        yield f"{same.format(*map(_range, numbers))} ({of_cases(list(found[same]))}){remedy}"
+
+
+def _range(numbers: Sequence[str]) -> str:
+    low, high = min(numbers, key=float), max(numbers, key=float)
+    return low if float(low) == float(high) else f"{low} to {high}"
+
+
+def _calibration(results: Results) -> Iterator[str]:
+    calibration = results.calibration
+    if calibration is None:
+        return
+    if calibration.verdict == "out of reach":
+        yield (
+            "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
+            "elements: take the slides as those of another soil"
+        )
+    elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
+        name = calibration.parameter.replace("_", " ")
+        what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
+        yield (
+            f"the discs fail at the critical Kh of the finite elements only with {what} of their contacts times "
+            f"{calibration.value:.2g}: compare the element tests of the layers"
+        )
