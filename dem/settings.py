@@ -322,6 +322,8 @@ class SlideSettings(Model):
             told.append("slide, kh_cycles and kh_period: expected both, or neither")
         elif self.kh_cycles is not None and self.kh_seconds is not None:
             told.append("slide, kh_cycles and kh_seconds: expected one of them; Kh reverses, or is held")
+        elif self.kh_cycles is not None and self.accelerogram:
+            told.append("slide, kh_cycles and accelerogram: expected one of them; a record has its own cycles")
         return told + [
             f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
             for number, case in enumerate(self.cases, start=1)

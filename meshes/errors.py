@@ -1,6 +1,7 @@
 """What is told to a person whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, ClassVar
 
 
@@ -15,6 +16,10 @@ class InputError(ValueError):
         self.problems = tuple(problems)
         count = "1 problem" if len(self.problems) == 1 else f"{len(self.problems)} problems"
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
+
+    def found_in(self, name: str, file: Path | None) -> "InputError":
+        """The same of a ``file``, if there is one, in place of the section that it calls by ``name``."""
+        return self if file is None or self.source != name else InputError(str(file), self.problems)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """How it goes from one process to another."""

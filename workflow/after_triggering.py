@@ -42,7 +42,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
     try:
         return _analysed(config)
     except InputError as error:
-        raise InputError(source if error.source == config.section.name else error.source, error.problems) from None
+        raise error.found_in(config.section.name, Path(source)) from None
 
 
 def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = None) -> Config:

@@ -80,7 +80,8 @@ class Request:
 
     def job(self, **more: Any) -> Job:
         """The job of all stages."""
-        return Job(self.config, self.store, stages.STAGES, mesh_options=self.mesh_options, **more)
+        own: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
+        return Job(self.config, self.store, stages.STAGES, **own, **more)
 
     def with_safety_factors(self) -> "Request":
         """The same, with factors of safety, and strict bounds of them, without shaking and at every Kh whose fields are

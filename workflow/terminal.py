@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from meshes.errors import NoAnswerError
+from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section, read_toml
 from workflow.renamed import notices
@@ -129,6 +129,8 @@ def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = ()
     try:
         with Display(out, err, shown, verbosity) as display:
             pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
+    except InputError as error:
+        raise error.found_in(job.config.section.name, job.section_file) from None
     except NoAnswerError:
         _tell(job, choice, voice, warnings, pdf)
         raise

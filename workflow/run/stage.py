@@ -28,6 +28,7 @@ class Job:
     cases: the cases of liquefaction to compute, numbered from 1; all of them where this is None.
     ranks: the MPI ranks that may help; None where the program is SERIAL.
     executor: who does tasks that do not depend on each other.
+    section_file: where the section was read, as errors name it; None where it is the copy in the folder.
     mesh_options: settings of the mesh that the command line gave; they stay with the folder. None leaves them alone.
     """
 
@@ -40,6 +41,7 @@ class Job:
     ranks: "Ranks | None" = None
     mesh_options: Mapping[str, Any] | None = None
     executor: Executor = SERIAL
+    section_file: Path | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -84,6 +84,7 @@ def test_cycles_want_a_period_and_no_seconds() -> None:
     for slide, told in (
         ({"kh_cycles": 8.0}, "kh_cycles and kh_period: expected both"),
         ({"kh_cycles": 8.0, "kh_period": 0.5, "kh_seconds": 4.0}, "kh_cycles and kh_seconds: expected one"),
+        ({"kh_cycles": 8.0, "kh_period": 0.5, "accelerogram": "r.csv"}, "kh_cycles and accelerogram: expected one"),
     ):
         with pytest.raises(InputError, match=told):
             analysed({**_without_borings(), "slide": {"kh": 0.1, **slide}})
