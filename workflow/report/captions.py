@@ -40,7 +40,7 @@ CAPTIONS = (
         True,
     ),
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
-    Caption(r"weights", "ground", "What the ground weighs, loads on it, and the pore pressure, without shaking.", True),
+    Caption(r"weights", "ground", "Unit weight of the ground, surcharges and pore pressure, without shaking.", True),
     Caption(r"site_response", "response", "The layers under the record of the rock, with depth."),
     Caption(
         r"triggering",
@@ -52,26 +52,26 @@ CAPTIONS = (
     Caption(
         r"curves",
         "both",
-        "Kh over displacement, continuum and discs on one sheet. Bands: brackets of the critical Kh. Soil discs have "
-        "no plateau, since loose ground goes on to harden: their critical Kh is the largest that they bear, on average "
-        "over a fifth of the way, up to the vertical line.",
+        "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. That of soil "
+        "discs, which harden and have no plateau, is the largest mean over a fifth of the displacement, up to the "
+        "vertical line.",
         True,
     ),
     Caption(
         r"slip_surfaces",
         "both",
-        "Slip surfaces of the continuum and of the discs; of soil discs once they have been pushed on "
-        "beyond the way on which their critical Kh is measured, until a band of shear has formed.",
+        "Slip surfaces of the continuum and of the discs. Those of soil discs are drawn once a shear band has formed, "
+        "at a larger displacement than their critical Kh.",
         True,
     ),
     Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
     Caption(
         r"fem_kh_(\d+\.\d+)",
         "fem",
-        "Continuum at Kh = {0}: displacement since gravity, and where the strength is used up.",
+        "Continuum at Kh = {0}: displacement since gravity, and mobilised share of strength.",
     ),
     Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
-    Caption(r"fem_safety", "fem", "Continuum: where it slips with its strength over the factor of safety."),
+    Caption(r"fem_safety", "fem", "Continuum: slip surface with the strength divided by the factor of safety."),
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
     Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
@@ -97,15 +97,15 @@ CAPTIONS = (
         "Calibrated discs, Kh = {0}: displacement, and pore springs of discs that have them.",
     ),
     Caption(r"dem_.*", "dem", "The discs."),
-    Caption(r"displacements", "comparison", "Displacements by all methods that gave one.", True),
+    Caption(r"displacements", "comparison", "Displacements by all methods.", True),
     Caption(
         r"study_fails", "study", "The critical Kh of all samples, and the probability that it is below a Kh.", True
     ),
-    Caption(r"study_effects", "study", "What each uncertain number does to the results: rank correlations.", True),
+    Caption(r"study_effects", "study", "Effect of each uncertain number on the results: rank correlations.", True),
     Caption(r"study_fragility", "study", "Probability that a slide exceeds a length.", True),
     Caption(r"study_samples", "study", "Every sample: the first result over each uncertain number."),
     Caption(r"study_samples_case(\d+)", "study", "Case {0} of every sample: largest slide over each uncertain number."),
-    Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, both ways.", True),
+    Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, in both directions.", True),
 )
 
 

@@ -283,10 +283,12 @@ def _disagreement(results: Results) -> Iterator[str]:
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
     observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
-    values = [*discs, *observed, *blocks]
+    points = [max(case.slide_max_m, 0.0) for case in results.mpm.cases.values()] if results.mpm is not None else []
+    values = [*discs, *points, *observed, *blocks]
     if not discs or values == discs or max(values) <= DISAGREE * min(values):
         return
     told = [f"discs {span(discs)}"]
+    told += [f"material points {span(points)}"] if points else []
     told += [f"regression over observed slides {span(observed)}"] if observed else []
     told += [f"rigid block on the slip surface {span(blocks)}"] if blocks else []
     yield f"The methods differ by more than a factor of three: {listed(told)}."

@@ -1,16 +1,18 @@
 """The first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
 from workflow.report.accuracy import Accuracy, accuracy
+from workflow.report.findings import lies_still
 from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 
@@ -136,7 +138,8 @@ def _of_safety(results: Results, fem: FemAnswer, found: FactorOfSafety, _: Texts
 def _slide(results: Results, _: Texts) -> HeadlinePart:
     name = _("slide after liquefaction")
     _set, cases = results.case_set()
-    if not cases:
+    points = dict(results.mpm.cases) if results.mpm is not None else {}
+    if not cases and not points:
         if not results.config.section.liquefies:
             told = _("No layer of the section liquefies, so no slide was computed.")
             return HeadlinePart(name=name, value="–", interval="", conclusion=told)
@@ -144,39 +147,46 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         reason = entry.reason if entry is not None else _("the slides were not computed")
         told = _("The slide after liquefaction is not known: {reason}.", reason=reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+    by = [_("{slide} by calibrated discs", slide=_span(cases))] if cases else []
+    by += [_("{slide} by material points", slide=_span(points))] if points else []
     told = _(
-        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases, calibrated discs) "
-        "and {end}.",
+        "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases) and {end}.",
         layers=_.listed([spoken(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
         shaking=results.config.slide.shaking,
-        slide=_span(cases),
-        count=len(cases),
-        end=_end(cases, _),
+        slide=_.listed(by),
+        count=max(len(cases), len(points)),
+        end=_end([*cases.values(), *points.values()], _),
     )
-    return HeadlinePart(name=name, value=_span(cases), interval=_of_slides(results, cases, _), conclusion=told)
+    value = _span({**cases, **{-number: point for number, point in points.items()}})
+    return HeadlinePart(name=name, value=value, interval=_of_slides(results, cases or points, _), conclusion=told)
 
 
-def _span(cases: Mapping[int, CaseAnswer]) -> str:
+Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]
+
+
+def _span(cases: Slides) -> str:
     slides = [max(case.slide_max_m, 0.0) for case in cases.values()]
     return f"< {LEAST_SLIDE:g} m" if max(slides) < LEAST_SLIDE else span(slides)
 
 
-def _end(cases: Mapping[int, CaseAnswer], _: Texts) -> str:
-    if any(case.flows for case in cases.values()):
+def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
+    if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
         return _("flows by its weight alone")
-    if all(case.settled for case in cases.values()):
+    if all(case.settled or (isinstance(case, CaseAnswer) and lies_still(case)) for case in cases):
         return _("comes to rest")
     return _("was still moving when the computation ended")
 
 
-def _of_slides(results: Results, cases: Mapping[int, CaseAnswer], _: Texts) -> str:
+def _of_slides(results: Results, cases: Slides, _: Texts) -> str:
     """The interval of the largest slide, with the error of such predictions on known slides."""
-    known = {case.flows for case in cases.values()}
-    error = slide_error(known.pop() if len(known) == 1 else None)
+    known = {case.flows if isinstance(case, CaseAnswer) else None for case in cases.values()}
+    discs = any(isinstance(case, CaseAnswer) for case in cases.values())
+    error = slide_error(known.pop() if len(known) == 1 else None, "discs" if discs else "mpm")
     random = results.cases.random if results.cases is not None else None
     slides = [case.slide_max_m for case in cases.values()]
     for case in random.cases.values() if random is not None else ():
         slides += case.slide_max_m.values
+    slides += [case.slide_max_m for case in results.mpm.cases.values()] if results.mpm is not None else []
     moved = [one for one in slides if one > 0.0]
     if error is None or not moved:
         return _("the error on known slides is not known")

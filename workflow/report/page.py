@@ -10,7 +10,9 @@ from markupsafe import Markup
 
 from fem.continuum.strength import flow_of, is_dilating_fully
 from meshes.errors import InputError
+from meshes.section.section import Section
 from workflow.estimates.comparison import estimates
+from workflow.estimates.structures import structures_of
 from workflow.figures import fonts
 from workflow.figures.comparison import PICTURES
 from workflow.figures.displacements import slides
@@ -91,6 +93,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "parameters": list(tables.parameter_rows(config)),
         "cases": results.case_set()[1],
         "first_warnings": [one for one in summary.warnings if one.weight < NOTE][:MOST_WARNINGS],
+        "thirds": _thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases) if results.liquefied is not None else None,
@@ -120,6 +123,15 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "lines": list(tables.line_rows(config.section)),
         "changed": list(tables.changed_settings(config)),
     }
+
+
+def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
+    """Names of the thirds of the surface, from the higher end: by side where an embankment has two slopes."""
+    if not structures_of(section):
+        return texts("upslope third"), texts("middle third"), texts("downslope third")
+    left, right = texts("left third"), texts("right third")
+    first, last = (left, right) if section.ground[0, 1] >= section.ground[-1, 1] else (right, left)
+    return first, texts("middle third"), last
 
 
 def _css_text(text: str) -> Markup:
