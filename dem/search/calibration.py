@@ -274,6 +274,16 @@ def best(
     return min(found, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
 
 
+def calibrated(
+    calibrator: Calibrator, continuum: Continuum, table: Sequence[tuple[str, float, Search]] = ()
+) -> Calibration:
+    """The factor on the parameter of the settings that meets the nearest critical Kh that a continuum may have; the
+    ``table`` is that of `sensitivities`, where these are wanted."""
+    base = calibrator.search("", 1.0)
+    target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
+    return best(calibrator, target, calibrator.settings.parameter, table or [("", 1.0, base)])
+
+
 def middle(search: Search) -> float:
     """What a search comes to as a number: the middle of its bracket, or the end it ran into."""
     if search.upper is None:

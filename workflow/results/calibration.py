@@ -2,7 +2,7 @@
 
 # ruff: noqa: N815 (units are written as they are)
 
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import Field
 
@@ -164,7 +164,7 @@ class CalibrationAnswer(Answer):
     reason: str
     sensitivity: tuple[Sensitivity, ...]
     trials: tuple[FactorTrial, ...]
-    element_tests: tuple[LayerTest, ...]
+    element_tests: tuple[LayerTest, ...] = ()
     layers: tuple[LayerAnswer, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
     predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
     predicted_ratio: float | None = Field(
@@ -180,8 +180,25 @@ class CalibrationAnswer(Answer):
         return self.continuum_kc is not None and self.continuum_kc[1] - self.continuum_kc[0] > self.tolerance
 
     @classmethod
-    def of(cls, found: "Calibration", element_tests: tuple[LayerTest, ...] = ()) -> Self:
-        """The calibration as an answer holds it; sensitivities by parameter, then by factor."""
+    def of(cls, base: "Search", found: "Calibration | None", tolerance: float, **more: Any) -> Self:
+        """The calibration as an answer holds it, sensitivities by parameter, then by factor; without any the discs as
+        they are, with the critical Kh of the search ``base``. ``more`` are fields that neither knows."""
+        if found is None:
+            return cls(
+                target_kc=None,
+                tolerance=tolerance,
+                parameter="none",
+                value=1.0,
+                range=None,
+                kc=base.kc,
+                kc_lower=base.lower,
+                kc_upper=base.upper,
+                verdict="not asked for",
+                reason='dem.parameter = "none"',
+                sensitivity=(),
+                trials=(),
+                **more,
+            )
         parameters = dict.fromkeys(name for name, _, _ in found.sensitivity if name)
         by_factor = sorted(found.sensitivity, key=lambda row: row[1])
         return cls(
@@ -202,24 +219,5 @@ class CalibrationAnswer(Answer):
                 if changed in ("", name)
             ),
             trials=tuple(FactorTrial.of(factor, search) for factor, search in found.trials),
-            element_tests=element_tests,
-        )
-
-    @classmethod
-    def not_asked_for(cls, search: "Search", tolerance: float) -> Self:
-        """The answer where no calibration was asked for: the discs as they are, and their critical Kh."""
-        return cls(
-            target_kc=None,
-            tolerance=tolerance,
-            parameter="none",
-            value=1.0,
-            range=None,
-            kc=search.kc,
-            kc_lower=search.lower,
-            kc_upper=search.upper,
-            verdict="not asked for",
-            reason='dem.parameter = "none"',
-            sensitivity=(),
-            trials=(),
-            element_tests=(),
+            **more,
         )

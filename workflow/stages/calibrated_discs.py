@@ -20,12 +20,10 @@ from dem.precompile import precompile
 from dem.search.calibration import (
     ONE_AT_A_TIME,
     Calibration,
-    Calibrator,
     Key,
-    best,
+    calibrated,
     changed,
     key_of,
-    middle,
     sensitivities,
 )
 from dem.search.critical import Search
@@ -51,11 +49,19 @@ from workflow.results.discs import (
     SetOfSprings,
     SlipSurfaces,
 )
-from workflow.results.journal import Journal
 from workflow.run.progress import Progress, SearchShare
 from workflow.run.store import Store
 from workflow.stages.disc_states import FAILING, NO_LINE, KeptStates, Sets, Start, keep_states, state_file
-from workflow.stages.discs_at_rest import PAPER, SETTLED, Discs, continuum_for, discs_at_rest, ground_for, save
+from workflow.stages.discs_at_rest import (
+    PAPER,
+    SETTLED,
+    Discs,
+    calibrator_for,
+    continuum_for,
+    discs_at_rest,
+    ground_for,
+    save,
+)
 from workflow.stages.like_discs import like_discs
 from workflow.stages.slip_surfaces import slip_surfaces
 
@@ -76,8 +82,8 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: progress(what, None))
     if found.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
-        discs_answer(config, discs, (found.base, found.base), {}, KeptStates(), none).write(store)
-        CalibrationAnswer.not_asked_for(found.base, config.dem.tolerance).write(store)
+        discs_answer(config, discs, found, KeptStates(), none, discs.settled).write(store)
+        CalibrationAnswer.of(found.base, None, config.dem.tolerance).write(store)
         raise NoAnswerError(
             f"the discs have no critical Kh before calibration: {found.base.verdict}, {found.base.reason}",
             "other springs, or another packing in [dem], may have one",
@@ -94,13 +100,10 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     kept = keep_states(config, store, sets, executor)
     progress("slip surfaces", None)
     surfaces = slip_surfaces(config, store, kept.surface("before"), kept.surface("after"), fem)
-    answer = discs_answer(config, discs, (found.base, found.after), found.factor, kept, surfaces)
-    model = answer.model.model_copy(update=_off(config, discs.ground, sets["after"].settled))
-    answer.model_copy(update={"paper": papers_own, "model": model}).write(store)
-    calibration_told = calibration_answer(config, found, continuum).model_copy(update={"layers": layers})
-    calibration_told.write(store)
+    discs_answer(config, discs, found, kept, surfaces, sets["after"].settled, papers_own).write(store)
+    calibration_answer(config, found, continuum, layers=layers).write(store)
     if tests := _layer_tests(config, discs, found, progress, executor):
-        calibration_told.model_copy(update=tests).write(store)
+        calibration_answer(config, found, continuum, layers=layers, element_tests=tests).write(store)
     calibrate_pictures(config, store, executor)
     calibration = found.calibration
     if config.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
@@ -188,11 +191,22 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
     """The discs of the section at rest, the Kh at which they fail, and the factor at which that is the continuum's."""
     discs = discs_at_rest(config.section, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
-    calibrator = _calibrator(config, store, discs, continuum, tell, executor)
+    soil, asked = config.dem.model == "soil", config.dem.parameter != "none"
+    wanted = (PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)) if asked else 1
+    share_of = SearchShare(wanted, POINTS if soil else 8)
+
+    def on_trial(trial: Trial) -> None:
+        share = share_of.after_trial(len(calibrator.searches))
+        tell((f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share))
+
+    calibrator = calibrator_for(discs, store, config.dem, JOURNAL, on_trial, continuum, executor)
     base = calibrator.search("", 1.0, config.dem.workers)
     if base.kc is None:
         return Searched(base)
-    found = Searched(base, _solve(config, calibrator, continuum))
+    # soil discs take one factor on strength, so there is nothing to choose from
+    found = Searched(
+        base, calibrated(calibrator, continuum, () if soil else sensitivities(calibrator)) if asked else None
+    )
     parameter, factor = next(iter(found.factor.items()), ("", 1.0))
     save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
@@ -202,68 +216,25 @@ def _calibrated(config: Config, store: Store, tell: Tell, executor: Executor = S
     return found
 
 
-def _calibrator(
-    config: Config, store: Store, discs: Discs, continuum: Continuum, tell: Tell, executor: Executor
-) -> Calibrator:
-    journal = Journal(store, JOURNAL)
-    soil = config.dem.model == "soil"
-    wanted = PUSHES if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)
-    share_of = SearchShare(1 if config.dem.parameter == "none" else wanted, POINTS if soil else 8)
-
-    def on_trial(trial: Trial, _model: DiscModel) -> None:
-        share = share_of.after_trial(len(calibrator.searches))
-        tell((f"Kh = {trial.kh:.4f} {trial.verdict}, unbalanced force ratio {trial.unbalanced_ratio:.1e}", share))
-
-    calibrator = Calibrator(
-        discs.ground,
-        discs.layers,
-        discs.settled,
-        config.dem,
-        continuum=continuum,
-        known=journal.known(),
-        on_trial=on_trial,
-        on_search=journal.add,
-        executor=executor,
-    )
-    return calibrator
-
-
-def _solve(config: Config, calibrator: Calibrator, continuum: Continuum) -> Calibration | None:
-    if config.dem.parameter == "none":
-        return None
-    # soil discs take one factor on strength, so there is nothing to choose from
-    soil = config.dem.model == "soil"
-    base = calibrator.search("", 1.0)
-    table = [("", 1.0, base)] if soil else sensitivities(calibrator)
-    return best(calibrator, continuum.nearest(middle(base)), config.dem.parameter, table)
-
-
-def calibration_answer(config: Config, found: Searched, continuum: Continuum | None) -> CalibrationAnswer:
+def calibration_answer(config: Config, found: Searched, continuum: Continuum | None, **more: Any) -> CalibrationAnswer:
     """How the discs were brought to the critical Kh; of soil discs also what they had without a factor, beside that
-    of the ``continuum``."""
-    base, calibration = found.base, found.calibration
-    if calibration is None:
-        return CalibrationAnswer.not_asked_for(base, config.dem.tolerance)
-    answer = CalibrationAnswer.of(calibration)
-    if continuum is None or base.kc is None:
-        return answer
-    known = (continuum.kc, continuum.nearest(np.inf))
-    predicted = {"predicted_kc": base.kc, "predicted_ratio": base.kc / continuum.kc}
-    return answer.model_copy(update={"continuum_kc": known, **predicted})
+    of the ``continuum``. ``more`` are tests of the layers."""
+    kc = found.base.kc
+    if continuum is not None and kc is not None and found.calibration is not None:
+        more["continuum_kc"] = (continuum.kc, continuum.nearest(np.inf))
+        more |= {"predicted_kc": kc, "predicted_ratio": kc / continuum.kc}
+    return CalibrationAnswer.of(found.base, found.calibration, config.dem.tolerance, **more)
 
 
 def _paper(config: Config, store: Store, tell: Tell) -> Search:
     """The paper's own discs, as the paper used them, and the Kh at which they fail."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config.section, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
-    journal = Journal(store, PAPER_JOURNAL)
 
-    def on_trial(trial: Trial, _model: DiscModel) -> None:
+    def on_trial(trial: Trial) -> None:
         tell((f"the paper's discs: Kh = {trial.kh:.4f} {trial.verdict}", None))
 
-    calibrator = Calibrator(
-        discs.ground, discs.layers, discs.settled, dem, known=journal.known(), on_trial=on_trial, on_search=journal.add
-    )
+    calibrator = calibrator_for(discs, store, dem, PAPER_JOURNAL, on_trial)
     return calibrator.search("", 1.0, dem.workers)
 
 
@@ -271,39 +242,42 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
     """What is told of the paper's own discs, and where they start from."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config.section, store, dem, PAPER, lambda _: None)
-    answer = PaperDiscs(model=_model_answer(config, dem, discs), search=DiscSearch.of(search, _parameters(dem, {})))
+    answer = PaperDiscs(
+        model=_model_answer(config, dem, discs, discs.settled), search=DiscSearch.of(search, _parameters(dem, {}))
+    )
     return answer, Start(discs.settled, discs.ground, search, dem)
 
 
 def _layer_tests(
     config: Config, discs: Discs, found: Searched, progress: Progress, executor: Executor
-) -> dict[str, tuple[LayerTest, ...]]:
+) -> tuple[LayerTest, ...]:
     """Patches of the paper's discs of every layer, once calibrated, tested as soil samples are, if they are wanted."""
     if config.dem.model == "soil" or not config.dem.element_tests or found.calibration is None:
-        return {}
+        return ()
     progress("element tests of the discs of every layer", None)
     springs = changed(discs.layers, found.calibration.parameter, found.calibration.value)
     tests = element_tests(config.section, springs, discs.ground.radius, seed=config.dem.seed, executor=executor)
-    return {"element_tests": tuple(LayerTest.model_validate(test) for test in tests)}
+    return tuple(LayerTest.model_validate(test) for test in tests)
 
 
 def discs_answer(
     config: Config,
     discs: Discs,
-    searches: tuple[Search, Search],
-    factor: dict[str, float],
+    found: Searched,
     kept: KeptStates,
     surfaces: SlipSurfaces,
+    sliding: DiscModel,
+    paper: PaperDiscs | None = None,
 ) -> DiscsAnswer:
-    """What dem/critical.json holds; ``searches`` are those before calibration and with the ``factor``."""
-    base, after = searches
+    """What dem/critical.json holds; ``sliding`` are the discs at rest that slides start from."""
     return DiscsAnswer(
         section=SectionLabel.of(config.section),
-        model=_model_answer(config, config.dem, discs),
-        before=DiscSearch.of(base, _parameters(config.dem, {})),
-        after=DiscSearch.of(after, _parameters(config.dem, factor)),
+        model=_model_answer(config, config.dem, discs, sliding),
+        before=DiscSearch.of(found.base, _parameters(config.dem, {})),
+        after=DiscSearch.of(found.after, _parameters(config.dem, found.factor)),
         states=kept.states,
         slip_surface=surfaces,
+        paper=paper,
     )
 
 
@@ -313,7 +287,7 @@ def _parameters(dem: DemSettings, factor: dict[str, float]) -> Parameters:
     return Parameters.model_validate({**chosen, **factor})
 
 
-def _model_answer(config: Config, dem: DemSettings, discs: Discs) -> DiscModelAnswer:
+def _model_answer(config: Config, dem: DemSettings, discs: Discs, sliding: DiscModel) -> DiscModelAnswer:
     ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return DiscModelAnswer(
@@ -329,7 +303,7 @@ def _model_answer(config: Config, dem: DemSettings, discs: Discs) -> DiscModelAn
         unbalanced_ratio=unbalanced_ratio(settled),
         settling_seconds=settled.time,
         pore_springs=int((settled.pore_length != 0.0).sum()),
-        **_off(config, ground, settled),
+        **_off(config, ground, sliding),
     )
 
 

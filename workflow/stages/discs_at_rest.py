@@ -6,15 +6,18 @@ from dataclasses import dataclass, replace
 from dem.ground import Ground, ground_of, springs_of
 from dem.laboratory.soil_layers import SoilLayer, soil_layers
 from dem.model import DiscModel
+from dem.search.calibration import Calibrator
 from dem.search.deposit import deposit, ground_at_rest
-from dem.search.equilibrium import settle
+from dem.search.equilibrium import Trial, settle
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from meshes.errors import InputError
+from meshes.executor import SERIAL, Executor
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer
+from workflow.results.journal import Journal
 from workflow.results.like_discs import LikeDiscs
 from workflow.run.store import Store
 
@@ -53,6 +56,23 @@ def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscMo
     except InputError:  # they have not given: the ground falls to where it is lower
         return ground
     return replace(ground, downhill=1 if towards == "right" else -1)
+
+
+def calibrator_for(
+    discs: Discs,
+    store: Store,
+    dem: DemSettings,
+    journal: str,
+    on_trial: Callable[[Trial], None],
+    continuum: Continuum | None = None,
+    executor: Executor = SERIAL,
+) -> Calibrator:
+    """What searches for the critical Kh of discs with any factor, and goes on from what stands in a journal."""
+    kept = Journal(store, journal)
+    return Calibrator(
+        discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=kept.known(),
+        on_trial=lambda trial, _: on_trial(trial), on_search=kept.add, executor=executor,
+    )  # fmt: skip
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:

@@ -1,23 +1,19 @@
 """The cases once more on random packings that fail at the same Kh: does the lattice make the answer?"""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dem.model import DiscModel
-from dem.search.calibration import Calibration, Calibrator, best, middle, sensitivities
-from dem.search.equilibrium import Trial
+from dem.search.calibration import Calibration, Calibrator, calibrated, sensitivities
 from dem.search.pushover import Continuum
-from dem.settings import DemSettings
 from dem.slides.slide import Slide
 from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
-from workflow.results.journal import Journal
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.stages.discs_at_rest import continuum_for, discs_at_rest
+from workflow.stages.discs_at_rest import calibrator_for, continuum_for, discs_at_rest
 from workflow.stages.sliding import SlideTask, slid, task
 
 Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides by case
@@ -115,11 +111,16 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     """How it was calibrated, and its slides by case; none where it is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.model_copy(update={"packing": "random", "seed": packing.seed, "parameter": parameter})
-    calibrator = _calibrator(config, store, dem, packing.continuum, tell)
+    discs = discs_at_rest(config.section, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
+    calibrator = calibrator_for(
+        discs, store, dem, f"dem/slide_seed{dem.seed}_trials.jsonl",
+        lambda trial: tell(f"Kh = {trial.kh:.4f} {trial.verdict}"), packing.continuum,
+    )  # fmt: skip
     if config.dem.model == "soil" and config.dem.parameter == "none":
         seed = _untouched(packing.seed)
     else:
-        found = _calibrated(calibrator, packing.continuum, parameter)
+        choose = parameter == "auto" and dem.model == "paper"
+        found = calibrated(calibrator, packing.continuum, sensitivities(calibrator) if choose else ())
         parameter = found.parameter
         seed = _seed(packing.seed, calibrator, found)
     if seed.verdict == "out of reach":
@@ -128,31 +129,6 @@ def packed(packing: Packing, tell: Tell) -> Packed:
     start = calibrator.settled_with(parameter, seed.value)
     tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
     return seed, {each.number: slid(SlideTask(config, store, each), lambda _: None) for each in tasks}
-
-
-def _calibrator(
-    config: Config, store: Store, dem: DemSettings, continuum: Continuum, tell: Callable[[str], None]
-) -> Calibrator:
-    """A calibrator of one random packing at rest, which goes on from what an earlier run found."""
-    discs = discs_at_rest(config.section, store, dem, f"dem/slide_seed{dem.seed}_settled.h5", tell)
-
-    def on_trial(trial: Trial, _model: DiscModel) -> None:
-        tell(f"Kh = {trial.kh:.4f} {trial.verdict}")
-
-    journal = Journal(store, f"dem/slide_seed{dem.seed}_trials.jsonl")
-    return Calibrator(
-        discs.ground, discs.layers, discs.settled, dem, continuum=continuum, known=journal.known(),
-        on_search=journal.add, on_trial=on_trial,
-    )  # fmt: skip
-
-
-def _calibrated(calibrator: Calibrator, continuum: Continuum, parameter: str) -> Calibration:
-    """The factor that meets the continuum; "auto" looks first which parameter moves the critical Kh."""
-    base = calibrator.search("", 1.0)
-    table = [("", 1.0, base)]
-    choose = parameter == "auto" and calibrator.settings.model == "paper"
-    target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
-    return best(calibrator, target, parameter, sensitivities(calibrator) if choose else table)
 
 
 def _untouched(seed: int) -> Seed:
