@@ -38,7 +38,8 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     _ : Texts
         The texts in the language of the report.
     """
-    return (_critical(results, _), _safety(results, _), _slide(results, _))
+    found = (_critical(results, _), _safety(results, _), _slide(results, _))
+    return tuple(one.model_copy(update={"value": _.sentence(one.value)}) for one in found)
 
 
 def _critical(results: Results, _: Texts) -> HeadlinePart:
@@ -152,7 +153,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     told = _(
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases) and {end}.",
         layers=_.listed([spoken(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
-        shaking=results.config.slide.shaking,
+        shaking=_.sentence(results.config.slide.shaking),
         slide=_.listed(by),
         count=max(len(cases), len(points)),
         end=_end([*cases.values(), *points.values()], _),

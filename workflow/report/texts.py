@@ -4,20 +4,42 @@ Texts are written in English where they are used, as ``_("the text with {value}"
 text as a key and its translation as the value. `tests/unit/workflow/test_texts.py` sees to it that none is missing.
 """
 
+import re
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Literal
+from typing import Any, Literal
 
 Language = Literal["en", "ja"]
+
+
+SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
+CASES = re.compile(r"cases? ([\d, and]+)")
+
+
+@cache
+def _file(language: Language) -> dict[str, Any]:
+    if language == "en":
+        return {SENTENCES: {}}
+    return tomllib.loads(files("workflow.report").joinpath(f"{language}.toml").read_text(encoding="utf-8"))
 
 
 @cache
 def catalogue(language: Language) -> dict[str, str]:
     """Read the translations of a language, by English text; empty for English itself."""
-    if language == "en":
-        return {}
-    return tomllib.loads(files("workflow.report").joinpath(f"{language}.toml").read_text(encoding="utf-8"))
+    return {text: translation for text, translation in _file(language).items() if text != SENTENCES}
+
+
+@cache
+def sentences(language: Language) -> dict[str, str]:
+    """Read the translations of whole sentences that stages leave, with {} in the place of their values."""
+    found: dict[str, str] = _file(language)[SENTENCES]
+    return found
+
+
+@cache
+def _pattern(sentence: str) -> re.Pattern[str]:
+    return re.compile("(.+?)".join(map(re.escape, sentence.split("{}"))))
 
 
 class Texts:
@@ -43,7 +65,23 @@ class Texts:
             The text in the language of the report; in English where the catalogue has no translation.
         """
         found = self.translations.get(text, text)
-        return found.format(**values) if values else found
+        told = {name: self._value(value) if isinstance(value, str) else value for name, value in values.items()}
+        return found.format(**told) if told else found
+
+    def sentence(self, text: str) -> str:
+        """Translate a whole sentence that a stage has left, numbers and all; unchanged where none fits it."""
+        for english, translation in sentences(self.language).items():
+            match = _pattern(english).fullmatch(text)
+            if match is not None:
+                return translation.format(*map(self._value, match.groups()))
+        return text
+
+    def _value(self, text: str) -> str:
+        """A value within a text: cases, and the range of two numbers."""
+        if self.language == "en":
+            return text
+        text = CASES.sub(lambda match: f"ケース{match[1].replace(' and ', ', ')}", text)
+        return self.translations.get(text, re.sub(r"(?<=\d) to (?=\d)", "~", text))
 
     def listed(self, words: list[str]) -> str:
         """Join words as people list them: a, b and c."""

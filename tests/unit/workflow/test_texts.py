@@ -16,7 +16,8 @@ from workflow.report.captions import CAPTIONS
 from workflow.report.first_page import DIRECTION, FLOW, SIDES, headlines
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
-from workflow.report.texts import Texts, catalogue
+from workflow.report.texts import Texts, catalogue, sentences
+from workflow.report.warnings import split
 from workflow.tables import ReportSettings
 
 REPORT = TOP / "workflow/report"
@@ -57,6 +58,19 @@ def headings() -> Iterator[str]:
                     yield head.value
 
 
+def warnings_of_report() -> Iterator[str]:
+    """The sentences of the warnings that the report writes itself, with {} in the place of values."""
+    for name in ("warnings.py", "contradictions.py"):
+        for node in ast.walk(ast.parse((REPORT / name).read_text(encoding="utf-8"))):
+            text = node.value.elts[-1] if isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple) else None
+            text = node.value if isinstance(node, ast.Yield) and text is None else text
+            if isinstance(text, ast.JoinedStr):
+                parts = [part.value if isinstance(part, ast.Constant) else "{}" for part in text.values]
+                yield from (one for one in split("".join(map(str, parts))) if re.search("[a-z]{4}", one))
+            elif isinstance(text, ast.Constant):
+                yield from split(str(text.value))
+
+
 def wanted() -> set[str]:
     fixed = [*DIRECTION.values(), *FLOW.values(), *SIDES.values(), *VARIED, "left", "right"]
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
@@ -68,6 +82,33 @@ def wanted() -> set[str]:
 
 def test_every_text_has_its_japanese() -> None:
     assert sorted(wanted() - set(catalogue("ja"))) == []
+
+
+def test_every_warning_has_its_japanese() -> None:
+    """But for words about the response of layers, remedies of single cases, and what cases say."""
+    missing = {text for text in warnings_of_report() if text not in sentences("ja")}
+    assert all(
+        text.startswith(("Response of", "{} ({}", "A Kh that", "{} {} the", "What stops", "Case {}"))
+        for text in missing
+    )
+
+
+def test_a_warning_is_translated_with_its_numbers() -> None:
+    told = (
+        "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the mean settlements of "
+        "its thirds."
+    )
+    assert Texts("ja").sentence(told) == (
+        "ケース1, 2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
+    )
+    assert Texts("ja").sentence("What nobody has translated.") == "What nobody has translated."
+    assert Texts().sentence(told) == told
+
+
+@pytest.mark.parametrize(("english", "japanese"), sorted(sentences("ja").items()))
+def test_a_translated_sentence_has_as_many_values(english: str, japanese: str) -> None:
+    used = {int(number) for number in re.findall(r"{(\d+)}", japanese)}
+    assert used <= set(range(english.count("{}")))
 
 
 def test_no_text_is_left_over() -> None:
