@@ -22,6 +22,7 @@ from workflow.run.store import Store
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
+ARROWS = 36  # across the section
 SAFETY = "figures/fem_safety.png"
 DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
 
@@ -78,8 +79,9 @@ def conditions(config: Config, element: str) -> str:
     """What a critical Kh depends on and must be said beside it."""
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
-    way = "both ways, of which the smaller Kh counts" if config.fem.direction == "both" else config.fem.direction
-    return f"sides {config.fem.sides}, {flow}, {element} element, pushed {way}{kv}"
+    force = {"both": "down- and upslope, of which the smaller Kh counts", "downhill": "downslope", "uphill": "upslope"}
+    way = force[config.fem.direction]
+    return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {way}{kv}"
 
 
 def _flow_in_words(config: Config) -> str:
@@ -100,9 +102,10 @@ def _dilations(section: Section) -> str:
 
 
 class Views(NamedTuple):
-    """The rendered views of a state, and how much longer than true the arrows are."""
+    """The rendered views of a state, where its arrows begin, and how much longer than true they are."""
 
-    arrows: np.ndarray
+    outline: np.ndarray
+    every: np.ndarray
     safety: np.ndarray
     stretch: float
     largest: float
@@ -113,16 +116,11 @@ def _views(mesh: QuadMesh, state: State) -> Views:
     window = Window.around(mesh.points)
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
-    stretch = nice_number(0.04 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
+    stretch = nice_number(0.06 * (window.right - window.left) / largest) if largest > 0.0 else 1.0
 
-    def arrows(plotter: pv.Plotter) -> None:
+    def outline(plotter: pv.Plotter) -> None:
         plotter.add_mesh(grid, color="#efece4", lighting=False)
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
-        every = spread(mesh.points, window)
-        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
-        points["u"] = np.column_stack([state.displacement[every] * stretch, np.zeros(len(every))])
-        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
-        plotter.add_mesh(points.glyph(orient="u", scale="u", factor=1.0, geom=tip), color=CONTINUUM, lighting=False)
 
     def safety(plotter: pv.Plotter) -> None:
         grid.cell_data["safety"] = np.digitize(state.mobilised, SAFETY_BOUNDS[1:-1])
@@ -132,7 +130,8 @@ def _views(mesh: QuadMesh, state: State) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    return Views(render(window, arrows), render(window, safety), stretch, largest, window)
+    every = spread(mesh.points, window, ARROWS)
+    return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
 
 
 def _state_sheet(config: Config, results: FemResults, state: State, views: Views) -> Sheet:
@@ -143,7 +142,10 @@ def _state_sheet(config: Config, results: FemResults, state: State, views: Views
     title = f"{config.section.heading}: FEM, {label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
     shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
-    sheet.show(0, views.arrows, window, shown)
+    first = sheet.show(0, views.outline, window, shown)
+    x, z = results.mesh.points[views.every].T
+    u, v = views.stretch * state.displacement[views.every].T
+    first.quiver(x, z, u, v, color=CONTINUUM, angles="xy", scale_units="xy", scale=1.0, width=0.0016, minlength=0.6)
     axes = sheet.show(
         1,
         views.safety,

@@ -106,7 +106,9 @@ def name_of(config: Config, springs: str, case: int) -> str:
 def left_by(case: Case) -> str:
     """What liquefaction leaves of stiffness and strength of a layer, in words."""
     shares = {"stiffness": case.stiffness, "friction": case.friction, "cohesion": case.cohesion}
-    told = [f"{share:g} of their {name}" for name, share in shares.items() if share > 0.0]
+    told = [
+        f"their {name}" if share == 1.0 else f"{share:g} of their {name}" for name, share in shares.items() if share
+    ]
     if isinstance(case.residual, dict) or isinstance(case.residual_strength, dict):
         told.append("a residual strength of their own")
     elif case.residual_strength:
@@ -128,10 +130,7 @@ def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int,
             if mesh.n_points:
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
-    title = (
-        f"{name_of(config, springs, number)}: slides at most {case.slide_max_m:.2g} m, {case.uphill} "
-        f"{abs(case.settlement_uphill_m):.2g} m uphill"
-    )
+    title = f"{name_of(config, springs, number)}: largest slide {case.slide_max_m:.2g} m"
     soil = config.dem.model == "soil" and springs == "calibrated"
     kept = left_by(config.cases[number - 1] if soil else Case(stiffness=case.stiffness))
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."

@@ -6,7 +6,7 @@ from meshes.section.cutting import spoken
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.slide_error import slide_error
 from workflow.report.accuracy import Accuracy, accuracy
-from workflow.report.findings import lies_still
+from workflow.report.findings import CONTRADICTED, lies_still
 from workflow.report.numbers import coefficient, span
 from workflow.report.paper import rows
 from workflow.report.texts import Texts
@@ -57,7 +57,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=told)
     error = accuracy(results, fem)
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(FLOW[fem.flow]))
-    if error is not None and fem.kc > 1.005 * error.high:
+    if error is not None and fem.kc > CONTRADICTED * error.high:
         return _contradicted(fem, error, conditions, _)
     told = _(
         "The section fails {direction}, to the {side}, at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
