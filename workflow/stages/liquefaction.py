@@ -30,3 +30,9 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
         {"number": n, "strata": strata, **config.cases[n - 1].model_dump(mode="json", include=wanted)}
         for n, strata in liquefying(config).items()
     ]
+
+
+def taken(config: Config) -> dict[str, Any]:
+    """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
+    decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
+    return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})

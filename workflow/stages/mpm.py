@@ -9,10 +9,10 @@ import numpy as np
 from meshes.executor import Tell
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.results.answer import SectionLabel
+from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage
-from workflow.stages.liquefaction import cases_as_data, liquefying, lowest_factors
+from workflow.stages.liquefaction import liquefying, taken
 
 if TYPE_CHECKING:
     from dem.settings import Case
@@ -202,20 +202,10 @@ def _answer(counts: "PointSlide", other: "PointSlide", softened: tuple[str, ...]
         energy_lost_share=counts.energy_lost_share,
         stopped_by=counts.stopped_by,
         notes=tuple(notes),
-        surface_before=_line(counts.before),
-        surface_after=_line(counts.after[np.argsort(counts.after[:, 0])]),
-        slide_along=_line(np.column_stack([counts.before[:, 0], slide])),
+        surface_before=line(counts.before),
+        surface_after=line(counts.after[np.argsort(counts.after[:, 0])]),
+        slide_along=line(np.column_stack([counts.before[:, 0], slide])),
     )
-
-
-def _line(points: np.ndarray) -> tuple[tuple[float, float], ...]:
-    return tuple((float(x), float(z)) for x, z in points)
-
-
-def taken(config: Config) -> dict[str, object]:
-    """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
-    return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})
 
 
 STAGE = Stage(

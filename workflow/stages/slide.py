@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from dem.settings import AVERAGE
 from fem.settings import WITHOUT_EFFECT
 from workflow.config import Config
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage
-from workflow.stages.liquefaction import cases_as_data, lowest_factors
+from workflow.stages.liquefaction import taken
 
 
 def work(job: Job) -> None:
@@ -41,12 +40,6 @@ def ignored(config: Config) -> tuple[str, ...]:
         "slide.accelerogram", "site_response.record", "slide.cases", "slide.judges", "slide.mpm_cells", "dem.kh",
         "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect, *unused,
     )  # fmt: skip
-
-
-def taken(config: Config) -> dict[str, Any]:
-    """The cases as they come to, and where a record decides when strata liquefy, at which share of its peak."""
-    decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
-    return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})
 
 
 STAGE = Stage(
