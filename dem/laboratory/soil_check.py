@@ -7,6 +7,7 @@ import numpy as np
 
 from dem.errors import DemError
 from dem.laboratory.compression import PatchStrength, compress
+from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.patch import VOID_RATIO, Sample
 from dem.laboratory.soil_layers import SoilLayer
 from dem.laboratory.strength import from_principal
@@ -18,48 +19,6 @@ SEEDS = (101, 102, 103, 104)  # none of those that the map was made with
 KAPPAS_PER_DOUBLING = 2
 
 Likeness = tuple[float, float, float, int]
-
-
-@dataclass(frozen=True)
-class LayerCheck:
-    """A stratum beside its discs, each tested at three confining pressures; means over the seeds.
-
-    Attributes
-    ----------
-    stratum : str
-        Its name.
-    pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
-        Confining pressures, and half the deviator: of the soil at failure, of the discs after their peak, and at the
-        peak of their mean course.
-    E_soil_Pa, E_discs_Pa : float
-        Young's modulus; that of the discs at small strain.
-    c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
-        Of the discs: the line of Mohr and Coulomb through the strengths after the peak; through the origin where the
-        soil has no cohesion.
-    dilation_deg : float
-        At the peak.
-    friction, cohesion_N, stiffness_N_m : float
-        mu, C and kn of the contacts.
-    notes : tuple of str
-        What discs cannot have, and tests that could not be done.
-    """
-
-    stratum: str
-    pressures_Pa: tuple[float, ...]  # noqa: N815
-    strength_soil_Pa: tuple[float, ...]  # noqa: N815
-    strength_discs_Pa: tuple[float, ...]  # noqa: N815
-    peak_discs_Pa: tuple[float, ...]  # noqa: N815
-    E_soil_Pa: float
-    E_discs_Pa: float
-    c_soil_Pa: float  # noqa: N815
-    c_discs_Pa: float  # noqa: N815
-    phi_soil_deg: float
-    phi_discs_deg: float
-    dilation_deg: float
-    friction: float
-    cohesion_N: float  # noqa: N815
-    stiffness_N_m: float  # noqa: N815
-    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -163,19 +122,24 @@ def _check(layer: SoilLayer, spring: LayerSprings, found: Sequence[PatchStrength
         stratum=stratum.name,
         pressures_Pa=tuple(map(float, layer.pressures)),
         strength_soil_Pa=tuple(map(float, layer.wanted)),
-        strength_discs_Pa=tuple(map(float, after)),
+        strength_discs_Pa=tuple(map(_known, after)),
         peak_discs_Pa=tuple(
-            float(np.mean([one.course for one in ones], axis=0).max()) if ones else np.nan for ones in by_pressure
+            float(np.mean([one.course for one in ones], axis=0).max()) if ones else None for ones in by_pressure
         ),
         E_soil_Pa=float(stratum.youngs_modulus),
-        E_discs_Pa=float(np.nanmean(means("E"))),
+        E_discs_Pa=_known(float(np.nanmean(means("E")))),
         c_soil_Pa=float(stratum.cohesion),
-        c_discs_Pa=c,
+        c_discs_Pa=_known(c),
         phi_soil_deg=float(np.degrees(stratum.friction_angle)),
-        phi_discs_deg=float(np.degrees(phi)),
-        dilation_deg=float(np.degrees(np.nanmean(means("dilation")))),
+        phi_discs_deg=_known(np.degrees(phi)),
+        dilation_deg=_known(np.degrees(np.nanmean(means("dilation")))),
         friction=spring.friction,
         cohesion_N=spring.contact_cohesion,
         stiffness_N_m=spring.kn,
         notes=(*layer.notes, *(one for one in found if isinstance(one, str))),
     )
+
+
+def _known(value: float) -> float | None:
+    """A number, or None where there is none."""
+    return float(value) if np.isfinite(value) else None

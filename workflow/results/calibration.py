@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from pydantic import Field
 
+from dem.laboratory.layer_check import LayerCheck
 from workflow.results.answer import Answer, Known, Part
 from workflow.results.discs import SearchVerdict
 
@@ -126,27 +127,6 @@ class LayerTest(Part):
     reason: str | None = Field(default=None, description="why the test could not be done")
 
 
-class LayerAnswer(Part):
-    """A stratum beside its soil discs, tested at three confining pressures; strengths are half the deviator."""
-
-    stratum: str
-    pressures_Pa: tuple[float, ...]
-    strength_soil_Pa: tuple[float, ...] = Field(description="at failure, by Mohr and Coulomb")
-    strength_discs_Pa: tuple[Known, ...] = Field(description="after the peak, at 8 to 15 % of compression")
-    peak_discs_Pa: tuple[Known, ...]
-    E_soil_Pa: float
-    E_discs_Pa: Known
-    c_soil_Pa: float
-    c_discs_Pa: Known
-    phi_soil_deg: float
-    phi_discs_deg: Known
-    dilation_deg: Known
-    friction: float = Field(description="of the contacts")
-    cohesion_N: float = Field(description="of a contact, per metre")
-    stiffness_N_m: float = Field(description="of a contact, normal, per metre")
-    notes: tuple[str, ...] = Field(description="what discs cannot have")
-
-
 class CalibrationAnswer(Answer):
     """The factor that brings the discs to the critical Kh of the continuum, or the closest that there is."""
 
@@ -165,7 +145,7 @@ class CalibrationAnswer(Answer):
     sensitivity: tuple[Sensitivity, ...]
     trials: tuple[FactorTrial, ...]
     element_tests: tuple[LayerTest, ...] = ()
-    layers: tuple[LayerAnswer, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
+    layers: tuple[LayerCheck, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
     predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
     predicted_ratio: float | None = Field(
         default=None, description="that over the least the continuum has with the same sides"

@@ -5,11 +5,11 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
+from dem.laboratory.layer_check import LayerCheck
 from fem.continuum.strength import Flow
 from fem.settings import Element, Sides
 from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
-from workflow.results.calibration import LayerAnswer
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
 from workflow.results.continuum import FactorOfSafety, MeshCount, PathVerdict
 from workflow.results.liquefied import LiquefiedCase
@@ -119,7 +119,7 @@ class DemSummary(Part):
     )
     strength_factor: float | None = Field(description="factor on friction and cohesion alike")
     slip_surface_distance_m: float | None
-    layers: tuple[LayerAnswer, ...]
+    layers: tuple[LayerCheck, ...]
     kc_table2: float | None = Field(description="critical Kh with the springs of the paper's Table 2 as printed")
     kc: float | None
     kc_lower: float

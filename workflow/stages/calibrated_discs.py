@@ -13,6 +13,7 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
+from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.soil_check import Programme, compressed
 from dem.laboratory.soil_layers import soil_layers
 from dem.model import DiscModel
@@ -36,7 +37,7 @@ from meshes.executor import SERIAL, Executor, Tell
 from meshes.section.recorded_kh import in_name
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
-from workflow.results.calibration import CalibrationAnswer, LayerAnswer, LayerTest
+from workflow.results.calibration import CalibrationAnswer, LayerTest
 from workflow.results.continuum import FemAnswer
 from workflow.results.discs import (
     SETS,
@@ -135,7 +136,7 @@ class Searched:
 
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
-) -> tuple[Searched, Search | None, tuple[LayerAnswer, ...]]:
+) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
     """The searches of the discs, and beside them what does not hang on these: that of the paper's own discs where they
     were asked for, and tests of the soil discs of every layer. What the discs are held against comes first, while they
     come to rest."""
@@ -169,7 +170,7 @@ def _searched(
 
     begun = executor.compute(_done, first, heard)
     found, *tested = executor.compute(_done, [(_calibrated, (config, store)), *tests], heard, one_more)
-    layers = tuple(LayerAnswer.model_validate(check) for check in programme.checks(tested))
+    layers = tuple(programme.checks(tested))
     return found, begun[2] if config.dem.paper else None, layers
 
 

@@ -1,0 +1,48 @@
+"""A layer of soil beside its discs, as it is found and stored."""
+
+# ruff: noqa: N815 (units are written as they are)
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LayerCheck:
+    """A stratum beside its discs, each tested at three confining pressures; means over the seeds, None for
+    what could not be had.
+
+    Attributes
+    ----------
+    stratum : str
+        Its name.
+    pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
+        Confining pressures, and half the deviator: of the soil at failure, of the discs after their peak, and at the
+        peak of their mean course.
+    E_soil_Pa, E_discs_Pa : float
+        Young's modulus; that of the discs at small strain.
+    c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
+        Of the discs: the line of Mohr and Coulomb through the strengths after the peak; through the origin where the
+        soil has no cohesion.
+    dilation_deg : float
+        At the peak.
+    friction, cohesion_N, stiffness_N_m : float
+        mu, C and kn of the contacts.
+    notes : tuple of str
+        What discs cannot have, and tests that could not be done.
+    """
+
+    stratum: str
+    pressures_Pa: tuple[float, ...]
+    strength_soil_Pa: tuple[float, ...]
+    strength_discs_Pa: tuple[float | None, ...]
+    peak_discs_Pa: tuple[float | None, ...]
+    E_soil_Pa: float
+    E_discs_Pa: float | None
+    c_soil_Pa: float
+    c_discs_Pa: float | None
+    phi_soil_deg: float
+    phi_discs_deg: float | None
+    dilation_deg: float | None
+    friction: float
+    cohesion_N: float
+    stiffness_N_m: float
+    notes: tuple[str, ...]
