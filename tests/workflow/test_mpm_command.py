@@ -50,7 +50,7 @@ def test_less_strength_slides_further_and_the_method_says_its_interval(folder: P
 
 def test_the_report_has_it_beside_the_discs(folder: Path) -> None:
     assert command_line.run("report", folder, "--quiet") == 0
-    assert "The same by the material point method" in (folder / "report.html").read_text(encoding="utf-8")
+    assert "Slides by the material point method" in (folder / "report.html").read_text(encoding="utf-8")
     assert set(json.loads((folder / "summary.json").read_text())["cases_mpm"]) == {"1", "2"}
 
 

@@ -7,6 +7,7 @@ import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from statistics import median
 from typing import Literal
 
 Judge = Literal["discs", "mpm"]
@@ -29,6 +30,8 @@ class SlideError:
         Within which a prediction was of what was measured.
     held, cases : int
         In how many of how many cases.
+    middle : float
+        Within which half of the predictions were.
     judge : str
         Whose predictions they were: "discs" or "mpm".
     """
@@ -37,6 +40,7 @@ class SlideError:
     factor: float
     held: int
     cases: int
+    middle: float
     judge: Judge = "discs"
 
     def sentence(self) -> str:
@@ -86,7 +90,7 @@ def error_of(kind: str, ratios: Sequence[float], judge: Judge = "discs") -> Slid
         held = sum(one <= factor for one in off)
         if held >= MOST * len(off):
             break
-    return SlideError(kind, factor, held, len(off), judge)
+    return SlideError(kind, factor, held, len(off), median(off), judge)
 
 
 def _rows(judge: Judge) -> list[tuple[str, str, float]]:

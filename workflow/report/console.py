@@ -12,10 +12,12 @@ from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.findings import lies_still, moved_lately
 from workflow.report.flow_rule import WHEN, critical_with_flow, with_flow
 from workflow.report.numbers import metres
+from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.verdicts import verdict_paragraph
+from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
@@ -260,6 +262,17 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
 
 
+def _slides(config: Config, store: Store) -> Iterator[str]:
+    """How far discs slide, and beside it what material points made of the same section."""
+    answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
+    yield from slide_sentences(config, answer)
+    if "mpm" in config.slide.judges and (store.folder / PointSlidesAnswer.FILE).is_file():
+        points = PointSlidesAnswer.read(store)
+        opinions = second_opinions(answer, points if points.section.sha256 == label.sha256 else None)
+        yield from (f"Warning: {one.what} {one.remedy}" for one in contradicting(opinions))
+        yield from agreeing(opinions)
+
+
 def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     yield from slices_sentences(answer)
     yield from structure_sentences(config, answer)
@@ -277,7 +290,7 @@ def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
-        "slide": lambda: slide_sentences(config, CasesAnswer.read(store)),
+        "slide": lambda: _slides(config, store),
         "report": lambda: iter(Summary.read(store).findings),
     }
     return of_stage[name]() if name in of_stage else iter(())

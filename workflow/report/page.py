@@ -26,6 +26,7 @@ from workflow.report.labels import Labels, Notes
 from workflow.report.numbers import metres, number, scaled
 from workflow.report.paper import is_s13, rows
 from workflow.report.player import films
+from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
 from workflow.report.texts import Texts
@@ -92,6 +93,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "strata_sources": [tables.source_of(config.section, stratum) for stratum in config.section.strata],
         "parameters": list(tables.parameter_rows(config)),
         "cases": results.case_set()[1],
+        "opinions": second_opinions(results.cases, results.mpm),
         "first_warnings": [one for one in summary.warnings if one.weight < NOTE][:MOST_WARNINGS],
         "thirds": _thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},

@@ -7,6 +7,7 @@ from workflow.report.crests import crest_parts
 from workflow.report.findings import findings
 from workflow.report.first_page import conclusions, headlines
 from workflow.report.paper import rows
+from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.structures import face_rows
 from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
@@ -40,15 +41,15 @@ def summary(results: Results, report_seconds: float) -> Summary:
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(rows(results))
-    judged = verdicts(results)
+    judged, opinions = verdicts(results), second_opinions(results.cases, results.mpm)
     texts = Texts(config.report.language)
     numbers = headlines(results, texts)
     short = [one.conclusion for one in numbers]
     return Summary(
         headlines=numbers,
         in_short=(*short, *verdict_paragraph(judged), *conclusions(results, texts)),
-        findings=tuple(findings(results)),
-        warnings=tuple(warnings(results)),
+        findings=(*findings(results), *agreeing(opinions)),
+        warnings=(*contradicting(opinions), *warnings(results)),
         section=SectionLabel.of(config.section),
         mesh=_mesh(results),
         fem=_fem(results),

@@ -113,10 +113,10 @@ def test_answers_are_kept_and_told(tmp_path: Path) -> None:
 def test_the_error_of_the_model_is_the_factor_that_holds_two_thirds() -> None:
     assert error_of("spreads", []) is None
     error = error_of("spreads", [1.0, 1.4, 0.5, 2.5, 0.6, 0.9])
-    assert error == SlideError("spreads", 2.0, 5, 6)
+    assert error == SlideError("spreads", 2.0, 5, 6, pytest.approx(0.5 * (1.4 + 1.0 / 0.6)))
     assert error.interval(0.5, 1.0) == (0.25, 2.0)
     assert error.sentence() == "Spreads of the collection were predicted within a factor of 2 in 5 of 6 cases"
-    assert error_of("spreads", [0.0, 100.0]) == SlideError("spreads", 10.0, 0, 2)
+    assert error_of("spreads", [0.0, 100.0]) == SlideError("spreads", 10.0, 0, 2, float("inf"))
 
 
 def test_a_file_with_faults_is_refused_in_words(tmp_path: Path) -> None:
@@ -139,14 +139,16 @@ def test_a_file_with_faults_is_refused_in_words(tmp_path: Path) -> None:
 def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: SlideError("flow failures", 3.0, 6, 9))
+    monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: SlideError("flow failures", 3.0, 6, 9, 2.0))
     told = model_error.error_sentence([1.234, 2.345], True)
     assert told == (
         "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with that the largest "
         "slide is 0.4 to 7 m."
     )
     assert model_error.error_sentence([0.0], True) == ""
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: SlideError("lateral spreads", 10.0, 3, 9))
+    monkeypatch.setattr(
+        model_error, "slide_error", lambda flows, judge: SlideError("lateral spreads", 10.0, 3, 9, 20.0)
+    )
     assert model_error.error_sentence([1.0], False).endswith("is not predicted by these discs.")
     monkeypatch.setattr(model_error, "slide_error", lambda flows, judge: None)
     assert model_error.error_sentence([1.0], None) == ""

@@ -1,0 +1,58 @@
+"""Discs and material points side by side: when they agree, and which of the two known slides speak for."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from tests.support.dem_fixture import case
+from workflow.estimates.slide_error import SlideError
+from workflow.report import second_opinion
+from workflow.report.second_opinion import SecondOpinion, agreeing, contradicting, second_opinions
+from workflow.results.cases import CasesAnswer
+
+
+@pytest.fixture(autouse=True)
+def _errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Material points within a factor of two in most known slides; discs in few."""
+    errors = {
+        "discs": SlideError("lateral spreads", 10.0, 3, 9, 30.0),
+        "mpm": SlideError("lateral spreads", 2.0, 6, 9, 1.8, "mpm"),
+    }
+    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, judge="discs": errors[judge])
+
+
+def opinion(discs: float, points: float, settled: bool = True) -> SecondOpinion:
+    """One case of both."""
+    answer = CasesAnswer(sets={"calibrated": {1: case(0.1, discs)}}, random=None)
+    point = SimpleNamespace(
+        slide_max_m=points, slide_max_low_m=points, slide_max_high_m=1.1 * points, settled=settled, reason=""
+    )
+    return second_opinions(answer, cast(Any, SimpleNamespace(cases={1: point})))[1]
+
+
+def test_they_agree_where_they_differ_by_less_than_the_larger_interval() -> None:
+    """0.4 m by material points are 0.2 to 0.88 m with their error: 0.68 m wide."""
+    assert opinion(1.0, 0.4).points_span == pytest.approx((0.2, 0.88))
+    assert opinion(1.0, 0.4).discs_span == (1.0, 1.0)  # the error of the discs says nothing
+    assert opinion(1.0, 0.4).agreed
+    assert not opinion(1.1, 0.4).agreed
+
+
+def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> None:
+    (warning,) = contradicting({1: opinion(3.0, 0.1)})
+    assert warning.weight == 1
+    assert warning.what == (
+        "Discs slide 3.0 m and material points 0.10 m, further apart than their intervals of 3 m and 0.05 to 0.2 m "
+        "(case 1)."
+    )
+    assert warning.remedy == (
+        "Rely on material points first, which were within a factor of 1.8 in half of the known lateral spreads, the "
+        "other model within 30."
+    )
+    assert list(agreeing({1: opinion(3.0, 0.1)})) == []
+
+
+def test_what_does_not_come_to_rest_in_one_model_alone_is_a_contradiction() -> None:
+    assert not opinion(1.0, 1.0, settled=False).agreed
+    assert "only discs come to rest" in opinion(1.0, 1.0, settled=False).told()

@@ -1,0 +1,110 @@
+"""Whether discs and material points agree on how far a case slides, and which of the two known slides speak for."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from workflow.estimates.slide_error import Judge, slide_error
+from workflow.report.findings import lies_still
+from workflow.report.model_error import NAMES
+from workflow.report.numbers import metres, span
+from workflow.report.warnings import joined, split
+from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.material_points import PointCase, PointSlidesAnswer
+from workflow.results.verdicts import WarningPart
+
+Span = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class SecondOpinion:
+    """A case by both models; lengths in m.
+
+    Attributes
+    ----------
+    discs, points : float
+        Largest slides.
+    discs_span, points_span : (float, float)
+        Between what they lie, over packings or transfers, and with the error of the model on known slides where these
+        say something.
+    agreed : bool
+        Whether the two differ by less than the larger interval, or neither comes to rest.
+    flows : bool or None
+        Whether the ground flows by its weight alone.
+    resting : (bool, bool)
+        Whether discs and material points are at rest.
+    """
+
+    discs: float
+    points: float
+    discs_span: Span
+    points_span: Span
+    agreed: bool
+    flows: bool | None
+    resting: tuple[bool, bool]
+
+    def told(self) -> str:
+        """The two, and what to make of them."""
+        both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
+        if self.agreed:
+            return f"{both}, and they agree" + ("" if any(self.resting) else " that it does not come to rest")
+        if self.resting[0] != self.resting[1]:
+            return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
+        return (
+            f"{both}, further apart than their intervals of {span(self.discs_span)} and {span(self.points_span)}"
+            f"{self._nearer()}"
+        )
+
+    def _nearer(self) -> str:
+        """Which of the two was nearer to known slides of the kind."""
+        discs, points = slide_error(self.flows), slide_error(self.flows, "mpm")
+        if discs is None or points is None:
+            return ""
+        near, far = sorted((discs, points), key=lambda error: error.middle)
+        return (
+            f": rely on {NAMES[near.judge].removeprefix('these ')} first, which were within a factor of "
+            f"{near.middle:.2g} in half of the known {near.kind}, the other model within {far.middle:.2g}"
+        )
+
+
+def second_opinions(cases: CasesAnswer | None, points: PointSlidesAnswer | None) -> dict[int, SecondOpinion]:
+    """Every case that both have computed, by its number."""
+    if cases is None or points is None or not cases.first_set:
+        return {}
+    random = cases.random.cases if cases.random is not None else {}
+    found = {}
+    for number, case in sorted(cases.sets[cases.first_set].items()):
+        other = points.cases.get(number)
+        if other is not None:
+            over = random[number].slide_max_m if number in random else None
+            low, high = (None, None) if over is None else (over.low, over.high)
+            found[number] = _opinion(case, (low or case.slide_max_m, high or case.slide_max_m), other)
+    return found
+
+
+def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinion:
+    discs = _with_error(min(packings[0], case.slide_max_m), max(packings[1], case.slide_max_m), case.flows, "discs")
+    points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
+    resting = case.settled or lies_still(case), other.settled
+    apart = abs(case.slide_max_m - other.slide_max_m)
+    near = apart <= max(discs[1] - discs[0], points[1] - points[0])
+    agreed = near if all(resting) else not any(resting)
+    return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting)
+
+
+def _with_error(low: float, high: float, flows: bool | None, judge: Judge) -> Span:
+    """An interval with the error of the model, where that holds half of the known slides."""
+    error = slide_error(flows, judge)
+    return (low, high) if error is None or 2 * error.held < error.cases else error.interval(max(low, 0.0), high)
+
+
+def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
+    """Warn of every case on which the models do not agree; what is alike in one."""
+    for told in joined({number: [one.told()] for number, one in opinions.items() if not one.agreed}):
+        what, remedy = split(told)
+        yield WarningPart(weight=1, what=what, remedy=remedy)
+
+
+def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
+    """Tell of every other case; what is alike in one."""
+    for told in joined({number: [one.told()] for number, one in opinions.items() if one.agreed}):
+        yield split(told)[0]
