@@ -140,7 +140,7 @@ def _ground_of(section: Section, fem: FemSettings, max_cells: int, direction: Di
     if not govern:
         return _Ground(one_way, max_cells, govern, np.inf, section)
     whole = strengthened(section, skins(section, one_way), one_way)
-    return _Ground(one_way, max_cells, govern, _coarse_upper_bound(section, one_way, davis=False), whole)
+    return _Ground(one_way, max_cells, govern, _coarse_upper_bound(section, one_way), whole)
 
 
 def _unstable(section: Section, upper: float) -> UnstableError:
@@ -151,24 +151,24 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
 
 
-def governing_skins(section: Section, fem: FemSettings, davis: bool = False) -> list[Skin]:
+def governing_skins(section: Section, fem: FemSettings) -> list[Skin]:
     """The cohesionless faces whose grains roll down at a smaller Kh than the slope as a whole fails at.
 
     They are compared with an upper bound on one coarse mesh of the section with all its faces strengthened, so that
     they may be a few too many, and none is missing. A mechanism of the section as it is given tells nothing here: where
     faces of unlike water meet, it may be a shallow one, too. Raises what ``first_mesh`` raises.
     """
-    faces = skins(section, fem, strengths(section.strata, davis)[1])
+    faces = skins(section, fem)
     if faces:
-        upper = _coarse_upper_bound(strengthened(section, faces, fem), fem, davis)
+        upper = _coarse_upper_bound(strengthened(section, faces, fem), fem)
         faces = [face for face in faces if face.kh < upper]
     return faces
 
 
-def _coarse_upper_bound(section: Section, fem: FemSettings, davis: bool) -> float:
+def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
     mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
-    body = body_of(section, mesh, fem, davis)
+    body = body_of(section, mesh, fem)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf
 

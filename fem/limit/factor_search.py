@@ -74,12 +74,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Start:
-    """The Kh given, the factor to begin with, whether Davis's substitute is looked at, whether sides are held, and the
-    lower bound that is enough."""
+    """The Kh given, the factor to begin with, whether sides are held, and the lower bound that is enough."""
 
     kh: float
     factor: float
-    davis: bool
     held: bool
     enough: float = math.inf
 
@@ -116,7 +114,7 @@ class FactorSearch:
         start: Start,
         work: FactorWork,
     ) -> None:
-        body = body_of(section, mesh, fem, start.davis, start.kh != 0.0, start.held)
+        body = body_of(section, mesh, fem, shaken=start.kh != 0.0, held=start.held)
         self.body = replace(body, live_force=sign * body.live_force)
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings, self.work = mesh, settings, work

@@ -63,19 +63,18 @@ def safety_bounds(
     settings: BoundsSettings,
     kh: float = 0.0,
     guess: float = 1.0,
-    davis: bool = False,
     held: bool = False,
 ) -> SafetyBounds:
-    """Lower and upper bound of the factor of safety at ``kh``, of the section or of its substitute of Davis.
+    """Lower and upper bound of the factor of safety at ``kh``.
 
     ``held`` sides move up and down alone, as in strength reduction without shaking, where others bear the K0 stress.
     ``guess`` is where to begin, and only costs time. Both directions of the push are looked at, within the work that
     the ``settings`` allow. Raises InputError as ``kh_bounds`` does, NoAnswerError if no factor from 0.02 to 20 is
     between safe and unsafe, BadMeshError if there are no triangles.
     """
-    start, work = Start(kh, guess, davis, held), FactorWork(settings.seconds)
+    start, work = Start(kh, guess, held), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
-    skin = least_rolling_factor(section, faces, kh, strengths(section.strata, davis)[1])
+    skin = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if skin is not None:
         whole = strengthened(section, faces, fem)
         if not _coarse(whole, fem, settings, start, work).fails_at(skin):
