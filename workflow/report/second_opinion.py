@@ -13,6 +13,8 @@ from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.verdicts import WarningPart
 
 Span = tuple[float, float]
+MOST_ERROR = 3.0  # times: a model with a larger error on known slides has no interval by it
+ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree whatever their intervals
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class SecondOpinion:
         Between what they lie, over packings or transfers, and with the error of the model on known slides where these
         say something.
     agreed : bool
-        Whether the two differ by less than the larger interval, or neither comes to rest.
+        Whether the two differ by less than the larger interval or are alike, or neither comes to rest.
     flows : bool or None
         Whether the ground flows by its weight alone.
     resting : (bool, bool)
@@ -86,15 +88,16 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
     resting = case.settled or lies_still(case), other.settled
     apart = abs(case.slide_max_m - other.slide_max_m)
-    near = apart <= max(discs[1] - discs[0], points[1] - points[0])
+    alike = max(ALIKE, (1.0 - 1.0 / CLOSE) * max(case.slide_max_m, other.slide_max_m))
+    near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)
     agreed = near if all(resting) else not any(resting)
     return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting)
 
 
 def _with_error(low: float, high: float, flows: bool | None, judge: Judge) -> Span:
-    """An interval with the error of the model, where that holds half of the known slides."""
+    """An interval with the error of the model on known slides, unless that is so large that all would agree."""
     error = slide_error(flows, judge)
-    return (low, high) if error is None or 2 * error.held < error.cases else error.interval(max(low, 0.0), high)
+    return (low, high) if error is None or error.factor > MOST_ERROR else error.interval(max(low, 0.0), high)
 
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:

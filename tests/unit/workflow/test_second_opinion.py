@@ -17,7 +17,7 @@ def _errors(monkeypatch: pytest.MonkeyPatch) -> None:
     """Material points within a factor of two in most known slides; discs in few."""
     errors = {
         "discs": SlideError("lateral spreads", 10.0, 3, 9, 30.0),
-        "mpm": SlideError("lateral spreads", 2.0, 6, 9, 1.8, "mpm"),
+        "mpm": SlideError("lateral spreads", 2.0, 6, 9, 1.8, "mpm"),  # 0.5 to 2.2 times what it says
     }
     monkeypatch.setattr(second_opinion, "slide_error", lambda flows, judge="discs": errors[judge])
 
@@ -37,6 +37,14 @@ def test_they_agree_where_they_differ_by_less_than_the_larger_interval() -> None
     assert opinion(1.0, 0.4).discs_span == (1.0, 1.0)  # the error of the discs says nothing
     assert opinion(1.0, 0.4).agreed
     assert not opinion(1.1, 0.4).agreed
+
+
+def test_they_agree_within_a_factor_of_1_5_and_within_centimetres(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, judge="discs": None)
+    assert opinion(3.0, 2.05).agreed
+    assert not opinion(3.0, 1.7).agreed
+    assert opinion(0.06, 0.015).agreed
+    assert not opinion(0.09, 0.015).agreed
 
 
 def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> None:

@@ -29,9 +29,9 @@ endless slope: of each earthquake in the data base of Youd et al. the row in the
 two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a caisson
 and the sea. What others make of the same ground stands beside what was measured, for comparison.
 
-Behind a face in level ground the two judges contradict each other: material points drift towards the face with every
-cycle, as a rigid block does that slides both ways and is pulled one way, and come near what was measured; discs move
-near the face only, though they do drift on shaken slopes. Why is not known."""
+Behind a face in level ground the two models contradict each other: material points drift towards the face with every
+cycle, as a rigid block does that slides both ways and is pulled one way, by about a third of what was measured and with
+less scatter; discs move near the face only, though they do drift on shaken slopes. Why is not known."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
