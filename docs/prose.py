@@ -1,15 +1,18 @@
-"""Refuses words that the glossary replaced, in the pages of the documentation: `python docs/prose.py`.
+"""Refuses words that the glossary replaced, in the pages of the documentation and in the texts of the program, which
+are the strings of its modules and the templates of its reports: `python docs/prose.py`.
 
 Only words that mean nothing else here are listed. Code between backquotes and in blocks is left out: names in it are
 those of the program.
 """
 
+import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent
+PACKAGES = ("meshes", "fem", "dem", "workflow")
 # Pages that tell what was, or are generated from the texts of the program.
 LEFT_OUT = {"docs/changelog.md"}
 
@@ -38,6 +41,19 @@ WORDS = {
     r"utili[sz]e": "use",
     r"in order to": "to",
 }
+# The same in the texts of the program, which use some of these words otherwise.
+TEXT_WORDS = {
+    pattern: better
+    for pattern, better in WORDS.items()
+    if pattern not in (r"judges?\b(?! computes)", r"comes? to (the|a) ", r"was made from")
+} | {
+    r"pushed (downhill|uphill|both)": "seismic force downslope or upslope",
+    r"held against|brought to the": "compared with, or calibrated to",
+    r"has not run yet": "not run",
+    r"\bMind:|^doubtful:": "Warning:",
+    r"as far as it was looked for": "where the search ended",
+    r"\bgrains\b.*\broll\b": "shallow failure of a cohesionless face",
+}
 
 
 def prose(text: str) -> str:
@@ -49,16 +65,43 @@ def prose(text: str) -> str:
 
 def faults(text: str) -> Iterator[tuple[int, str, str]]:
     """Line, word and its replacement of every word that is refused."""
-    for number, line in enumerate(prose(text).splitlines(), 1):
-        for pattern, better in WORDS.items():
+    yield from _refused(enumerate(prose(text).splitlines(), 1), WORDS)
+
+
+def _refused(lines: Iterable[tuple[int, str]], words: Mapping[str, str]) -> Iterator[tuple[int, str, str]]:
+    for number, line in lines:
+        for pattern, better in words.items():
             for found in re.finditer(pattern, line, flags=re.IGNORECASE):
                 yield number, found[0].strip(), better
+
+
+def strings(source: str) -> Iterator[tuple[int, str]]:
+    """Line and text of every string of several words in a module, but its docstrings; {} for what is filled in."""
+    tree = ast.parse(source)
+    left_out = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    left_out |= {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in ast.walk(tree):
+        if id(node) in left_out:
+            continue
+        if isinstance(node, ast.JoinedStr):
+            yield (
+                node.lineno,
+                "".join(str(part.value) if isinstance(part, ast.Constant) else "{}" for part in node.values),
+            )
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and " " in node.value:
+            yield node.lineno, node.value
+
+
+def texts(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and text of all that a module or a template says."""
+    source = path.read_text(encoding="utf-8")
+    return strings(source) if path.suffix == ".py" else iter(enumerate(source.splitlines(), 1))
 
 
 def pages() -> list[Path]:
     """README, the READMEs of the packages, and every page of the documentation."""
     written = [path for path in (TOP / "docs").rglob("*.md") if "build" not in path.relative_to(TOP / "docs").parts]
-    found = [TOP / "README.md", *(TOP / package / "README.md" for package in ("meshes", "fem", "dem", "workflow"))]
+    found = [TOP / "README.md", *(TOP / package / "README.md" for package in PACKAGES)]
     return [path for path in (*found, *sorted(written)) if str(path.relative_to(TOP)) not in LEFT_OUT]
 
 
@@ -68,6 +111,13 @@ def main() -> int:
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in pages()
         for line, word, better in faults(path.read_text(encoding="utf-8"))
+    ]
+    packages = (path for package in PACKAGES for path in sorted((TOP / package).rglob("*")))
+    told += [
+        f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
+        for path in packages
+        if path.suffix in (".py", ".jinja")
+        for line, word, better in _refused(texts(path), TEXT_WORDS)
     ]
     print("\n".join(told) or "prose: no word of the old language")
     return 1 if told else 0

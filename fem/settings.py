@@ -42,15 +42,15 @@ class FemSettings(Model):
     )
     rigid_box: StrictBool = Field(
         default=True,
-        description="true to find the critical Kh with fixed sides as well, which discs in their box are held against",
+        description="true to find the critical Kh with fixed sides as well, with which the discs are compared",
     )
     direction: DirectionSetting = Field(
         default="both",
-        description='where the ground is pushed, by the ends of its surface; "both": the smaller Kh counts',
+        description='of the seismic force, by the ends of the surface; "both": the smaller Kh counts',
     )
     least_depth: Length = Field(
         default=Quantity(0.5, "0.5 m"),
-        description="depth that a failure of cohesionless faces must reach to count; above it grains only roll down",
+        description="least depth of a failure of cohesionless faces that counts; less deep ones are shallow failures",
     )
     accuracy: float = Field(
         default=0.01,
@@ -69,7 +69,7 @@ class FemSettings(Model):
         "where the strata give a dilation angle below φ. The other one of the first two is told in the same line",
     )
     davis: Literal["A", "B", "C"] = Field(
-        default="B", description="form of Davis's substitute in the factor of safety: A, B or C"
+        default="B", description="form of Davis's reduced strength in the factor of safety: A, B or C"
     )
     kh: RecordedKh = Field(
         default=(),

@@ -86,7 +86,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
         draw_section(request.config.section, path)
     if json:
         return say_data(of_section(request.config, picture))
-    for line in (*request.notices, *(f"Mind: {notice}." for notice in request.config.notices)):
+    for line in (*request.notices, *(f"Warning: {notice}." for notice in request.config.notices)):
         say(line)
     verdict = "is sound" if request.config.section.uplift is None else "can be computed, but its water lifts the ground"
     return say(f"The section {verdict}. Picture: {picture}")
@@ -295,7 +295,7 @@ def bounds(
     section: SectionFile,
     folder: Out = None,
     gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
-    davis: Annotated[bool | None, typer.Option(help="Bound Davis's substitute for ψ < φ, too.")] = None,
+    davis: Annotated[bool | None, typer.Option(help="Bound Davis's reduced strength for ψ < φ, too.")] = None,
     safety_factor: Annotated[
         bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
     ] = None,

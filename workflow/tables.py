@@ -66,7 +66,7 @@ class VariantSettings(Model):
 
     which: tuple[Variant, ...] = Field(
         default=("element", "step", "dilation", "sides"),
-        description='what is changed, one at a time, to see how much of the critical Kh hangs on it: "mesh" (four '
+        description='what is changed, one at a time, to see how the critical Kh depends on it: "mesh" (four '
         'times the cells), "element", "step", "dilation", "sides"',
     )
 
@@ -122,7 +122,7 @@ class Tables(Model):
         default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
     )
     criteria: CriteriaSettings = Field(
-        default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are held against"
+        default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are compared with"
     )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),

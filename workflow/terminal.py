@@ -96,7 +96,7 @@ def show_strata(section: Section) -> None:
         from workflow.figures import fonts
 
         if notice := fonts.notice(tables.texts(section)):
-            say(f"Mind: {notice}.")
+            say(f"Warning: {notice}.")
 
 
 def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
@@ -112,7 +112,7 @@ def show_plan(job: Job, choice: Choice, voice: Voice) -> None:
 def _show_shaking(job: Job) -> None:
     """What was done to records, what is doubtful about them and the earthquake, and which Kh follows from it."""
     for text in job.config.notices_of_shaking:
-        out.print(escape(f"Mind: {text}."))
+        out.print(escape(f"Warning: {text}."))
 
 
 def execute(job: Job, choice: Choice, voice: Voice, warnings: Sequence[str] = (), pdf: bool = False) -> None:

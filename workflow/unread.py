@@ -64,5 +64,5 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
         others = [name for name, its in reads.items() if name in commands and name != command and is_read(key, its)]
         others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
         does = " and ".join(f"noshiro {name}" for name in others) or "no command"
-        told.append(f"Mind: noshiro {command} does not read {key}; it is read by {does}.")
+        told.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")
     return told

@@ -345,7 +345,11 @@ def _out_of_reach(
         f"{parameter} times {min(tried):.3g} to {max(tried):.3g} reaches critical Kh from {min(reach):.3f} to "
         f"{max(reach):.3f}, closest to {target:.4f} at {value:.3g}: {middle(tried[value]):.4f}"
     )
-    return f"these discs are not this soil: {told}" if settings.model == "soil" else told
+    return (
+        f"calibration failed, the disc assembly cannot reproduce this strength: {told}"
+        if settings.model == "soil"
+        else told
+    )
 
 
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:

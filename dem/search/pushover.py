@@ -129,7 +129,8 @@ def pushed_over(
     if whole:
         search.verdict = "bracketed"
         search.reason = (
-            f"the largest Kh borne up to {reach:.3g} m, {settings.ductility:g} times where the continuum yields{ended}"
+            f"the largest Kh up to a displacement of {reach:.3g} m, {settings.ductility:g} times where the continuum "
+            f"yields{ended}"
         )
     if search.trials:
         kc, half, last = critical_point(search.trials)

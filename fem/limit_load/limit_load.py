@@ -62,7 +62,7 @@ class Ground:
 
 
 @dataclass(frozen=True, eq=False)
-class AtOnce:
+class LimitLoadResult:
     """The critical Kh of a mesh found at once (``conic_limit_load.py``).
 
     Attributes
@@ -107,7 +107,7 @@ class AtOnce:
 
 def critical_at_once(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[Skin] | None = None
-) -> AtOnce:
+) -> LimitLoadResult:
     """The limit load for a push in the one direction of ``settings``, with the "reduced" element whatever they say.
 
     ``faces`` as in ``pushed``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
@@ -118,7 +118,7 @@ def critical_at_once(
     return _told(section, mesh, settings, ground)
 
 
-def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSettings) -> AtOnce:
+def asked_again(found: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings) -> LimitLoadResult:
     """The limit load of ground that was ``found`` with other settings, by the flow rule and between the sides
     of ``settings``.
 
@@ -133,7 +133,7 @@ def asked_again(found: AtOnce, section: Section, mesh: QuadMesh, settings: FemSe
     return _told(section, mesh, settings, replace(ground, limit=limit))
 
 
-def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> AtOnce:
+def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Ground) -> LimitLoadResult:
     """The answer that a limit load is."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
@@ -142,7 +142,7 @@ def _told(section: Section, mesh: QuadMesh, settings: FemSettings, ground: Groun
     rolling = [face for face in cohesionless_faces(section, settings) if ground.faces and face.kh < kc]
     direction: Direction = "uphill" if settings.direction == "uphill" else "downhill"
     flow = flow_of(section.strata, settings.flow)
-    return AtOnce(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
+    return LimitLoadResult(kc, verdict, flow, direction, reason, ground.limit.mechanism, rolling, ground)
 
 
 def pushed(

@@ -15,7 +15,7 @@ from fem.continuum.loads import Direction
 from fem.continuum.shallow_failure import Skin, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import AtOnce, asked_again, critical_at_once
+from fem.limit_load.limit_load import LimitLoadResult, asked_again, critical_at_once
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -113,7 +113,7 @@ class AdaptiveSearch:
     tell: Callable[[str], None] = _nobody
     executor: Executor = SERIAL
 
-    def critical(self, settings: FemSettings) -> AdaptiveResult[AtOnce]:
+    def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """The critical Kh, in the direction in which it is smaller.
 
         A push uphill whose mechanism leaves through a side counts only if there is nothing else, as in
@@ -134,11 +134,11 @@ class AdaptiveSearch:
 
     def _towards(
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
-    ) -> AdaptiveResult[AtOnce]:
+    ) -> AdaptiveResult[LimitLoadResult]:
         wish = settings.model_copy(update={"direction": direction})
         faces = self._rough_faces(self.first, wish)
 
-        def solve(mesh: QuadMesh) -> AtOnce:
+        def solve(mesh: QuadMesh) -> LimitLoadResult:
             nonlocal faces
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
             found = critical_at_once(self.section, mesh, wish, self.comm, faces)
@@ -163,7 +163,7 @@ class AdaptiveSearch:
         """Cells of the finest mesh; 0 where none is made."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
-    def beside(self, found: AdaptiveResult[AtOnce], other: FemSettings) -> AdaptiveResult[AtOnce]:
+    def beside(self, found: AdaptiveResult[LimitLoadResult], other: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """What ``other`` settings, with ψ = φ, find on the mesh of ``found`` under the same forces, and on one with as
         many cells that is made for the mechanism of that.
 
@@ -173,14 +173,18 @@ class AdaptiveSearch:
         self.tell(f"limit load of {len(found.mesh.cells)} cells")
         return self._or_on_its_own(found, asked_again(found.result, self.section, found.mesh, other), other)
 
-    def between_sides(self, found: AdaptiveResult[AtOnce], fixed: FemSettings) -> AdaptiveResult[AtOnce]:
+    def between_sides(
+        self, found: AdaptiveResult[LimitLoadResult], fixed: FemSettings
+    ) -> AdaptiveResult[LimitLoadResult]:
         """The same between ``fixed`` sides, on which no force acts: it leaves alone what ``found`` was found with."""
         mesh = found.mesh
         self.tell(f"limit load of {len(mesh.cells)} cells")
         faces = self._rough_faces(mesh, fixed) if len(found.rounds) < 2 else found.result.ground.faces
         return self._or_on_its_own(found, critical_at_once(self.section, mesh, fixed, self.comm, faces), fixed)
 
-    def _or_on_its_own(self, found: AdaptiveResult[AtOnce], same: AtOnce, other: FemSettings) -> AdaptiveResult[AtOnce]:
+    def _or_on_its_own(
+        self, found: AdaptiveResult[LimitLoadResult], same: LimitLoadResult, other: FemSettings
+    ) -> AdaptiveResult[LimitLoadResult]:
         """The ``same`` ground by ``other`` settings, or what they find on a mesh that is made for its mechanism, if
         that is less."""
         first = AdaptiveResult(same, found.mesh, [MeshRound(len(found.mesh.cells), same.kc, math.inf, math.inf)])
@@ -199,8 +203,8 @@ class AdaptiveSearch:
         return AdaptiveResult(own, mesh, [*first.rounds, MeshRound(len(mesh.cells), own.kc, change, change)])
 
     def beside_full_dilation(
-        self, found: AdaptiveResult[AtOnce], settings: FemSettings
-    ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce]]:
+        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+    ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """``found``, and the answer with ψ = φ beside it.
 
         On one mesh Davis's substitute, the weaker ground, bears no more. So where the mesh made for ψ = φ shows less
@@ -219,7 +223,9 @@ class AdaptiveSearch:
             replace(beside, result=same),
         )
 
-    def davis_beside(self, found: AdaptiveResult[AtOnce], settings: FemSettings) -> AdaptiveResult[AtOnce]:
+    def davis_beside(
+        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+    ) -> AdaptiveResult[LimitLoadResult]:
         """Davis's estimate of the critical Kh beside ``found``, which is with ψ = φ; 0 where the ground fails without
         any.
 
@@ -297,7 +303,7 @@ class AdaptiveSearch:
             return None
 
 
-def failing_by_itself(found: AdaptiveResult[AtOnce]) -> AdaptiveResult[AtOnce]:
+def failing_by_itself(found: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult]:
     """The answer of ground that fails under its own weight: a critical Kh of 0."""
     result = replace(found.result, kc=0.0, verdict="plateau", reason=FAILS_BY_ITSELF, mechanism=None)
     return replace(found, result=result)

@@ -9,7 +9,7 @@ from typing import Any
 from fem.continuum.loads import lifted
 from fem.continuum.strength import FlowSetting, davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import AtOnce
+from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
 from fem.search.adaptive import AdaptiveSearch, failing_by_itself
@@ -63,10 +63,10 @@ class Assessment:
 
     critical: CriticalResult
     mesh: QuadMesh
-    adapted: AdaptiveResult[AtOnce] | None
-    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None
-    associated: AdaptiveResult[AtOnce] | None
-    davis: AdaptiveResult[AtOnce] | None
+    adapted: AdaptiveResult[LimitLoadResult] | None
+    opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None
+    associated: AdaptiveResult[LimitLoadResult] | None
+    davis: AdaptiveResult[LimitLoadResult] | None
     rigid_box: AdaptiveResult[CriticalResult] | None
     safety: list[AdaptiveResult[SafetyFactor]]
     doubts: list[Doubt]
@@ -112,9 +112,9 @@ def box_below_faces(
 def _together(
     critical: CriticalResult,
     mesh: QuadMesh,
-    adapted: AdaptiveResult[AtOnce] | None,
-    opposite: AdaptiveResult[AtOnce] | AdaptiveResult[CriticalResult] | None,
-    beside: AdaptiveResult[AtOnce] | None,
+    adapted: AdaptiveResult[LimitLoadResult] | None,
+    opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None,
+    beside: AdaptiveResult[LimitLoadResult] | None,
     box: "Future[AdaptiveResult[CriticalResult]] | None",
     safety: list[Safety],
 ) -> Assessment:
@@ -171,7 +171,7 @@ class _Search:
         return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
 
     def with_limit_loads(
-        self, adapted: AdaptiveResult[AtOnce], settings: FemSettings, safety: list[Safety] | None
+        self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
         """The answers that stand beside limit loads, factors of ``safety`` begun or not; raises UnstableError.
 
@@ -189,7 +189,7 @@ class _Search:
             critical = self.path_to(found, one_way)
         return _together(critical, found.mesh, found, found.other, other, box, safety)
 
-    def path_to(self, limit: AdaptiveResult[AtOnce], settings: FemSettings) -> CriticalResult:
+    def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
         """The path to a limit load, on its mesh; raises UnstableError."""
         start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
         return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.told("Kh"), start)
@@ -213,7 +213,7 @@ class _Search:
         return [self.executor.submit(partial(self.or_doubt, settings, kh)) for kh in settings.safety_factor_at]
 
     def begin_box(
-        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh
+        self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh
     ) -> "Future[AdaptiveResult[CriticalResult]] | None":
         """Begin with the answer between fixed sides, if it is asked for and another one."""
         same = settings.sides == "fixed" and not self.dilates_more(settings)
@@ -233,7 +233,7 @@ class _Search:
         """Whether the flow rule lets the ground dilate by more than ψ as given, or 0."""
         return settings.flow == "associated" and not is_dilating_fully(self.section.strata)
 
-    def limit_loads(self, settings: FemSettings) -> AdaptiveResult[AtOnce] | None:
+    def limit_loads(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
         """The limit loads of meshes made for the mechanism; None where there are none, so that a path has to do
         alone. Raises UnstableError."""
         if not is_associated(self.section.strata, settings.flow):
@@ -246,8 +246,8 @@ class _Search:
             return None
 
     def beside_limit_loads(
-        self, found: AdaptiveResult[AtOnce], settings: FemSettings
-    ) -> tuple[AdaptiveResult[AtOnce], AdaptiveResult[AtOnce] | None]:
+        self, found: AdaptiveResult[LimitLoadResult], settings: FemSettings
+    ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
         """Those, and beside them those by the other flow rule: ψ = φ, or Davis's estimate where ψ = φ is the flow; None
         where there are none, or where ψ = φ is given."""
         try:
@@ -261,7 +261,7 @@ class _Search:
         except NoAnswerError:
             return found, None
 
-    def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[AtOnce] | None:
+    def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
         """The limit load by the other flow rule, where a path has to do by its own; None where Davis's estimate has
         no answer."""
         if not self.dilates_more(settings):
@@ -282,7 +282,7 @@ class _Search:
     def rigid_box(
         self,
         settings: FemSettings,
-        adapted: AdaptiveResult[AtOnce] | None,
+        adapted: AdaptiveResult[LimitLoadResult] | None,
         mesh: QuadMesh,
         below_faces: bool = False,
     ) -> AdaptiveResult[CriticalResult]:
@@ -297,7 +297,7 @@ class _Search:
         return self.between_fixed_sides(settings, adapted, mesh, below_faces)
 
     def between_fixed_sides(
-        self, settings: FemSettings, adapted: AdaptiveResult[AtOnce] | None, mesh: QuadMesh, below_faces: bool
+        self, settings: FemSettings, adapted: AdaptiveResult[LimitLoadResult] | None, mesh: QuadMesh, below_faces: bool
     ) -> AdaptiveResult[CriticalResult]:
         """The same by the flow rule of the ``settings``."""
         fixed = settings.model_copy(update={"sides": "fixed", "kh": ()})

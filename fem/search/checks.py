@@ -16,7 +16,7 @@ from meshes.quality import corner_angles
 from meshes.section.uplift import Uplift
 
 if TYPE_CHECKING:
-    from fem.limit_load.limit_load import AtOnce
+    from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
     from fem.settings import PathVerdict
 
@@ -30,7 +30,7 @@ AT_BASE = 0.1
 
 
 def doubts_of(
-    result: "CriticalResult", mesh: QuadMesh, associated: "AtOnce | CriticalResult | None" = None
+    result: "CriticalResult", mesh: QuadMesh, associated: "LimitLoadResult | CriticalResult | None" = None
 ) -> list[Doubt]:
     """What an answer shows by itself and beside that with ψ = φ."""
     return [
@@ -56,7 +56,7 @@ def of_verdict(verdict: "PathVerdict", reason: str, remedy: str) -> Iterator[Dou
         yield Doubt(f"The path ended before a limit load was found: {reason}.", remedy)
 
 
-def of_dilation(result: "CriticalResult", associated: "AtOnce | CriticalResult | None") -> Iterator[Doubt]:
+def of_dilation(result: "CriticalResult", associated: "LimitLoadResult | CriticalResult | None") -> Iterator[Doubt]:
     """Ground that dilates less cannot bear more: no limit load is above that of ψ = φ (Radenkovic 1961)."""
     if associated is None or associated.direction != result.direction:
         return

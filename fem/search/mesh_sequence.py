@@ -79,7 +79,7 @@ class AdaptiveResult(Generic[F]):
 
     Attributes
     ----------
-    result : AtOnce, CriticalResult or SafetyFactor
+    result : LimitLoadResult, CriticalResult or SafetyFactor
         Answer and mechanism on ``mesh``.
     mesh : QuadMesh
         The last mesh.

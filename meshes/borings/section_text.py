@@ -23,7 +23,7 @@ def text_of(found: Connected, name: str) -> str:
 
 def _head(found: Connected, name: str) -> Iterator[str]:
     logs = [one.log for one in found.borings]
-    yield "# Made from borings: " + ", ".join(log.name for log in logs) + "."
+    yield "# Section from borings: " + ", ".join(log.name for log in logs) + "."
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way, fill of an"
     yield "# embankment at the next boring. Correct what is wrong."
     for one in (*found.borings, *found.soundings):

@@ -98,7 +98,7 @@ def _text(
     table: np.ndarray | None,
     strata: Sequence[tuple[str, np.ndarray]],
 ) -> str:
-    lines = ["# Made from a drawing: soils are still to be given.", *(f"# {text}." for text in notices), ""]
+    lines = ["# Section from a drawing: the soils have to be added.", *(f"# {text}." for text in notices), ""]
     lines += [f"name = {json.dumps(name)}", f"surface = {_written(ground)}"]
     lines += [f"base = {{ elevation = {_written(base)} }}", ""]
     if table is not None:

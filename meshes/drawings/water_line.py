@@ -38,7 +38,7 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     short = [f"{side:.6g} m" for side, end in ((left, x[0]), (right, x[-1])) if abs(side - end) > JOINED
              and (end > left if side == left else end < right)]  # fmt: skip
     if short:
-        told.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and goes on level to "
+        told.append(f"the water table is drawn from x = {x[0]:.6g} to {x[-1]:.6g} m, and continues level to "
                     f"x = {' and '.join(short)}")  # fmt: skip
     return np.vstack([ends[:1], inside, ends[1:]]), told
 

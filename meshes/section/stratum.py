@@ -64,7 +64,7 @@ class Stratum(Model):
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     tension: Strength | None = Field(
         default=None,
-        description='the largest tension that it bears, such as "0 kPa" (a tension cut-off); c / tan φ where not given',
+        description='the largest tensile stress, such as "0 kPa" (a tension cut-off); c / tan φ where not given',
     )
     dilation_angle: Angle | None = Field(
         default=None, description='a dilation angle ψ such as "5 deg"; fem.flow says what is done where it is not given'

@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from fem import BoundsSettings, FemSettings, UnstableError, kh_bounds
 from fem.limit.bracket import Bracket
-from fem.limit_load.limit_load import AtOnce
+from fem.limit_load.limit_load import LimitLoadResult
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.mesh_sequence import AdaptiveResult
 from meshes.gmsh_model import generate
@@ -38,7 +38,7 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     meshing = MeshSettings(refine=refine)
     mesh = generate(section, meshing)
     wish = SETTINGS.model_copy(update={"flow": "davis"})
-    answers: dict[str, AdaptiveResult[AtOnce] | None] = dict.fromkeys(("davis", "associated"))
+    answers: dict[str, AdaptiveResult[LimitLoadResult] | None] = dict.fromkeys(("davis", "associated"))
     try:
         search = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF)
         answers["davis"], answers["associated"] = search.beside_full_dilation(search.critical(wish), wish)

@@ -76,7 +76,7 @@ def test_ctrl_c_while_it_computes(tmp_path: Path) -> None:
     assert not (tmp_path / "out/fem/critical.json").exists()
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
     done = process("run", path, "--out", tmp_path / "out", "--dry-run")
-    assert "it was stopped, and goes on" in done.stdout
+    assert "it was stopped, and continues" in done.stdout
 
 
 @pytest.fixture

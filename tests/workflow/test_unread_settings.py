@@ -46,7 +46,7 @@ def test_it_is_told_beside_an_output_without_sentences(
     asked = ("--set", "bounds.run=false", way)
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *asked) == 0
     heard = capsys.readouterr()
-    line = "Mind: noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run."
+    line = "Warning: noshiro mesh does not read bounds.run; it is read by noshiro bounds and noshiro run."
     assert line in heard.err
     if way == "--json":
         assert line in json.loads(heard.out)["warnings"]
@@ -97,5 +97,5 @@ def test_a_study_tells_what_its_parts_do_not_read() -> None:
     assert "noshiro bounds" in told[0]
     assert _unread(asked, "study", ["bounds", "slide"]) == []
     assert [line.split(";")[0] for line in _unread(asked, "converge", ["slide"])] == [
-        "Mind: noshiro converge does not read bounds.gap"
+        "Warning: noshiro converge does not read bounds.gap"
     ]

@@ -19,7 +19,7 @@ LAYERS_OPTION = typer.Option(
 def section(
     files: Annotated[list[Path], typer.Argument(help="Borings (.csv, .ags), a drawing (.dxf), or a section.")],
     to: Annotated[Path, typer.Option("--out", "-o", help="The section to write, .toml; or a drawing, .dxf.")],
-    off: Annotated[float, typer.Option(help="How far (m) a boring may stand beside the line.")] = 20.0,
+    off: Annotated[float, typer.Option(help="Largest distance (m) of a boring from the line.")] = 20.0,
     layers: Annotated[str | None, LAYERS_OPTION] = None,
     columns: Annotated[list[str] | None, COLUMNS_OPTION] = None,
     unit: Annotated[

@@ -92,7 +92,7 @@ def _made(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
 
 
 def _minded(notices: Sequence[str]) -> list[str]:
-    return [f"Mind: {text}." for text in dict.fromkeys(notices)]
+    return [f"Warning: {text}." for text in dict.fromkeys(notices)]
 
 
 def draw_borings(found: Connected, out: Path) -> Path:

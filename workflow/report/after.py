@@ -25,7 +25,7 @@ def in_short(results: Results) -> Iterator[str]:
             yield from _by_weight(results, one)
         else:
             most = one.kc if one.kc_upper is None or one.kc is None else min(one.kc, one.kc_upper)
-            bears = f", and bears Kh of about {coefficient(most)}{_acting(one)}" if most is not None else ""
+            bears = f", with a critical Kh of about {coefficient(most)}{_acting(one)}" if most is not None else ""
             yield (
                 f"After liquefaction, in {_which(one)}, the continuum still stands without shaking{bears}: "
                 f"{one.reason}."
@@ -59,7 +59,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
             f"The discs contradict that: they slide {far:.2g} m by their weight alone. They are too coarse for the "
-            "layers that liquefy, or get denser as they go; noshiro converge tells what smaller ones do."
+            "layers that liquefy, or get denser as they go; noshiro converge shows what smaller ones do."
         )
 
 
@@ -85,7 +85,7 @@ class Enough:
         """It in a sentence without its end."""
         told = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
-        more = "; a case with more strength would tell how much more" if self.how == "more than" else ""
+        more = "; a case with more strength would show how much more" if self.how == "more than" else ""
         return f"To stand without shaking it needs {self.how} {listed(told)}{more}"
 
 
@@ -176,9 +176,9 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    Factor of safety at Kh = 0, between held sides: {factors(one)}."
         if one.kc is not None:
             proven = f" (strict bounds {bracket(one.kc_lower, one.kc_upper, 3)})" if one.kc_lower is not None else ""
-            yield f"    It still bears Kh = {one.kc:.3f}{_acting(one)}{proven}."
+            yield f"    Its critical Kh is {one.kc:.3f}{_acting(one)}{proven}."
         for note in one.notes:
-            yield f"    Mind: {note}."
+            yield f"    Warning: {note}."
     enough = just_enough(answer.cases)
     if enough is not None:
         yield f"{enough.words}."

@@ -1,6 +1,6 @@
 """What the stages found, in sentences: told after each command."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from meshes.section.cutting import spoken
 from workflow.config import Config
@@ -31,6 +31,7 @@ from workflow.results.summary import Summary
 from workflow.results.triggering import StratumPart, TriggeringAnswer
 from workflow.run.store import Store
 
+FORCE: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
 MOST_LINES = 10  # of a run without -v, before the two that say where the report is
 
 
@@ -45,15 +46,15 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
     for notice in config.notices:
-        yield f"Mind: {notice}."
+        yield f"Warning: {notice}."
 
 
 def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh with its bracket, and the factors of safety, from fem/critical.json."""
     most = f", at most {answer.kc_upper:.4f} on this mesh" if answer.kc_upper > answer.kc else ""
     yield (
-        f"Critical Kh = {critical_with_flow(answer, '{:.4f}'.format)}. Pushed {answer.direction} (to the "
-        f"{answer.towards}): {answer.ended}{most}, {answer.reason}."
+        f"Critical Kh = {critical_with_flow(answer, '{:.4f}'.format)}. Seismic force {FORCE[answer.direction]}, to "
+        f"the {answer.towards}: {answer.ended}{most}, {answer.reason}."
     )
     if answer.davis is not None or answer.associated is not None:
         yield WHEN
@@ -71,14 +72,14 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
     beside = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, as far as it was looked for."
+        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     told = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     told += f"{factor.reason}{rest}."
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
         told += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
     if factor.skin is not None and factor.skin < factor.factor:
-        told += f" Grains roll down its face at {factor.skin:.3f}."
+        told += f" Its cohesionless face fails (shallow failure) at {factor.skin:.3f}."
     return told
 
 
@@ -87,7 +88,7 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
     if answer.meshes:
         told = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
         tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
-        yield f"On meshes adapted to the mechanism: {told}. It ended because {answer.meshes_ended}.{tends}"
+        yield f"On meshes adapted to the mechanism: {told}. The sequence ended because {answer.meshes_ended}.{tends}"
 
 
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:
@@ -97,10 +98,10 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
     other = answer.opposite
     if other is not None:
         kh = f"above {other.kc:.4f}" if other.verdict == "no failure" else f"{other.kc:.4f}"
-        yield f"Pushed {other.direction} it is {kh}{_out_at(other.at_sides)}."
+        yield f"With the seismic force {FORCE[other.direction]} it is {kh}{_out_at(other.at_sides)}."
     for skin in answer.skins:
         yield (
-            f"Grains of {spoken(skin.stratum)} roll down the face from x = {skin.start_x_m:g} to {skin.end_x_m:g} m "
+            f"Shallow failure of the face of {spoken(skin.stratum)} from x = {skin.start_x_m:g} to {skin.end_x_m:g} m "
             f"({skin.angle_deg:.0f}°) at Kh = {max(skin.kh, 0.0):.4f}; the slope as a whole fails at {answer.kc:.4f}."
         )
 
@@ -120,8 +121,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     for face in answer.skins:
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
-            f"Grains roll down the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
-            f"What follows is the slope as a whole: failures deeper than {answer.least_depth:g} m."
+            f"Shallow failure of the face of {spoken(face.stratum)} from x = {face.start:g} to {face.end:g} m {when}. "
+            f"The bounds below are for failures deeper than {answer.least_depth:g} m."
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
@@ -151,8 +152,8 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     elif answer.verdict == "calibrated":
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
-                f"Discs without any factor: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
-                "times the lower end of that of the continuum like them."
+                f"Discs, uncalibrated: critical Kh = {answer.predicted_kc:.4f}, {answer.predicted_ratio:.2f} "
+                "times the lower end of that of the continuum with their boundary conditions."
             )
         yield (
             f"Discs: critical Kh = {answer.kc:.4f} ({answer.kc_lower:.4f} to {answer.kc_upper:.4f}) for "
@@ -169,7 +170,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 def _asked(answer: CalibrationAnswer, target: float) -> str:
     """The critical Kh that discs were to have; two ends where the continuum's lies between, and the discs' too."""
     low, high = answer.continuum_kc or (target, target)
-    return f"{low:.4f} to {high:.4f} asked" if low < target < high else f"{target:.4f} asked"
+    return f"a target of {low:.4f} to {high:.4f}" if low < target < high else f"a target of {target:.4f}"
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
@@ -186,7 +187,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         if not case.settled and lies_still(case):
             settled = f"; it moved {moved_lately([case])} in the last 10 s"
         if case.stopped_by is not None:
-            settled += f"; the {case.stopped_by} side of the discs' box stopped it, which is no rest"
+            settled += f"; the {case.stopped_by} side of the disc model stopped it"
         fall, x = case.largest_fall
         if fall > max(FALLS, FALLS_TIMES * abs(case.settlement_uphill_m)):
             settled += f"; the surface falls by {metres(fall)} at x = {x:.0f} m"
@@ -253,7 +254,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     )
     if answer.change > CAME_TO_REST:
         yield (
-            f"Mind: after {answer.rounds} rounds one more would change a stiffness or a damping by "
+            f"Warning: after {answer.rounds} rounds one more would change a stiffness or a damping by "
             f"{100.0 * answer.change:.1f} %."
         )
     if answer.doubt:

@@ -111,7 +111,7 @@ def _too_much(name: str, kc: float, most: float) -> str:
     """What is to be made of another flow rule with which the elements bear more than ψ = φ allows any."""
     if name != "dilation" or kc <= most:
         return ""
-    return " (more than ground with ψ = φ bears: the mesh is too coarse for it)"
+    return " (above the limit for ψ = φ: the mesh is too coarse for it)"
 
 
 def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:

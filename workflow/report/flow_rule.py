@@ -16,11 +16,11 @@ WHEN = (
 BLOCKS: Mapping[Flow, str] = {
     "associated": "The critical Kh with ψ = φ, as the yield coefficients of limit equilibrium are that such blocks and "
     "relations were checked with.",
-    "davis": "The critical Kh by Davis's estimate, since the section asks for it: with ψ = φ they would slide less.",
-    "section": "The critical Kh with ψ as given, since the section asks for it: with ψ = φ they would slide less.",
+    "davis": "The critical Kh by Davis's estimate, as the section sets it: with ψ = φ they would slide less.",
+    "section": "The critical Kh with ψ as given, as the section sets it: with ψ = φ they would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
-DISCS = "They are brought to the continuum with ψ as given, 0 where it is not, since discs hardly dilate."
+DISCS = "They are calibrated to the continuum with ψ as given, 0 where it is not, since discs hardly dilate."
 LIQUEFIED = "Whether the ground then stands is judged by strict bounds first, which are with ψ = φ, then by elements."
 
 

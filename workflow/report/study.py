@@ -85,7 +85,7 @@ def _strongest(result: Result) -> str:
     if first.total is not None:
         return f"; it depends most on {first.path} (total Sobol' index {first.total:.2f})"
     if abs(first.correlation) <= result.by_chance:
-        return "; on what it depends so few samples do not tell"
+        return "; so few samples do not show what it depends on"
     return f"; it depends most on {first.path} (correlation {first.correlation:+.2f})"
 
 

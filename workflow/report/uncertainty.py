@@ -21,7 +21,7 @@ SIDES: Mapping[Sides, str] = {
     "periodic": "Both sides move alike: the section is one of many in a row",
 }
 FLOWS: Mapping[Flow, str] = {
-    "associated": "The ground yields with ψ = φ: ground that dilates less bears no more (Radenkovic 1961).",
+    "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
     "davis": "Where ψ < φ, cohesion and tan φ are reduced by Davis's factor, with associated flow (Davis 1968).",
     "section": "Dilation angles as given for each stratum; the limit load of such ground is not unique.",
 }

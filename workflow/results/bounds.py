@@ -82,7 +82,7 @@ class BracketPart(Part):
 
     lower: float | None = Field(description="the section stands at every Kh below this one, in every direction")
     upper: float | None = Field(description="the section fails at every Kh above this one, in one direction")
-    direction: Direction = Field(description="where the seismic force acts that the section bears least of")
+    direction: Direction = Field(description="direction of the seismic force with the smallest bounds")
     directions: tuple[DirectionPart, ...] = Field(
         description="each direction that was asked for, the one that fails first in front"
     )
@@ -105,7 +105,7 @@ class SkinPart(Part):
     stratum: str
     start: float = Field(description="x of its left end (m)")
     end: float = Field(description="x of its right end (m)")
-    kh: float = Field(description="seismic coefficient at which the grains roll down")
+    kh: float = Field(description="seismic coefficient of the shallow failure")
 
 
 class SafetyPart(Part):
@@ -116,7 +116,7 @@ class SafetyPart(Part):
     upper: float | None = Field(description="the section fails with its strength divided by this")
     cells: int = Field(description="triangles of the last mesh")
     skin: float | None = Field(
-        default=None, description="at which grains roll down a face; the bounds are of the slope as a whole"
+        default=None, description="factor of a shallow failure of a face; the bounds are of the slope as a whole"
     )
     direction: Direction | None = Field(default=None, description="of the seismic force with which it fails")
     reason: str = Field(default="", description="why the bounds are no closer, if less close than asked for")
@@ -127,7 +127,7 @@ class SafetyPart(Part):
         """The bracket as a person reads it."""
         low = "no lower bound" if self.lower is None else f"{self.lower:.3f}"
         high = "no upper bound" if self.upper is None else f"{self.upper:.3f}"
-        rolling = "" if self.skin is None else f"; grains roll down a face at {self.skin:.3f}, before failures so deep"
+        rolling = "" if self.skin is None else f"; a face fails before (shallow failure) at {self.skin:.3f}"
         force = f", force {self.direction}" if self.direction else ""
         return f"{low} <= FS <= {high} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
 
@@ -139,7 +139,7 @@ class BoundsAnswer(BracketPart, Answer):
 
     section: SectionLabel
     flow: str = Field(description="which flow rule the bounds are for, in words")
-    substitute: BracketPart | None = Field(description="bounds of Davis's substitute, where ψ < φ")
+    substitute: BracketPart | None = Field(description="bounds with Davis's reduced strength, where ψ < φ")
     safety: tuple[SafetyPart, ...] = Field(default=(), description="factors of safety, where they were asked for")
     skins: tuple[SkinPart, ...] = Field(description="faces that fail first; the bounds are of the slope as a whole")
     shallow: float | None = Field(

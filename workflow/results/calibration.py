@@ -146,7 +146,7 @@ class CalibrationAnswer(Answer):
     trials: tuple[FactorTrial, ...]
     element_tests: tuple[LayerTest, ...] = ()
     layers: tuple[LayerCheck, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
-    predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh without any factor")
+    predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh, uncalibrated")
     predicted_ratio: float | None = Field(
         default=None, description="that over the least the continuum has with the same sides"
     )

@@ -45,7 +45,7 @@ class CaseNumbers(Part):
     )
     flows: bool | None = Field(default=None, description="whether that is a flow failure, of the weight alone")
     stopped_by: Literal["left", "right"] | None = Field(
-        default=None, description="the side of the discs' box that the slide ran up against"
+        default=None, description="the side of the disc model that stopped the slide"
     )
 
 

@@ -52,11 +52,11 @@ class FactorOfSafety(Part):
 
     kh: float
     factor: float = Field(description="the largest divisor at which an equilibrium was found")
-    upper: float = Field(description="what this mesh may bear at most")
+    upper: float = Field(description="upper end of the bracket on this mesh")
     verdict: PathVerdict
     reason: str
     curve: tuple[PathStep, ...]
-    skin: float | None = Field(description="the factor at which grains roll down a cohesionless face, if there is one")
+    skin: float | None = Field(description="the factor of a shallow failure of a cohesionless face, if there is one")
     davis: float | None = Field(
         default=None, description="Davis's estimate where ψ = φ is the flow, a low one and no bound"
     )
@@ -140,15 +140,17 @@ class FemAnswer(Answer):
     section: SectionLabel
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
     kc_lower: float = Field(description="the largest Kh on the path")
-    kc_upper: float = Field(description="what this mesh may bear at most; no bound of the section")
+    kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
     verdict: PathVerdict
     reason: str
     remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
-    judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a doubt contradicts the answer")
+    judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a warning contradicts the answer")
     doubts: tuple[Doubt, ...]
     direction: Literal["downhill", "uphill"] = Field(description="where the ground fails, by the ends of its surface")
     towards: Literal["left", "right"]
-    opposite: OtherWay | None = Field(description="the same pushed the other way, where both were asked for")
+    opposite: OtherWay | None = Field(
+        description="the same for a seismic force in the other direction, where both were computed"
+    )
     associated: OtherWay | None = Field(description="the same with ψ = φ, where that is something else")
     davis: OtherWay | None = Field(
         default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"

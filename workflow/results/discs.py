@@ -114,7 +114,7 @@ class SlipSurfaces(Part):
 
     dem: Line = Field(description="calibrated discs")
     dem_before: Line = Field(description="discs before calibration")
-    fem: Line = Field(description="the continuum that the discs are held against")
+    fem: Line = Field(description="the continuum that the discs are compared with")
     mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
     same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
     columns: int | None = Field(default=None, description="columns of discs that were compared")

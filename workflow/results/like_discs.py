@@ -20,7 +20,7 @@ class LikeDiscs(Answer):
     FILE: ClassVar[str] = "dem/continuum.json"
 
     kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_upper: float = Field(description="what this mesh may bear at most, no more than with ψ = φ")
+    kc_upper: float = Field(description="upper end of the bracket on this mesh, no more than with ψ = φ")
     verdict: PathVerdict
     reason: str
     sides: Sides

@@ -28,8 +28,12 @@ class LiquefiedCase(Part):
     strata: tuple[LiquefiedStratum, ...]
     stands: Stands = Field(description="without shaking: by strict bounds where they decide, else by the elements")
     reason: str
-    kc: float | None = Field(description="Kh that it still bears, by finite elements; None: not even its weight")
-    direction: Direction | None = Field(default=None, description="of the seismic force that it bears least of")
+    kc: float | None = Field(
+        description="critical Kh after liquefaction, by finite elements; None: it fails under its weight"
+    )
+    direction: Direction | None = Field(
+        default=None, description="direction of the seismic force with the smallest critical Kh"
+    )
     kc_lower: float | None = Field(description="strict bounds of that Kh, ψ = φ; None where they were not found")
     kc_upper: float | None
     factor: float | None = Field(description="factor of safety at Kh = 0 by finite elements, sides held horizontally")

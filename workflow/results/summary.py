@@ -112,10 +112,10 @@ class DemSummary(Part):
     model: str = Field(description='"soil" or "paper"')
     elements: int
     boundary_elements: int
-    sides: str = Field(description="of the continuum that the discs are held against")
-    kc_uncalibrated: float | None = Field(description="soil discs: the prediction, without any factor")
+    sides: str = Field(description="of the continuum that the discs are compared with")
+    kc_uncalibrated: float | None = Field(description="soil discs: the uncalibrated prediction")
     kc_target: float | None = Field(
-        description="what they are brought to: of the critical Kh that the continuum may have, the nearest"
+        description="target of the calibration: the nearest value within the range of the continuum"
     )
     strength_factor: float | None = Field(description="factor on friction and cohesion alike")
     slip_surface_distance_m: float | None

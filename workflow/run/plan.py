@@ -142,12 +142,12 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     """Why what a stage left cannot be used again, in words; empty if it can."""
     entry = record[stage.name]
     if entry is None:
-        return OTHER_VERSION if stage.name in record.outdated else "it has not run yet"
+        return OTHER_VERSION if stage.name in record.outdated else "not run"
     changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
     if changed:
         return f"changed: {', '.join(changed)}"
     if entry.outcome == "begun":
-        return "it was stopped, and goes on"
+        return "it was stopped, and continues"
     if entry.outcome == "part":
         return "some of its cases are still to come"
     if entry.outcome == "done" and not record.left(stage.name):

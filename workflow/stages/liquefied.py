@@ -16,7 +16,7 @@ from workflow.run.stage import Job, Stage
 from workflow.stages.liquefaction import LOST, cases_as_data
 
 if TYPE_CHECKING:
-    from fem.limit_load.limit_load import AtOnce
+    from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
     from fem.search.liquefied_ground import Remains
     from meshes.quad_mesh import QuadMesh
@@ -100,9 +100,9 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
     fem = config.fem.model_copy(update=change)
     asked = config.bounds.model_copy(update={"max_cells": CELLS, "gap": GAP, "seconds": SECONDS, "davis": False})
     notes: list[str] = []
-    critical: AtOnce | CriticalResult | None = None
+    critical: LimitLoadResult | CriticalResult | None = None
 
-    def limit_load() -> "AtOnce":
+    def limit_load() -> "LimitLoadResult":
         return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
 
     at_once = is_associated(section.strata, fem.flow)
@@ -111,7 +111,7 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         notes.append(f"the elements bear {100.0 * borne:.0f} % of the weight")
     else:
         by_path = partial(critical_coefficient, section, mesh, fem, MPI.COMM_SELF)
-        find: Callable[[], AtOnce | CriticalResult] = limit_load if at_once else by_path
+        find: Callable[[], LimitLoadResult | CriticalResult] = limit_load if at_once else by_path
         critical = _tried("finite elements", notes, find)
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
     safety = strict = bracket = None
@@ -133,8 +133,8 @@ def _borne(section: Section, config: Config, mesh: "QuadMesh", nothing: bool) ->
         bracket = _tried("strict bounds of Kh", notes, lambda: kh_bounds(section, fem, asked))
     if strict is not None and strict.skin is not None:
         notes.append(
-            f"grains roll down a face without cohesion at a factor of safety of {strict.skin:.2f}; the bounds are of "
-            f"failures deeper than {fem.least_depth:g} m"
+            f"a cohesionless face fails (shallow failure) at a factor of safety of {strict.skin:.2f}; the bounds are "
+            f"of failures deeper than {fem.least_depth:g} m"
         )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(

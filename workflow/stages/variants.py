@@ -15,7 +15,7 @@ from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
 if TYPE_CHECKING:
-    from fem.limit_load.limit_load import AtOnce
+    from fem.limit_load.limit_load import LimitLoadResult
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
@@ -145,7 +145,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     )
 
 
-def _found(change: Change, tell: Tell) -> "AtOnce | CriticalResult":
+def _found(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     """The limit load at once where it is unique, else the end of a path; raises NoAnswerError."""
     from mpi4py import MPI
 

@@ -15,7 +15,7 @@ from workflow.config import Config
 from workflow.study.sample import Numbers, Sample
 
 if TYPE_CHECKING:
-    from fem.limit_load.limit_load import AtOnce
+    from fem.limit_load.limit_load import LimitLoadResult
     from fem.search.critical import CriticalResult
     from meshes.quad_mesh import QuadMesh
 
@@ -38,7 +38,7 @@ def continuum(sample: Sample) -> Numbers:
     return Numbers(numbers={"kc": found.kc, "cells": len(used.cells)}, words=words)
 
 
-def _critical(config: Config, first: "QuadMesh") -> "tuple[AtOnce | CriticalResult, QuadMesh]":
+def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
         try:
             found = AdaptiveSearch(config.section, config.mesh, first, MPI.COMM_SELF).critical(config.fem)

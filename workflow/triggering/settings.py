@@ -47,7 +47,7 @@ class TriggeringSettings(Model):
     residual: Residual = Field(
         default="strength",
         description='what these cases keep: "strength", that of the soil where it was tested, in kPa and all over the '
-        "stratum, since it fails without water flowing off and hangs on its density, and not on what lies above; "
+        "stratum, since it fails undrained and depends on its density, and not on what lies above; "
         'or "ratio", a share of the vertical effective stress of each place',
     )
     water_gathers: StrictBool = Field(

@@ -112,7 +112,7 @@ class StudySettings(Model):
     )
     seed: int = Field(default=0, ge=0, description="seed of the samples")
     exceeds: tuple[Length, ...] = Field(
-        default=(0.1, 0.5, 1.0), min_length=1, description="slides (m) whose probability of being exceeded is told"
+        default=(0.1, 0.5, 1.0), min_length=1, description="slides (m) whose probability of exceedance is given"
     )
 
     @model_validator(mode="after")

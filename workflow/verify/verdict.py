@@ -71,7 +71,8 @@ def interval(found: Answer, kind: Kind) -> tuple[float, float] | None:
 def rolling(found: Answer) -> Iterator[str]:
     """A sentence on the grains of a face without cohesion, where they fail first."""
     if found.skin is not None:
-        yield f"Grains roll down a face without cohesion at {found.skin:.3f}; the numbers are of the slope as a whole"
+        skin = f"{found.skin:.3f}"
+        yield f"A cohesionless face fails (shallow failure) at {skin}; the numbers are of the slope as a whole"
 
 
 def outside(case: Case, found: Answer) -> Iterator[str]:

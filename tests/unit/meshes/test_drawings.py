@@ -179,7 +179,7 @@ def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> No
 
     made, told = section(drawn(tmp_path, draw))
     assert np.allclose(made.water_points(), [[0, 7], [10, 7], [30, 6], [100, 3]])
-    assert "the water table is drawn from x = 10 to 100 m, and goes on level to x = 0 m" in told
+    assert "the water table is drawn from x = 10 to 100 m, and continues level to x = 0 m" in told
     assert 'not used: a LWPOLYLINE on layer "water low", x = 0 to 50 m, beside the longer water table' in told
     assert 'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: it closes no outline' in told
 

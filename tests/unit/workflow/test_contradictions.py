@@ -153,7 +153,7 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
 def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Config) -> None:
     factor = FactorOfSafety(kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), skin=None)
     told = safety_sentence(factor, fem(run))
-    assert told == "Factor of safety at Kh = 0: above 20, as far as it was looked for."
+    assert told == "Factor of safety at Kh = 0: above 20, where the search ended."
 
 
 def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) -> None:

@@ -73,7 +73,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
 def test_another_flow_that_bears_more_than_strict_bounds_allow_is_told_so(run: Config) -> None:
     more = variant("dilation", "the non-associated path with ψ as given instead of ψ = φ", 0.30)
     told = text(results(run, fem=fem(run), variants=VariantsAnswer(variants=(more,)), bounds=bounds(run, 0.27, 0.28)))
-    assert "ψ = φ (more than ground with ψ = φ bears: the mesh is too coarse for it)." in told
+    assert "ψ = φ (above the limit for ψ = φ: the mesh is too coarse for it)." in told
 
 
 def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:

@@ -68,7 +68,7 @@ def test_the_log_says_what_ran_with_what_and_for_how_long(toys: Toys, tmp_path: 
         "versions: python 3.",
         "noshiro 0.1.0",
         "numpy ",
-        "mesh: begins (it has not run yet)",
+        "mesh: begins (not run)",
     ):
         assert words in text
     assert text.count("fem: done after") == 1

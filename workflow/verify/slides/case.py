@@ -27,7 +27,7 @@ class Measured(Model):
     author: str
     value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
     how: str = Field(default="", description="how it was measured, and how well")
-    counts: bool = Field(default=True, description="false if it stands beside the others for comparison alone")
+    counts: bool = Field(default=True, description="false if it is a comparison alone")
 
     @property
     def ends(self) -> tuple[float, float]:

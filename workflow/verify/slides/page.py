@@ -27,7 +27,7 @@ Slides of the field are run as a user without a record of the site runs them: fl
 spreads under the cycles of Kh, both ways, that the program takes from the earthquake. Gently sloping ground is an
 endless slope: of each earthquake in the data base of Youd et al. the row in the middle of what was measured, and of the
 two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a caisson
-and the sea. What others make of the same ground stands beside what was measured, for comparison.
+and the sea. Predictions of others for the same ground are given for comparison.
 
 Behind a face in level ground the two models contradict each other: material points drift towards the face with every
 cycle, as a rigid block does that slides both ways and is pulled one way, by about a third of what was measured and with
