@@ -9,11 +9,11 @@ import numpy as np
 
 from dem.slides.cycles import cyclic_acceleration
 from meshes.section.section import Section
-from workflow.config import Config
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, Kind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
+from workflow.tables import Tables
 
 NEWMARK = "N. M. Newmark, Géotechnique 15 (1965) 139-160"
 NEWMARK_VALIDITY = (
@@ -33,9 +33,9 @@ NO_LINE = np.zeros((0, 2))
 __all__ = ["BlockDrive", "Estimate", "Kind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
 
 
-def constant_kh(config: Config) -> float:
+def constant_kh(settings: Tables) -> float:
     """The constant Kh as set for the sliding block, or that of the slides."""
-    return config.slide.kh if config.sliding_block.kh is None else config.sliding_block.kh
+    return settings.slide.kh if settings.sliding_block.kh is None else settings.sliding_block.kh
 
 
 @dataclass(frozen=True)
@@ -61,26 +61,29 @@ class BlockDrive:
         )  # fmt: skip
 
 
-def block_drive(config: Config) -> BlockDrive:
+def block_drive(settings: Tables) -> BlockDrive:
     """How Kh drives the block: for the seconds set for it, else as it drives the slides, else for 10 s."""
-    slide, seconds = config.slide, config.sliding_block.seconds
+    slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
     return BlockDrive(seconds or slide.kh_seconds or FOR_EVER)
 
 
-def estimates(config: Config, kc: float | None, slip_surface: np.ndarray = NO_LINE) -> list[Estimate]:
+def estimates(
+    section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
+) -> list[Estimate]:
     """All estimates that this input allows; those of a block that resists need the critical Kh found.
 
     ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty.
     """
     found: list[Estimate] = []
     if kc is not None and kc > 0.0:
-        found.append(_constant(config, kc))
-        if config.sliding_block.accelerogram:
-            found += _newmark(config, kc)
-    found.append(_smooth(config.section))
-    return [*found, *_regressions(config.section), *empirical(config, kc, slip_surface)]
+        resisted = f"resisted by kc = {kc:.3f} {flow_words(section, settings.fem.flow)}"
+        found.append(_constant(settings, kc, resisted))
+        if settings.sliding_block.accelerogram:
+            found += _newmark(settings, kc, resisted)
+    found.append(_smooth(section))
+    return [*found, *_regressions(section), *empirical(section, settings, kc, slip_surface)]
 
 
 @dataclass(frozen=True)
@@ -98,31 +101,30 @@ class BlockSlide:
         return f"{low} m" if low == high else f"{low} to {high} m"
 
 
-def block_slide(config: Config, kc: float) -> BlockSlide:
+def block_slide(settings: Tables, kc: float) -> BlockSlide:
     """The slide of a rigid block that resists ``kc`` (above 0): both ways under the record, else under Kh."""
-    if not config.sliding_block.accelerogram:
-        kh, drive = constant_kh(config), block_drive(config)
+    if not settings.sliding_block.accelerogram:
+        kh, drive = constant_kh(settings), block_drive(settings)
         slide = drive.slide(kc, kh)
         return BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
-    record = config.sliding_block.in_use()
+    record = settings.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     return BlockSlide(min(both), max(both), f"{record.name}, both ways")
 
 
-def _constant(config: Config, kc: float) -> Estimate:
-    kh, drive = constant_kh(config), block_drive(config)
+def _constant(settings: Tables, kc: float, resisted: str) -> Estimate:
+    kh, drive = constant_kh(settings), block_drive(settings)
     slide = drive.slide(kc, kh)
-    words = f"Kh = {kh:g} {drive.words}, resisted by kc = {kc:.3f} {flow_words(config)}: "
+    words = f"Kh = {kh:g} {drive.words}, {resisted}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     return Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 
 
-def _newmark(config: Config, kc: float) -> Iterator[Estimate]:
-    record = config.sliding_block.in_use()
+def _newmark(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
+    record = settings.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
-    peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², resisted by kc = {kc:.3f} "
-    peak += flow_words(config)
+    peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², {resisted}"
     for way, slide in named:
         yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
 

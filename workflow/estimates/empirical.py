@@ -9,7 +9,6 @@ from meshes.borings.boring import Sample
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
-from workflow.config import Config
 from workflow.earthquake.attenuation import Motion
 from workflow.earthquake.column import MAKDISI, column_of
 from workflow.estimates import truss
@@ -38,6 +37,7 @@ from workflow.estimates.slope_displacement import (
     bray_macedo,
     bray_travasarou,
 )
+from workflow.tables import Tables
 from workflow.triggering.assessment import Judged, assess, normalised_counts
 
 BLOCK = "a rigid mass on a slip surface whose strength stays; no liquefaction"
@@ -49,31 +49,31 @@ YOUD_RANGE = (
 ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free face; strains down to 23 m; factor of 2"
 
 
-def empirical(config: Config, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
+def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
     """All of these relations that the input has something for; None for a displacement that lies outside a range.
 
     ``slip_surface`` (n, 2) in m is that of the finite elements, for what the input does not say; it may be empty.
     """
     try:
-        motion = config.earthquake.motion()
+        motion = settings.earthquake.motion()
     except InputError:
         motion = None
-    if motion is not None and config.earthquake.magnitude is not None and kc is not None and kc > 0.0:
-        yield from _blocks(kc, flow_words(config), motion, config.earthquake.magnitude)
-    if config.site_response.record and kc is not None and kc > 0.0:
-        yield from _block_under_average(config, kc, slip_surface)
-    if config.triggering.borings:
+    if motion is not None and settings.earthquake.magnitude is not None and kc is not None and kc > 0.0:
+        yield from _blocks(kc, flow_words(section, settings.fem.flow), motion, settings.earthquake.magnitude)
+    if settings.site_response.record and kc is not None and kc > 0.0:
+        yield from _block_under_average(section, settings, kc, slip_surface)
+    if settings.triggering.borings:
         try:
-            tests = assess(config.section, config.earthquake, config.triggering).tests
+            tests = assess(section, settings.earthquake, settings.triggering).tests
         except InputError:
             tests = ()
         if tests:
-            yield from _spreading(config, tests)
-    elif config.earthquake.magnitude is not None:
+            yield from _spreading(section, settings, tests)
+    elif settings.earthquake.magnitude is not None:
         for title, source, validity in ((YOUD_TITLE, YOUD, YOUD_RANGE), (ZHANG_TITLE, ZHANG, ZHANG_RANGE)):
             yield Estimate("spread", title, None, "not computed: there are no borings", source, validity)
-    for case in sorted({case for stratum in config.section.strata for case in stratum.liquefies_in})[:1]:
-        bar = truss.truss_of(config.section, case)
+    for case in sorted({case for stratum in section.strata for case in stratum.liquefies_in})[:1]:
+        bar = truss.truss_of(section, case)
         if bar is not None and bar.inclination > 0.0:
             words = (
                 f"L = {bar.length:.0f} m, {math.degrees(bar.inclination):.1f}°, E/(1 - ν²) = {bar.modulus / 1e6:.3g} "
@@ -104,24 +104,24 @@ def _blocks(kc: float, resisting: str, motion: Motion, magnitude: float) -> Iter
         yield Estimate("block regression", title, slide, words, source, validity)
 
 
-def _block_under_average(config: Config, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
+def _block_under_average(section: Section, settings: Tables, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
     """The block under the average acceleration of what lies above the slip surface (Makdisi & Seed 1978)."""
     try:
-        column = column_of(config.section, config.site_response)
+        column = column_of(section, settings.site_response)
     except InputError:
         return
-    depth = config.site_response.slip_depth
+    depth = settings.site_response.slip_depth
     if depth is None:
-        depth = _depth_of(slip_surface, config.section, column.x)
+        depth = _depth_of(slip_surface, section, column.x)
     if depth is None:
         return
     average = column.average_above(depth)
     time = column.step * np.arange(len(average))
     both = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
+    flow = flow_words(section, settings.fem.flow)
     words = (
         f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
-        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow_words(config)}; {both[0]:.2g} and {both[1]:.2g} m either "
-        "way"
+        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow}; {both[0]:.2g} and {both[1]:.2g} m either way"
     )
     validity = f"{BLOCK}; layers that answer as level ground, equivalent linear"
     yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)
@@ -143,18 +143,20 @@ def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
     return "; ".join(told)
 
 
-def _spreading(config: Config, tests: Sequence[Judged]) -> Iterator[Estimate]:
-    yield _zhang(config, tests)
-    distance, magnitude = config.earthquake.distance, config.earthquake.magnitude
+def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> Iterator[Estimate]:
+    yield _zhang(section, settings, tests)
+    distance, magnitude = settings.earthquake.distance, settings.earthquake.magnitude
     if magnitude is None or distance is None:
         return
-    if config.earthquake.contradiction():
+    if settings.earthquake.contradiction():
         words = (
             f"not computed: the distance of {distance / 1000.0:g} km contradicts the peak acceleration, which counts"
         )
         yield Estimate("spread", YOUD_TITLE, None, words, YOUD, YOUD_RANGE)
         return
-    loose = [test for test in tests if test.found is not None and normalised_counts(test, config.triggering)[0] < LOOSE]
+    loose = [
+        test for test in tests if test.found is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
+    ]
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
     known = [(test, one) for test, one in known if one.fines is not None and one.d50 is not None]
     if not known:
@@ -164,11 +166,11 @@ def _spreading(config: Config, tests: Sequence[Judged]) -> Iterator[Estimate]:
     site = Spreading(
         magnitude,
         distance / 1000.0,
-        _slope(config),
+        _slope(section, settings),
         _mean_of_borings(tests, lambda its: sum(t.bottom - t.top for t in its if t in loose)),
         _weighted([test for test, _ in known], [float(one.fines or 0.0) for _, one in known]),
         _weighted([test for test, _ in known], [1000.0 * float(one.d50 or 0.0) for _, one in known]),
-        bool(config.free_face),
+        bool(settings.free_face),
     )
     outside = why_not_youd(site)
     words = (
@@ -179,19 +181,19 @@ def _spreading(config: Config, tests: Sequence[Judged]) -> Iterator[Estimate]:
     yield Estimate("spread", YOUD_TITLE, None if outside else youd(site), words, YOUD, YOUD_RANGE)
 
 
-def _slope(config: Config) -> float:
+def _slope(section: Section, settings: Tables) -> float:
     """W = 100 H/L (%) where there is a free face, else the mean slope of the ground (%)."""
-    if config.free_face:
-        distance, height = config.free_face.distance_and_height(config.section.ground)
+    if settings.free_face:
+        distance, height = settings.free_face.distance_and_height(section.ground)
         return 100.0 * height / distance
-    return 100.0 * math.tan(mean_inclination(config.section))
+    return 100.0 * math.tan(mean_inclination(section))
 
 
-def _zhang(config: Config, tests: Sequence[Judged]) -> Estimate:
+def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estimate:
     def index(its: Sequence[Judged]) -> float:
         return displacement_index(
             [
-                (t.top, t.bottom, maximum_shear_strain(t.factor, normalised_counts(t, config.triggering)[1]))
+                (t.top, t.bottom, maximum_shear_strain(t.factor, normalised_counts(t, settings.triggering)[1]))
                 for t in its
                 if t.factor is not None
             ]
@@ -199,12 +201,12 @@ def _zhang(config: Config, tests: Sequence[Judged]) -> Estimate:
 
     ldi = _mean_of_borings(tests, index)
     words = f"LDI = {ldi:.2f} m, the mean of the borings, "
-    if config.free_face:
-        distance, height = config.free_face.distance_and_height(config.section.ground)
+    if settings.free_face:
+        distance, height = settings.free_face.distance_and_height(section.ground)
         words += f"{distance:.1f} m from the foot of a bank of {height:.1f} m"
         outside, slide = _outside(("L/H", distance / height, (4.0, 40.0))), zhang_free_face(ldi, distance, height)
     else:
-        slope = _slope(config)
+        slope = _slope(section, settings)
         words += f"S = {slope:.2f} %"
         outside, slide = _outside(("slope (%)", slope, (0.2, 3.5))), zhang(ldi, slope)
     words += f": outside its range: {outside}" if outside else ""

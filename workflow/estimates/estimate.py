@@ -4,9 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.continuum.strength import davis_words, flow_of
+from fem.continuum.strength import FlowSetting, davis_words, flow_of
 from meshes.section.section import Section
-from workflow.config import Config
 
 Kind = Literal["block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"]
 
@@ -39,9 +38,9 @@ def mean_inclination(section: Section) -> float:
     return math.atan(abs(z1 - z0) / (x1 - x0))
 
 
-def flow_words(config: Config) -> str:
+def flow_words(section: Section, setting: FlowSetting) -> str:
     """Of which flow rule the critical Kh is that blocks resist with: ψ = φ where nothing else is asked for."""
-    flow = flow_of(config.section.strata, config.fem.flow)
+    flow = flow_of(section.strata, setting)
     if flow == "davis":
-        return f"by {davis_words(stratum.dilation for stratum in config.section.strata)}"
+        return f"by {davis_words(stratum.dilation for stratum in section.strata)}"
     return "with ψ = φ" if flow == "associated" else "with ψ as given"

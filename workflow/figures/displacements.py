@@ -75,7 +75,7 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
 
 def _others(results: Results) -> Iterator[Row]:
     """The methods that the discs are compared with."""
-    for one in estimates(results.config, results.kc, results.slip_surface):
+    for one in estimates(results.config.section, results.config, results.kc, results.slip_surface):
         if one.displacement_m is not None:
             yield Row(one.method, OTHERS, one.displacement_m)
         elif one.kind != "smooth block":  # which never gives one

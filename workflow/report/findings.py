@@ -321,5 +321,9 @@ def _measured(results: Results) -> Iterator[str]:
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:
-    found = (one for one in estimates(results.config, results.kc, results.slip_surface) if one.kind == kind)
+    found = (
+        one
+        for one in estimates(results.config.section, results.config, results.kc, results.slip_surface)
+        if one.kind == kind
+    )
     return [one.displacement_m for one in found if one.displacement_m is not None]

@@ -105,7 +105,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "limit_words": limit_words,
         "interval_words": interval_words,
         "elsewhere": list(elsewhere(config, results.slices)) if results.slices is not None else [],
-        "estimates": estimates(config, results.kc, results.slip_surface),
+        "estimates": estimates(config.section, config, results.kc, results.slip_surface),
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

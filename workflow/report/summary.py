@@ -71,7 +71,8 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
         comparison=tuple(
-            EstimateSummary.model_validate(one) for one in estimates(config, results.kc, results.slip_surface)
+            EstimateSummary.model_validate(one)
+            for one in estimates(config.section, config, results.kc, results.slip_surface)
         ),
         paper=paper or None,
         no_answer={

@@ -196,7 +196,8 @@ def test_the_distance_that_was_overruled_is_not_used() -> None:
     data["surface"] = [[0.0, 1.0], [100.0, 0.0]]
 
     def youd(earthquake: dict[str, Any]) -> Any:
-        found = empirical(analysed({**data, "earthquake": earthquake}), 0.1, np.zeros((0, 2)))
+        given = analysed({**data, "earthquake": earthquake})
+        found = empirical(given.section, given, 0.1, np.zeros((0, 2)))
         return next(one for one in found if one.method.startswith("Youd"))
 
     assert youd({**LEVEE, "peak_acceleration": "150 gal"}).displacement_m is not None

@@ -75,7 +75,8 @@ def test_a_bank_in_place_of_the_slope() -> None:
         boring["x"] = min(boring["x"], 50.0)
         for sample in boring["spt"]:
             sample |= {"fines": 5.0, "d50": "0.3 mm"}
-    found = {one.method: one for one in empirical(analysed(data), 0.2, np.zeros((0, 2)))}
+    given = analysed(data)
+    found = {one.method: one for one in empirical(given.section, given, 0.2, np.zeros((0, 2)))}
     by_strain = found["Zhang, Robertson & Brachman (2004)"]
     index = float(by_strain.words.split("LDI = ")[1].split(" m")[0])
     assert by_strain.displacement_m == pytest.approx(1.1368 * index, rel=0.01)
@@ -162,7 +163,7 @@ def test_towhatas_truss_on_s13() -> None:
 def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None:
     """M 7.7 is beyond the data of 2007, and the paper's borings were not at hand."""
     given = Config.load(SECTIONS / "s13.toml")
-    found = {one.method: one for one in empirical(given, 0.237, np.zeros((0, 2)))}
+    found = {one.method: one for one in empirical(given.section, given, 0.237, np.zeros((0, 2)))}
     assert set(found) == {
         "Bray & Travasarou (2007)", "Bray & Macedo (2019)", "Youd, Hansen & Bartlett (2002)",
         "Zhang, Robertson & Brachman (2004)", "Towhata's truss",
@@ -176,7 +177,8 @@ def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None
 def test_what_lies_outside_a_range_gives_no_number() -> None:
     data = bored()
     data["earthquake"]["distance"] = "20 km"
-    found = {one.method: one for one in empirical(analysed(data), 0.2, np.zeros((0, 2)))}
+    given = analysed(data)
+    found = {one.method: one for one in empirical(given.section, given, 0.2, np.zeros((0, 2)))}
     level = found["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
     assert "slope (%) = 0 is not within 0.2-3.5" in level.words

@@ -67,7 +67,7 @@ def test_predicted_beside_observed() -> None:
     assert all(why_not_youd(site).endswith("is not within 1-20 %") for site, _ in INCLINOMETERS)
     distance, height = GIVEN.free_face.distance_and_height(GIVEN.section.ground)
     assert 100.0 * height / distance == pytest.approx(29.73, abs=0.05)
-    spread = {one.method: one for one in empirical(GIVEN, 0.1, np.zeros((0, 2)))}
+    spread = {one.method: one for one in empirical(GIVEN.section, GIVEN, 0.1, np.zeros((0, 2)))}
     zhang = spread["Zhang, Robertson & Brachman (2004)"]
     assert "LDI = 1.91 m" in zhang.words
     assert "L/H = 3.364 is not within 4-40" in zhang.words

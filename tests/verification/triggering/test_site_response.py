@@ -168,7 +168,8 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert 'slide, kh = "k_max": expected record and slip_depth in [site_response]' in capsys.readouterr().err
     del data["slide"]
     path.write_text(tomli_w.dumps(data))
-    found = estimates(Config.load(path), 0.02, np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]]))
+    given, surface = Config.load(path), np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]])
+    found = estimates(given.section, given, 0.02, surface)
     told = [one.words for one in found if "under the average" in one.method]
     assert len(told) == 1
     assert f"k_max = {k_max:.3f} above 6 m" in told[0]  # the slip surface of the finite elements serves
