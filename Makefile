@@ -25,6 +25,7 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python docs/prose.py
+	$(BIN)/python docs/docstrings.py
 
 test: lint browser ## what every change must pass
 	$(BIN)/python -m pytest -n auto --dist loadfile

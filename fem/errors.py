@@ -4,7 +4,15 @@ from meshes.errors import NoAnswerError
 
 
 class UnstableError(NoAnswerError):
-    """The ground does not stand under its own weight; says what share of it it carries."""
+    """Ground that fails under its own weight.
+
+    Attributes
+    ----------
+    reason : str
+        Up to which share of its weight it is in equilibrium.
+    remedy : str
+        What to try.
+    """
 
 
 class NoEquilibriumError(NoAnswerError):

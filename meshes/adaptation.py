@@ -39,13 +39,36 @@ def adapted(
     cells: int,
     path: Path | str | None = None,
 ) -> QuadMesh:
-    """A free mesh of about ``cells`` quadrilaterals for a section of which ``mesh`` was the last one.
+    """Make a free mesh of a section with small cells where an indicator is large.
 
-    ``indicator`` (len(mesh.cells),), not negative, is what was found in its cells, such as plastic shear strain: the
-    size of new cells goes with one over its root, so that its integral is the same over each. Where it is zero
-    everywhere cells stay alike. Sizes that the settings ask for in strata and towards lines are kept as upper limits.
+    The size of a new cell is proportional to one over the root of the indicator, so that its integral is the same over
+    each cell. Where it is zero everywhere cells stay alike.
 
-    Raises InputError if the indicator does not fit the mesh, BadMeshError as ``generate`` does.
+    Parameters
+    ----------
+    section : Section
+        The section.
+    settings : MeshSettings
+        Sizes in strata and towards lines are kept as upper limits.
+    mesh : QuadMesh
+        The last mesh of this section.
+    indicator : array (cells of ``mesh``,)
+        Not negative, such as the plastic shear strain of each cell.
+    cells : int
+        About how many quadrilaterals.
+    path : Path or str, optional
+        Where to write the mesh as a gmsh file.
+
+    Returns
+    -------
+    QuadMesh
+
+    Raises
+    ------
+    InputError
+        If the indicator does not fit the mesh.
+    BadMeshError
+        As `generate` does.
     """
     indicator = np.asarray(indicator, dtype=float)
     if indicator.shape != (len(mesh.cells),) or not np.all(indicator >= 0.0):

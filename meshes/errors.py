@@ -6,9 +6,14 @@ from typing import Any, ClassVar
 
 
 class InputError(ValueError):
-    """Input that cannot be used: where it stands, and every problem found in it.
+    """Input that cannot be used.
 
-    ``problems`` holds one sentence each, naming the key, the value and what was expected.
+    Attributes
+    ----------
+    source : str
+        The file or setting.
+    problems : tuple of str
+        One sentence for each problem, naming the key, the value and what was expected.
     """
 
     def __init__(self, source: str, problems: Sequence[str]) -> None:
@@ -31,9 +36,12 @@ class NoAnswerError(RuntimeError):
 
     Attributes
     ----------
-    reason: why there is none.
-    remedy: what to try; empty where nobody knows.
-    MISSING: what there is none of, in words.
+    reason : str
+        Why there is none.
+    remedy : str
+        What to try; empty where nobody knows.
+    MISSING : str
+        What there is none of, in words.
     """
 
     MISSING: ClassVar[str] = "No answer"

@@ -50,9 +50,27 @@ FAR = 3.0
 
 
 def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
-    """Mesh a section and, if ``path`` is given, write it there as a gmsh file.
+    """Mesh a section with quadrilaterals.
 
-    Raises InputError if the settings do not fit the section, BadMeshError if gmsh leaves a bad cell.
+    Parameters
+    ----------
+    section : Section
+        The section.
+    settings : MeshSettings, optional
+        Method and sizes of cells; the defaults if not given.
+    path : Path or str, optional
+        Where to write the mesh as a gmsh file.
+
+    Returns
+    -------
+    QuadMesh
+
+    Raises
+    ------
+    InputError
+        If the settings do not fit the section.
+    BadMeshError
+        If gmsh leaves a cell without a positive Jacobian.
     """
     settings = settings or MeshSettings()
     problems = settings.problems(section)

@@ -64,7 +64,15 @@ def divided(mesh: QuadMesh) -> QuadMesh:
 
 
 class BadMeshError(NoAnswerError):
-    """A mesh with a cell that cannot be computed with; says which and where."""
+    """A mesh with a cell that cannot be computed with.
+
+    Attributes
+    ----------
+    reason : str
+        Which cell, and where.
+    remedy : str
+        What to try.
+    """
 
     MISSING = "No usable mesh"
 
@@ -84,7 +92,22 @@ def check(mesh: QuadMesh) -> None:
 
 
 def read(path: Path | str) -> QuadMesh:
-    """A mesh written by ``generate``, by the names of its groups; raises InputError if those are missing."""
+    """Read a mesh of quadrilaterals from a gmsh file.
+
+    Parameters
+    ----------
+    path : Path or str
+        A file that `generate` or `save` wrote, with the names of strata and boundaries as physical groups.
+
+    Returns
+    -------
+    QuadMesh
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or if it lacks a group.
+    """
     import meshio
 
     path = Path(path)
@@ -119,7 +142,15 @@ def read(path: Path | str) -> QuadMesh:
 
 
 def save(mesh: QuadMesh, path: Path | str) -> None:
-    """Write a mesh as a gmsh file with its groups, for ``read``: strata from 1 on, then the boundaries."""
+    """Write a mesh as a gmsh file that `read` reads.
+
+    Parameters
+    ----------
+    mesh : QuadMesh
+        The mesh; its strata are physical groups from 1 on, then come its boundaries.
+    path : Path or str
+        The file.
+    """
     import meshio
 
     edges = {name: ends for name, ends in mesh.boundaries.items() if len(ends)}

@@ -22,10 +22,20 @@ SCALES = (1.0, 0.83, 0.61, 0.4)
 
 @dataclass(frozen=True, eq=False)
 class TriMesh:
-    """Triangles: ``points`` (n, 2) in m, ``cells`` (m, 3) counter-clockwise, ``stratum`` (m,) an index.
+    """A mesh of triangles; edge j of a cell goes from its corner j to the next.
 
-    ``boundaries`` holds the edges (k, 2) of every named boundary; edge j of a cell goes from its corner j to the next.
-    Where the section ``repeats`` its left and right side are one, and have the same edges up to a shift.
+    Attributes
+    ----------
+    points : array (n, 2)
+        Corners (m).
+    cells : array (m, 3)
+        Indices of the corners of every triangle, counter-clockwise.
+    stratum : array (m,)
+        Index of the stratum of every triangle.
+    boundaries : dict of str to array (k, 2)
+        Edges of every named boundary.
+    repeats : bool
+        Whether the section is periodic: its left and right side have the same edges up to a shift.
     """
 
     points: np.ndarray
@@ -111,10 +121,27 @@ class TriMesh:
 
 
 def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None, repeats: bool = False) -> TriMesh:
-    """Triangles of a section of about ``size`` (m), and other ``sizes`` in strata by name; with the same edges on both
-    sides of one that ``repeats``.
+    """Mesh a section with triangles.
 
-    Raises BadMeshError, the first one's, if gmsh makes none of about that size.
+    Parameters
+    ----------
+    section : Section
+        The section.
+    size : float
+        About the length of their edges (m).
+    sizes : dict of str to float, optional
+        Other lengths (m) in strata, by name.
+    repeats : bool
+        Whether the section is periodic, so that both sides have the same edges.
+
+    Returns
+    -------
+    TriMesh
+
+    Raises
+    ------
+    BadMeshError
+        If gmsh makes no triangles of about that size.
     """
     failure: BadMeshError | None = None
     for scale in SCALES:

@@ -90,10 +90,31 @@ class _Ground:
 def kh_bounds(
     section: Section, fem: FemSettings, settings: BoundsSettings, observer: KhObserver | None = None
 ) -> KhBounds:
-    """Lower and upper bound of Kh. Sides, directions and vertical coefficient are those of the finite elements.
+    """Find strict lower and upper bounds of the critical seismic coefficient (limit analysis).
 
-    Raises InputError if the section lacks what the analysis needs or its sides are periodic and differ, UnstableError
-    if it is proven to fail whatever the push, BadMeshError if there are no triangles.
+    Parameters
+    ----------
+    section : Section
+        The section.
+    fem : FemSettings
+        Sides, directions and vertical coefficient.
+    settings : BoundsSettings
+        Gap, number of triangles and time at which the search ends.
+    observer : callable, optional
+        Called with the bounds on every mesh.
+
+    Returns
+    -------
+    KhBounds
+
+    Raises
+    ------
+    InputError
+        If the section lacks what the analysis needs, or its sides are periodic and differ.
+    UnstableError
+        If it is proven to fail at every Kh.
+    BadMeshError
+        If there are no triangles.
     """
     strata = soils(section)
     if all(s.density_seismic == 0.0 for s in strata):

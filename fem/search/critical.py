@@ -120,12 +120,38 @@ def critical_coefficient(
     listener: PathListener | None = None,
     ground: Ground | None = None,
 ) -> CriticalResult:
-    """The critical seismic coefficient of a meshed section, in the direction in which it is smaller.
+    """Find the critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
-    A push uphill whose mechanism leaves through a side counts only if there is nothing else: what fails there is the
-    ground in front of the neighbour's K0 stress, and no slope. ``ground`` is what the path starts from, if it is known
-    for the one direction of the ``settings``. Raises InputError if the section lacks what the analysis needs,
-    UnstableError if it fails under its own weight, NoEquilibriumError if no state on the path balances.
+    A mechanism under a seismic force upslope that leaves the section through a side counts only if there is no other:
+    what fails there is the ground in front of the K0 stress of the side, and no slope.
+
+    Parameters
+    ----------
+    section : Section
+        The section.
+    mesh : QuadMesh
+        Its mesh.
+    settings : FemSettings
+        Sides, direction, flow rule and how far Kh is followed.
+    comm : MPI.Comm
+        The communicator of the finite elements.
+    listener : callable, optional
+        Called with every converged step of the path.
+    ground : Ground, optional
+        What the path starts from, if it is known for the one direction of the settings.
+
+    Returns
+    -------
+    CriticalResult
+
+    Raises
+    ------
+    InputError
+        If the section lacks what the analysis needs.
+    UnstableError
+        If it fails under its own weight.
+    NoEquilibriumError
+        If no state on the path balances.
     """
 
     def towards(direction: Direction, most: float) -> CriticalResult:

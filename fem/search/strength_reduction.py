@@ -120,12 +120,40 @@ def safety_factor(
     comm: Any,
     listener: PathListener | None = None,
 ) -> SafetyFactor:
-    """The factor of safety of a meshed section under its weight and ``kh``; at once where the flow is associated.
+    """Find the factor of safety of a meshed section under its weight and a seismic coefficient.
 
-    Where the ground does not stand as it is, it is first made stronger, so that factors below 1 come out as well.
-    Without shaking, sides that are not periodic stay held horizontally, as is usual in strength reduction: were the K0
-    stress left on them as a force, it could fail ground that is weakened there before the slope does. Raises InputError
-    as ``critical_coefficient`` does, UnstableError if even 20 times the strength does not do, NoEquilibriumError.
+    With associated flow it follows from the limit load, else from strength reduction along a path. Ground that does not
+    stand is first made stronger, so that factors below 1 are found, too. Without shaking, sides that are not periodic
+    are held horizontally, as is usual in strength reduction: the K0 stress on them as a force could fail weakened
+    ground there before the slope.
+
+    Parameters
+    ----------
+    section : Section
+        The section.
+    mesh : QuadMesh
+        Its mesh.
+    settings : FemSettings
+        Sides, direction and flow rule.
+    kh : float
+        The seismic coefficient (-).
+    comm : MPI.Comm
+        The communicator of the finite elements.
+    listener : callable, optional
+        Called with every converged step of the path.
+
+    Returns
+    -------
+    SafetyFactor
+
+    Raises
+    ------
+    InputError
+        As `critical_coefficient` does.
+    UnstableError
+        If even 20 times the strength is not enough.
+    NoEquilibriumError
+        If no state on the path balances.
     """
     if is_associated(section.strata, settings.flow):
         try:

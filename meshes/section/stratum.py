@@ -33,7 +33,7 @@ class Stratum(Model):
     name: str = Field(
         description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
     )
-    description: str = ""
+    description: str = Field(default="", description="the soil in words; the source of its parameters in the report")
     bottom: Line | None = Field(
         default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
     )

@@ -1,0 +1,67 @@
+"""Checks the docstrings of what the packages export, in the form of numpydoc: `python docs/docstrings.py`.
+
+A function names each of its parameters under Parameters, and has Returns unless it returns nothing; a class names its
+attributes, or has a description for every field where it holds settings.
+"""
+
+import importlib
+import inspect
+import re
+import sys
+from collections.abc import Iterator
+
+from pydantic import BaseModel
+
+PACKAGES = ("meshes", "fem")
+
+
+def exported(package: str) -> Iterator[tuple[str, object]]:
+    """Name and object of everything that a package exports."""
+    module = importlib.import_module(package)
+    for name in module.__all__:
+        yield name, getattr(module, name)
+
+
+def section(text: str, head: str) -> str:
+    """What stands under a head of numpydoc; empty without it."""
+    found = re.search(rf"^{head}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", text, flags=re.MULTILINE | re.DOTALL)
+    return found[1] if found else ""
+
+
+def faults(what: object) -> Iterator[str]:
+    """What the docstring of a function or a class lacks."""
+    text = inspect.getdoc(what) or ""
+    first = text.partition("\n")[0]
+    if not first.endswith("."):
+        yield "its first line is no sentence"
+    if inspect.isclass(what):
+        if issubclass(what, BaseModel):
+            yield from (
+                f"{name} has no description" for name, field in what.model_fields.items() if not field.description
+            )
+        elif not section(text, "Attributes"):
+            yield "no Attributes"
+    elif inspect.isfunction(what):
+        named = set(re.findall(r"^(\w+(?:, \w+)*) :", section(text, "Parameters"), flags=re.MULTILINE))
+        named = {name for names in named for name in names.split(", ")}
+        yield from (
+            f"{name} is not under Parameters" for name in inspect.signature(what).parameters if name not in named
+        )
+        if inspect.signature(what).return_annotation not in (None, "None") and not section(text, "Returns"):
+            yield "no Returns"
+
+
+def main() -> int:
+    """Prints the faults; 1 if there are any."""
+    told = [
+        f"{package}.{name}: {fault}"
+        for package in PACKAGES
+        for name, what in exported(package)
+        for fault in faults(what)
+    ]
+    print("\n".join(told) or "docstrings: every exported name is documented")
+    return 1 if told else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
