@@ -9,7 +9,8 @@ from fem.mpm.engine import MaterialPointEnergy, MaterialPointEngine
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.ground import PointGround, ground_of
 from fem.mpm.points import MaterialPoints, PointSoil
-from fem.mpm.slide import PointSlide, PointSlider, SlideProgramme
+from fem.mpm.slide import PointSlider, SlideProgramme
+from fem.mpm.slide_record import PointSlide
 
 __all__ = [
     "BackgroundGrid",

@@ -1,6 +1,6 @@
 """The engine of the material points: takes them forward in time, on any number of threads with the same bits."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -15,6 +15,8 @@ COURANT = 0.7  # time step over the time in which the fastest wave crosses a cel
 STRIPE = 8  # columns of cells that belong together
 DRIFT = 0.5  # of a cell, that points may go before they are sorted again
 BATCH = 0.02  # s, after which the time step follows the fastest point
+
+ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay")  # of the points
 
 Push = Callable[[np.ndarray], np.ndarray]
 
@@ -145,6 +147,22 @@ class MaterialPointEngine:
         self._gained[:], self._sums[:] = 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
+    def as_it_is(self) -> dict[str, np.ndarray]:
+        """All that `go_on_from` needs, by name."""
+        state = {name: getattr(self.points, name) for name in ARRAYS}
+        state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
+        return state | {"sorted_at": self._sorted_at, "clock": np.array([self.time, self.steps, *self._began])}
+
+    def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
+        """Be as another engine of the same ground was (`as_it_is`)."""
+        for name in ARRAYS:
+            getattr(self.points, name)[:] = state[name]
+        self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
+        self._gained[:], self._sums[:] = state["gained"], state["sums"]
+        self.time, steps, *began = (float(one) for one in state["clock"])
+        self.steps, self._began = int(steps), (began[0], began[1])
+        self._share()
+
     def _advance(self, dt: float, pushes: np.ndarray, damping: float) -> None:
         points, grid = self.points, self.grid
         with np.errstate(invalid="ignore"):
@@ -183,12 +201,16 @@ class MaterialPointEngine:
         stripe = np.minimum(i // width, len(self._stripes) - 1)
         order = np.lexsort((j, i, stripe))
         if not np.array_equal(order, np.arange(len(order))):
-            for name in ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "decay"):
+            for name in ARRAYS:
                 array = getattr(points, name)
                 array[:] = array[order]
             self.order = self.order[order]
         self._offsets = np.searchsorted(stripe[order], np.arange(len(self._stripes) + 1))
         self._sorted_at = points.x.copy()
+        self._share()
+
+    def _share(self) -> None:
+        """Give the stripes to the threads."""
         counts = np.diff(self._offsets)
         every = self._stripes
         self._even, self._odd, self._all = (

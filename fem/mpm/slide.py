@@ -1,14 +1,18 @@
 """A slide of material points: at rest, shaken, liquefied, and on until the surface no longer moves."""
 
+import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from fem.kernels import material_points as kernel
+from fem.mpm.checkpoint import keep, resume
 from fem.mpm.engine import MaterialPointEngine, Push
 from fem.mpm.ground import PointGround
 from fem.mpm.points import UNLIMITED
+from fem.mpm.slide_record import PointSlide
 from fem.search.liquefied_ground import LEAST, Remains
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
@@ -19,6 +23,7 @@ ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which points give velocities of their own, which the grid cannot resolve, up to it. The smaller one keeps
 # more noise, and slides further; both are computed, and their difference is the method's interval.
 DECAYS = (10.0, 1.0)
+KEEP = 10.0  # s of the clock between two checkpoints
 LOSS = 0.02  # of the energy turned over that may be out of balance before a slide is doubted
 FAR = 0.25  # of the section's width, that a slide goes before one which has reached a side is not followed further
 SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
@@ -56,50 +61,6 @@ class SlideProgramme:
     duration: float
     still: float = 0.01
     drained: float = 0.0
-
-
-@dataclass
-class PointSlide:
-    """A slide as it went; lengths in m, downslope and down positive.
-
-    Attributes
-    ----------
-    times : list of float
-        Of the looks (s).
-    slide, settlement : list of ndarray (k,)
-        Movement of the surface at each look, from left to right, smoothed.
-    settled : bool
-        Whether the surface came to rest.
-    reason : str
-        Why the slide is over.
-    before, after : ndarray (k, 2)
-        The surface in coordinates of the section.
-    transfer_loss_share : float
-        Energy lost between points and grid over the energy turned over (-).
-    energy_lost_share : float
-        All energy that is neither dissipated by the ground nor in it, over the same (-).
-    stopped_by : str or None
-        "left" or "right", the side of the box that the slide ran up against.
-    cell : float
-        Side of a cell of the grid (m).
-    """
-
-    times: list[float] = field(default_factory=list)
-    slide: list[np.ndarray] = field(default_factory=list)
-    settlement: list[np.ndarray] = field(default_factory=list)
-    settled: bool = False
-    reason: str = ""
-    before: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
-    after: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
-    transfer_loss_share: float = 0.0
-    energy_lost_share: float = 0.0
-    stopped_by: str | None = None
-    cell: float = 0.0
-
-    @property
-    def slide_max(self) -> float:
-        """Largest slide of the surface at the end (m)."""
-        return float(self.slide[-1].max()) if self.slide else 0.0
 
 
 class PointSlider:
@@ -150,19 +111,26 @@ class PointSlider:
         programme: SlideProgramme,
         on_look: Callable[[float, np.ndarray], None] | None = None,
         decay: float = DECAYS[0],
+        checkpoint: Path | None = None,
     ) -> PointSlide:
         """Go on until the surface is at rest or the time is over; ``on_look`` is told the time and the slide.
 
-        ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``.
+        ``decay`` (1/s) is that of velocities which the grid cannot resolve, see ``DECAYS``. ``checkpoint`` is a file
+        from which a stopped slide goes on.
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.ground.points.decay[:] = decay
         self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
+        left = resume(checkpoint, self.engine, slide) if checkpoint is not None else None
+        if left is not None:
+            shares = dict(zip(programme.starts, (float(share) for share in left.pop("shares")), strict=True))
+            self.began = left
+        kept = time.monotonic()
         while not slide.reason:
-            time = self.engine.time
             self._liquefy(programme, shares)
-            seconds = min(LOOK, programme.onset / ONSET_STEPS) if self._under_way(programme, time) else LOOK
+            under_way = self._under_way(programme, self.engine.time)
+            seconds = min(LOOK, programme.onset / ONSET_STEPS) if under_way else LOOK
             self.engine.run(seconds, lambda times: self.sign * programme.push(times))
             self._look(slide)
             if on_look is not None:
@@ -174,6 +142,9 @@ class PointSlider:
                 slide.reason = f"it has run across the section to its {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:g} s"
+            if checkpoint is not None and (slide.reason or time.monotonic() - kept > KEEP):
+                keep(checkpoint, self.engine, slide, shares=np.array([*shares.values()]), **self.began)
+                kept = time.monotonic()
         slide.after = self._surface()
         energy = self.engine.energy
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share

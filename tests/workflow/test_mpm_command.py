@@ -3,12 +3,17 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomli_w
 
+from fem.mpm import PointSlide
+from meshes.executor import Tell
 from tests.support import command_line
 from tests.support.borings import SAND
 from tests.support.sections import layer
+from workflow.config import Config
+from workflow.stages.mpm import PointRun, _slid, at_rest
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +70,33 @@ def test_what_material_points_cannot_do_is_told_and_ends_no_run(
     assert "does not come to rest under its weight" in answer["not_possible"]
     assert command_line.run("report", out, "--quiet") == 0
     assert "Not possible by material points" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_stopped_slide_goes_on_with_the_same_bits(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fem.mpm.slide.KEEP", 0.0)
+    config = Config.load(folder.parent / "gentle.toml", {"slide": {"duration": 5.0}})
+    slider, _ = at_rest(config)
+    checkpoint = tmp_path / "mpm/checkpoint.npz"
+
+    def slid(heard: Tell, where: Path | None) -> PointSlide:
+        return _slid(PointRun(config, slider, 2, 10.0, where), heard)
+
+    def stop(message: tuple[float, float, float]) -> None:
+        if message[1] > 3.0:
+            raise KeyboardInterrupt
+
+    whole = slid(lambda _: None, None)
+    with pytest.raises(KeyboardInterrupt):
+        slid(stop, checkpoint)
+    times: list[float] = []
+    again = slid(lambda message: times.append(message[1]), checkpoint)
+    assert min(times) > 2.5
+    assert again.times == whole.times
+    assert np.array_equal(again.slide, whole.slide)
+    assert np.array_equal(again.after, whole.after)
+    assert (again.reason, again.energy_lost_share) == (whole.reason, whole.energy_lost_share)
+    times.clear()
+    assert np.array_equal(slid(lambda message: times.append(message[1]), checkpoint).slide, whole.slide)
+    assert times == []  # it had come to its end

@@ -2,6 +2,7 @@
 
 import copy
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ from workflow.stages.liquefaction import liquefying, taken
 
 if TYPE_CHECKING:
     from dem.settings import Case
-    from fem.mpm.slide import PointSlide, PointSlider, SlideProgramme
+    from fem.mpm import PointSlide, PointSlider, SlideProgramme
     from fem.search.liquefied_ground import Remains
 
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
@@ -32,6 +33,7 @@ class PointRun:
     slider: "PointSlider"
     number: int
     decay: float
+    checkpoint: Path | None = None
 
 
 def work(job: Job) -> None:
@@ -49,7 +51,12 @@ def work(job: Job) -> None:
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
-    runs = [PointRun(config, slider, number, decay) for number in wanted for decay in DECAYS]
+    kept = job.store.folder
+    runs = [
+        PointRun(config, slider, number, decay, kept / f"mpm/checkpoint_{number}_{decay:g}.npz")
+        for number in wanted
+        for decay in DECAYS
+    ]
     shares = [0.0] * len(runs)
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
@@ -70,6 +77,7 @@ def work(job: Job) -> None:
             for place, number in enumerate(wanted)
         },
     ).write(job.store)
+    job.store.remove(job.store.matching(STAGE.leftovers))
     draw(job)
 
 
@@ -128,7 +136,7 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
     def look(time: float, slide: np.ndarray) -> None:
         tell((min(time / programme.duration, 1.0), time, float(slide.max())))
 
-    return copy.deepcopy(run.slider).run(programme, look, run.decay)
+    return copy.deepcopy(run.slider).run(programme, look, run.decay, run.checkpoint)
 
 
 def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
@@ -223,6 +231,7 @@ STAGE = Stage(
     results=(PointSlidesAnswer.FILE,),
     read=PointSlidesAnswer.read,
     pictures=("figures/mpm.png",),
+    leftovers=("mpm/checkpoint_*",),
     partial=lambda job: job.cases is not None,
     wanted=lambda config: "mpm" in config.slide.judges and config.section.liquefies,
 )  # fmt: skip

@@ -20,7 +20,7 @@ from dem.slides.liquefaction import Slider
 from dem.slides.runout import deposit_profile, loose_share, run_out
 from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
-from fem.mpm.slide import PointSlide
+from fem.mpm import PointSlide
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.quantity import GRAVITY
 from workflow.config import Config
