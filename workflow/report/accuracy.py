@@ -1,4 +1,4 @@
-"""How far the critical Kh may be off: by the sequence of meshes that it was found on, and by strict bounds."""
+"""Numerical error of the critical Kh, by the sequence of meshes and by strict bounds."""
 
 import math
 from collections.abc import Sequence

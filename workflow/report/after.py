@@ -38,7 +38,7 @@ def in_short(results: Results) -> Iterator[str]:
 
 
 def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """How far the discs slide by their weight alone, where the continuum flows and they are not told to flow."""
+    """The slide of the discs by their weight alone, where the continuum fails and the discs do not flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
     far = {number: one.slide_by_weight_m for number, one in discs.items() if one.slide_by_weight_m is not None}
@@ -52,7 +52,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
-    """That the discs slide by their weight alone where the continuum stands: the two contradict each other."""
+    """The contradiction that discs slide by their weight alone where the continuum stands."""
     _, cases = results.case_set()
     far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
     slide = results.config.slide
@@ -75,14 +75,14 @@ def _which(case: LiquefiedCase) -> str:
 
 @dataclass(frozen=True)
 class Enough:
-    """The residual strength (kPa) of each stratum with which the ground just stands, and how sure that is."""
+    """The residual strength (kPa) of each stratum with a factor of safety of 1, and whether it is a bound."""
 
     how: str
     strata: Strata
 
     @property
     def words(self) -> str:
-        """It in a sentence without its end."""
+        """The strengths as a sentence without its full stop."""
         told = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
         more = "; a case with more strength would show how much more" if self.how == "more than" else ""
@@ -124,7 +124,7 @@ def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
 
 
 def _on_the_line(weaker: tuple[float, LiquefiedCase], stronger: tuple[float, LiquefiedCase]) -> Strata:
-    """The strata of two cases with the strength at which a line through their factors is 1."""
+    """The strata with the strength for a factor of safety of 1, linear between two cases."""
     part = (1.0 - weaker[0]) / (stronger[0] - weaker[0])
     pairs = zip(weaker[1].strata, stronger[1].strata, strict=True)
     return tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
@@ -140,7 +140,7 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
-    """What a displacement that was measured says of the cases: ground that flows does not stop at so little."""
+    """Whether a measured displacement contradicts a case: a flow failure does not stop after so little."""
     measured = [float(one.displacement) for one in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:
@@ -185,7 +185,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def _acting(case: LiquefiedCase) -> str:
-    """Where a force uphill brings it down first, that it does."""
+    """The direction of the seismic force, where upslope gives the smaller critical Kh."""
     return " acting uphill" if case.direction == "uphill" else ""
 
 
@@ -201,5 +201,5 @@ def factors(case: LiquefiedCase) -> str:
 
 
 def bracket(lower: float | None, upper: float | None, digits: int) -> str:
-    """Two bounds as a person reads them; a dash where one is missing."""
+    """Two bounds as text; a dash where one is missing."""
     return f"{number(lower, digits)} to {number(upper, digits)}"

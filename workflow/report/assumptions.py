@@ -1,4 +1,4 @@
-"""What the analysis assumes, and what it cannot say: for a reviewer."""
+"""Assumptions and limits of the analysis."""
 
 from collections.abc import Iterator, Mapping
 
@@ -74,7 +74,7 @@ def _onset(config: Config) -> str:
 
 
 def _water(section: Section) -> str:
-    """How water enters."""
+    """How water enters the analysis."""
     if not section.water_pressure.present:
         return "It enters by the densities and strengths given: there is no pore pressure, and none comes with strain."
     head = "across the flow" if section.water_pressure.normal else "vertically"

@@ -130,7 +130,7 @@ def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None 
 
 
 def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tuple[str, Caption, str]]:
-    """Every still picture that is there, with the first caption that fits it."""
+    """Every picture in the folder with the first caption whose pattern matches its name."""
     left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
     for one in CAPTIONS:
         for name in list(left):
@@ -141,7 +141,7 @@ def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tup
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:
-    """A key that sorts names as people count: case 2 before case 10, Kh = 0.2 before 0.25."""
+    """A sort key by the numbers in a name: case 2 before case 10, Kh = 0.2 before 0.25."""
     parts = re.split(r"(\d+(?:\.\d+)?)", name)
     return [(0, float(part), "") if number else (1, 0.0, part) for part, number in zip(parts, cycle((False, True)))]
 
@@ -156,7 +156,7 @@ def _picture(path: Path, name: str, caption: Caption, words: str, width: int) ->
 
 
 def compressed(image: Image.Image) -> bytes:
-    """A picture as WebP, by the smaller of two ways: a few colours without loss, or all shades with a little."""
+    """Compress a picture as WebP: lossless with few colours, or lossy with all, whichever is smaller."""
     few = image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).convert("RGB")
     ways = []
     for picture, options in ((few, {"lossless": True}), (image, {"quality": QUALITY, "method": 4})):

@@ -1,4 +1,4 @@
-"""What the stages found, in sentences: told after each command."""
+"""The results of the stages in sentences, which commands print."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -36,7 +36,7 @@ MOST_LINES = 10  # of a run without -v, before the two that say where the report
 
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
-    """How many cells, and how good."""
+    """The number of cells and the quality of the mesh."""
     mesh = stored_mesh(config.section, store)
     quality = mesh.quality()
     yield (
@@ -66,7 +66,7 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
-    """A factor of safety, what it may be off by, and where the ground slips."""
+    """A factor of safety with its numerical error, and the extent of its slip surface."""
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", of which its mesh may leave {100 * factor.rest:.1f} % open" if factor.rest is not None else ""
     beside = factor.davis if factor.davis is not None else factor.associated
@@ -84,7 +84,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
-    """What the mesh does, where meshes were adapted to the mechanism."""
+    """The critical Kh on every mesh that was adapted to the mechanism."""
     if answer.meshes:
         told = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
         tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
@@ -92,7 +92,7 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:
-    """What has to be known beside the critical Kh: the opposite direction, the skin of cohesionless faces."""
+    """The critical Kh in the other direction, and the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
         yield f"With ψ = φ the critical Kh is {answer.associated.kc:.4f}{_out_at(answer.associated.at_sides)}."
     other = answer.opposite
@@ -107,17 +107,17 @@ def beside_sentences(answer: FemAnswer) -> Iterator[str]:
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
-    """Where ground that fails slides out of the section, if it does where that was cut off."""
+    """The sides of the section at which the failing ground slides out; empty without any."""
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
 def proven(strengthened: bool) -> str:
-    """What bounds are to be called, of the ground as it is or with its cohesionless faces ``strengthened``."""
+    """The name of bounds of the ground as it is, or with its cohesionless faces ``strengthened``."""
     return "Bounds of these deeper failures, the faces given a cohesion," if strengthened else "Strict bounds"
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
-    """The brackets of fem/bounds.json, and the faces that fail before the slope as a whole."""
+    """The strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
     for face in answer.skins:
         when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by their own weight"
         yield (
@@ -168,7 +168,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 
 def _asked(answer: CalibrationAnswer, target: float) -> str:
-    """The critical Kh that discs were to have; two ends where the continuum's lies between, and the discs' too."""
+    """The target of the calibration: a range where the continuum has one and the discs lie within it."""
     low, high = answer.continuum_kc or (target, target)
     return f"a target of {low:.4f} to {high:.4f}" if low < target < high else f"a target of {target:.4f}"
 
@@ -245,7 +245,7 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
 
 
 def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
-    """What the layers do under the record, from site_response.json."""
+    """The response of the layers to the record, from site_response.json."""
     largest = max(answer.layers, key=lambda one: one.strain)
     yield (
         f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
@@ -280,7 +280,7 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 
 
 def sentences(name: str, config: Config, store: Store) -> Iterator[str]:
-    """What a stage found that has an answer."""
+    """The result of one stage in sentences."""
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),

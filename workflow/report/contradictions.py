@@ -1,4 +1,4 @@
-"""What contradicts itself in the discs and their slides, each with what to do."""
+"""Contradictions within the results of the discs, each with what to do."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -47,7 +47,7 @@ def of_curve(discs: DiscsAnswer) -> Iterator[str]:
 
 
 def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
-    """The Kh from which, and to which, a push of discs falls most on the way to their critical Kh; None without any.
+    """The largest drop of Kh in a pushover before its critical Kh: from which and to which Kh; None without a drop.
 
     Parameters
     ----------
@@ -72,19 +72,19 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
 
 
 def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
-    """Slides that a side of the discs' box stopped, which is no rest."""
+    """Slides that a side of the disc model stopped."""
     for side in ("left", "right"):
         held = [number for number, case in cases.items() if case.stopped_by == side]
         if held:
             lengths = listed([metres(cases[number].slide_max_m) for number in held])
             yield (
-                f"the {side} side of the discs' box stopped {_cases(held)}, which is no rest: {lengths} "
+                f"the {side} side of the disc model stopped {_cases(held)}: {lengths} "
                 f"{'are' if len(held) > 1 else 'is'} the least that the ground slides; take a longer section (beyond)"
             )
 
 
 def of_order(cases: Mapping[int, Case], slides: Mapping[int, float], strata: Sequence[str]) -> Iterator[str]:
-    """Cases that leave the ``strata`` less strength, and no more stiffness, than others and slide less (m)."""
+    """Cases with less strength and no more stiffness of the ``strata`` than others, but shorter slides (m)."""
     for one, other in combinations(sorted(set(cases) & set(slides)), 2):
         for weak, strong in ((one, other), (other, one)):
             short = slides[strong] - slides[weak]

@@ -15,12 +15,12 @@ from workflow.run.stage import Job
 
 
 def told(data: Any, only_ascii: bool = False) -> str:
-    """Data as the text of a JSON document; all else than ASCII by its numbers if so wished."""
+    """Format data as JSON text, with characters beyond ASCII escaped if ``only_ascii``."""
     return json.dumps(data, indent=1, ensure_ascii=only_ascii, allow_nan=False)
 
 
 def of_section(config: Config, picture: Path) -> dict[str, Any]:
-    """A section that was checked: its strata in SI units, and what has to be known of it."""
+    """A checked section as data: its strata in SI units, and its notices."""
     strata = [
         {"name": stratum.name, "area_m2": float(area), **_parameters(stratum)}
         for stratum, area in zip(config.section.strata, config.section.layering.areas(), strict=True)
@@ -41,12 +41,12 @@ def _parameters(stratum: Stratum) -> dict[str, Any]:
 
 
 def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
-    """What would be done about every stage, and why."""
+    """The decision about every stage, with its reason."""
     return [{"stage": one.stage.name, "would": one.action, "because": one.why} for one in decisions]
 
 
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
-    """How stages ended, and the answers that they left: every JSON file by its name, and how good the mesh is.
+    """Outcome and answers of stages, as JSON: every answer file by its name, and the quality of the mesh.
 
     ``warnings`` are of the command; those of the section stand with them.
     """

@@ -64,7 +64,7 @@ def _low(value: float, shown: Callable[[float], str]) -> str:
 
 
 def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
-    """The critical Kh in words, with that by the other flow rule in the same line."""
+    """The critical Kh in words, with its value by the other flow rule."""
     other = fem.davis if fem.flow == "associated" else fem.associated
     known = other is not None and other.verdict in ("plateau", "peak")
     return with_flow(fem.kc, fem.flow, other.kc if known and other else None, fem.estimate, shown)

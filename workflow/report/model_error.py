@@ -1,4 +1,4 @@
-"""What a slide of the discs stands for, by the error of the model on slides that are known."""
+"""The interval of a predicted slide, by the error of the model on known slides."""
 
 from collections.abc import Iterator, Sequence
 
@@ -26,7 +26,7 @@ def model_error(results: Results) -> Iterator[str]:
 
 
 def error_sentence(slides: Sequence[float], flows: bool | None, judge: Judge = "discs") -> str:
-    """How far off the discs, or material points, were on known slides, and between what these slides (m) lie with that.
+    """The error of discs or material points on known slides, and the interval of these slides (m) with it.
 
     Empty where the collection has nothing to say, or nothing slides. flows: whether they flow by their weight alone;
     None where that is not known.

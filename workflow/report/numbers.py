@@ -1,4 +1,4 @@
-"""How numbers are written: with the digits they deserve, and their units."""
+"""Numbers as text, with significant digits and units."""
 
 import math
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ def metre_range(values: Sequence[float]) -> str:
 
 
 def rough(value: float) -> float:
-    """A number to one digit, or to two where the first one is a 1: what a slide of discs is good for."""
+    """Round to one digit, or to two where the first is 1: the accuracy of a slide of discs."""
     if value == 0.0:
         return 0.0
     power = math.floor(math.log10(abs(value)))

@@ -1,4 +1,4 @@
-"""report.html: one page that holds everything, to be read on a screen or on paper."""
+"""report.html: one page for screen and paper, with all its pictures."""
 
 import base64
 from datetime import datetime
@@ -52,7 +52,7 @@ LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 
 def page(results: Results, summary: Summary) -> str:
-    """The report as HTML; nothing in it is fetched from anywhere."""
+    """Render the report as one HTML page that needs no other file."""
     environment = Environment(
         loader=PackageLoader("workflow.report", "."),
         autoescape=select_autoescape(default_for_string=True, default=True),
@@ -144,7 +144,7 @@ def _css_text(text: str) -> Markup:
 
 
 def _head(report: ReportSettings) -> list[tuple[str, str]]:
-    """What the user wants at the head of the report: pairs of a word and a text."""
+    """The head of the report: pairs of a word and a text."""
     return [
         (name, text) for name, text in report if name not in ("logo", "language") and isinstance(text, str) and text
     ]
@@ -165,7 +165,7 @@ def _logo(file: str) -> str:
 
 
 def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
-    """The pictures of what belongs to the input, by the part of the report."""
+    """The pictures of this run by the part of the report."""
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}

@@ -49,7 +49,7 @@ class Film:
 
 
 def films(results: Results) -> list[Film]:
-    """The slides that have more than one picture, the springs that count first, and the path of Kh."""
+    """The films of the slides, the set of springs that counts first, and of the equilibrium path."""
     return [*_path(results), *_slides(results)]
 
 

@@ -21,7 +21,7 @@ COMMON = "section"  # what stands at the head of the file, before any table
 
 @dataclass(frozen=True)
 class Key:
-    """One key: the table that it stands in, its name, what holds without it, and what may be written."""
+    """One key of a section file: its table, name, default, unit, allowed values and description."""
 
     table: str
     name: str

@@ -105,7 +105,7 @@ def _slide(case: CaseNumbers | None) -> str:
 
 
 def page(runs: Sequence[ComparedRun]) -> str:
-    """The comparison as one HTML page with the pictures of all runs; nothing in it is fetched from anywhere."""
+    """The comparison as one HTML page with the pictures of all runs; it needs no other file."""
     environment = Environment(
         loader=PackageLoader("workflow.report", "."),
         autoescape=select_autoescape(default_for_string=True, default=True),

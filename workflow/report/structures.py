@@ -27,7 +27,7 @@ class FaceRow:
 
     @property
     def words(self) -> str:
-        """The row in a sentence without its end."""
+        """The row as a sentence without its full stop."""
         told = [f"factor of safety {value:.2f} at Kh = {kh:g}" for kh, value in self.factors if value is not None]
         told += [] if self.kc is None else [f"critical Kh {self.kc:.3f}"]
         told += [] if self.block is None else [f"a rigid block slides {self.block.span} ({self.block.words})"]
@@ -59,7 +59,7 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 
 
 def elsewhere(config: Config, answer: SlicesAnswer) -> Iterator[str]:
-    """Critical circles of the section with which no crest slides."""
+    """Critical slip circles of the section that do not reach a crest."""
     if not answer.faces:
         return
     structures = structures_of(config.section)

@@ -1,4 +1,4 @@
-"""The numbers of a run for summary.json, gathered from what the stages found."""
+"""summary.json: the results of all stages."""
 
 from collections.abc import Iterator
 
@@ -36,7 +36,7 @@ from workflow.run.log import machine, versions
 
 
 def summary(results: Results, report_seconds: float) -> Summary:
-    """What summary.json holds; ``report_seconds`` is the computing time of the report so far."""
+    """Gather the summary; ``report_seconds`` is the computing time of the report so far (s)."""
     config = results.config
     springs, cases = results.case_set()
     printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}

@@ -36,7 +36,7 @@ WRITTEN_OF_WATER = (
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:
-    """Every stratum as a person reads it: name, area, thickness, reach, and its parameters."""
+    """A row for every stratum: name, area, thickness, range of x, and its parameters."""
     layers = section.layering
     at_left, at_right = layers.thickness()
     for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
@@ -86,7 +86,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
 
 
 def texts(section: Section) -> list[str]:
-    """What a person has named and described in a section."""
+    """The names and descriptions in a section."""
     own = [section.name, section.title, section.reconstruction_note]
     return own + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 
@@ -116,7 +116,7 @@ def case_rows(config: Config) -> Iterator[list[str]]:
 
 
 def factor(value: Any, name: str = "") -> str:
-    """What a case leaves, in three digits, a strength in kPa; of each stratum by name where they differ."""
+    """A factor of a case in three digits, a strength in kPa, by stratum where they differ."""
     if isinstance(value, dict):
         return "; ".join(f"{stratum} {factor(its, name)}" for stratum, its in value.items())
     if name == "residual_strength" and value:
@@ -125,7 +125,7 @@ def factor(value: Any, name: str = "") -> str:
 
 
 def written_columns(config: Section) -> list[tuple[str, str, str]]:
-    """Field, symbol and SI unit of what was written of the strata of a section."""
+    """Field, symbol and SI unit of the parameters of strata that the file gives."""
     return [*WRITTEN, *(column for column in WRITTEN_OF_WATER if any(getattr(s, column[0]) for s in config.strata))]
 
 

@@ -1,4 +1,4 @@
-"""What was found against the criteria: satisfied, not satisfied, or not decided."""
+"""Verdicts on the criteria: satisfied, not satisfied, or not decided."""
 
 from collections.abc import Iterator
 

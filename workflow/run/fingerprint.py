@@ -46,7 +46,7 @@ def title(section: Section) -> str:
 
 @cache
 def program() -> str:
-    """Of the installed program: of all its sources, so that any change of it makes every result stale."""
+    """Fingerprint of all sources of the program: any change of them makes every result stale."""
     total = hashlib.sha256()
     for package in PACKAGES:
         spec = find_spec(package)

@@ -12,7 +12,7 @@ NAME = ".noshiro/mesh_options.json"
 
 
 def kept(store: Store) -> dict[str, Any]:
-    """What the folder was meshed with; empty where no command gave anything."""
+    """Options of the mesh command that the folder keeps; empty without any."""
     found = store.read_json(NAME) if store.has(NAME) else {}
     return found if isinstance(found, dict) else {}
 

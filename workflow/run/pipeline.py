@@ -25,10 +25,10 @@ from workflow.run.store import Store
 
 
 class Listener(Protocol):
-    """Who is told how a run goes."""
+    """Interface that follows the progress of a run."""
 
     def begin(self, decision: Decision) -> Progress:
-        """A stage begins; returns whom it tells how far it is."""
+        """A stage begins; returns the callback for its progress."""
 
     def end(self, decision: Decision, entry: Entry) -> None:
         """A stage has ended, with or without an answer, or is reused."""

@@ -118,7 +118,7 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
 
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
-    """What is to be done about a stage; ``news`` says whether one before it will have any."""
+    """Decide about a stage; ``news`` says whether a stage before it will change."""
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)

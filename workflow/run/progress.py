@@ -54,7 +54,7 @@ class SearchShare:
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """searches: how many, more or less; usual: trials that one takes, before one has shown it."""
+        """searches: expected number; usual: expected trials of a search, before one has ended."""
         self.searches, self.usual = searches, usual
         self.trials, self.done, self.before = 0, 0, 0
 

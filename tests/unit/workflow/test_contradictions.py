@@ -84,11 +84,11 @@ def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
     held = slides(run, 48.0, 45.0, stopped_by="right")
     [told] = of_sides(held.sets["calibrated"])
     assert told.startswith(
-        "the right side of the discs' box stopped cases 1 and 2, which is no rest: 48 m and 45 m are"
+        "the right side of the disc model stopped cases 1 and 2: 48 m and 45 m are"
     )
     assert told.endswith("take a longer section (beyond)")
     assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
-    assert any("no rest" in one for one in warned(results(run, cases=held)))
+    assert any("side of the disc model stopped" in one for one in warned(results(run, cases=held)))
 
 
 def test_a_crest_that_falls_much_further_than_the_uphill_third_settles_is_told(run: Config) -> None:
