@@ -106,17 +106,17 @@ def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> f
 
 
 def _brackets(results: Results) -> str:
-    told = []
+    phrases = []
     if results.fem is not None and results.kc is not None:
         least, most = f"{results.kc:.3f}", f"{results.fem.kc_upper:.3f}"
-        told.append(f"FEM {least}" + (f", at most {most}" if most != least else ""))
+        phrases.append(f"FEM {least}" + (f", at most {most}" if most != least else ""))
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
         alike = results.like_discs
         most = "" if alike is None or alike.kc_upper < alike.kc + SEEN else f" to {alike.kc_upper:.3f}"
         like = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
-        told.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
-    return f"critical Kh: {'; '.join(told)}" if told else ""
+        phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
+    return f"critical Kh: {'; '.join(phrases)}" if phrases else ""
 
 
 def _handle(colour: str, marker: str, label: str) -> Line2D:

@@ -69,8 +69,8 @@ def _draw(axes: Axes, row: Row, at: int) -> None:
     colour, marker = row.look
     place = max(row.value, SMALLEST)
     axes.plot(place, at, marker if row.value >= SMALLEST else "<", color=colour, markersize=5)
-    told = f"{row.value:.2g} m" if row.value >= SMALLEST else "0 m"
-    axes.annotate(told, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
+    phrase = f"{row.value:.2g} m" if row.value >= SMALLEST else "0 m"
+    axes.annotate(phrase, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
 
 
 def _others(results: Results) -> Iterator[Row]:

@@ -106,16 +106,16 @@ def name_of(config: Config, springs: str, case: int) -> str:
 def left_by(case: Case) -> str:
     """What liquefaction leaves of stiffness and strength of a layer, in words."""
     shares = {"stiffness": case.stiffness, "friction": case.friction, "cohesion": case.cohesion}
-    told = [
+    phrases = [
         f"their {name}" if share == 1.0 else f"{share:g} of their {name}" for name, share in shares.items() if share
     ]
     if isinstance(case.residual, dict) or isinstance(case.residual_strength, dict):
-        told.append("a residual strength of their own")
+        phrases.append("a residual strength of their own")
     elif case.residual_strength:
-        told.append(f"a strength of {case.residual_strength / 1e3:.3g} kPa")
+        phrases.append(f"a strength of {case.residual_strength / 1e3:.3g} kPa")
     elif case.residual:
-        told.append(f"{case.residual:g} of their vertical effective stress as strength")
-    return ", ".join(told[:-1]) + " and " * (len(told) > 1) + told[-1]
+        phrases.append(f"{case.residual:g} of their vertical effective stress as strength")
+    return ", ".join(phrases[:-1]) + " and " * (len(phrases) > 1) + phrases[-1]
 
 
 def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:

@@ -97,10 +97,12 @@ def _draw_loads(axes: "object", section: Section, window: Window) -> None:
 
 def _said(section: Section) -> str:
     """What the picture does not show by its colours."""
-    told = []
+    phrases = []
     for load in section.surcharges:
         first, last = (f"{end / 1e3:g}" for end in load.pressure)
-        told.append(f"{first if first == last else f'{first} to {last}'} kPa from x = {load.start:g} to {load.end:g} m")
+        phrases.append(
+            f"{first if first == last else f'{first} to {last}'} kPa from x = {load.start:g} to {load.end:g} m"
+        )
     if section.water is not None and section.water.after_drawdown is not None:
-        told.append("pore pressure after the drawdown, dashed the water table before it")
-    return textwrap.fill("; ".join(told), 180)
+        phrases.append("pore pressure after the drawdown, dashed the water table before it")
+    return textwrap.fill("; ".join(phrases), 180)

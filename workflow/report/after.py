@@ -44,11 +44,11 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     far = {number: one.slide_by_weight_m for number, one in discs.items() if one.slide_by_weight_m is not None}
     if not far:
         return
-    told = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"
+    phrase = f"by their weight alone they slide {span(list(far.values()))} in {of_cases(list(far))}"
     if max(far.values()) > FLOWS * _relief(results):
-        yield f"The discs agree: {told}, until the face that is left is flat enough."
+        yield f"The discs agree: {phrase}, until the face that is left is flat enough."
     else:
-        yield f"The discs are stronger than that: {told}."
+        yield f"The discs are stronger than that: {phrase}."
 
 
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
@@ -83,10 +83,10 @@ class Enough:
     @property
     def words(self) -> str:
         """The strengths as a sentence without its full stop."""
-        told = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
+        phrases = [f'{s.cohesion_kPa:.2g} kPa in {spoken(s.name)} ({s.over_effective:.2g} of its mean effective stress)'
                 for s in self.strata]  # fmt: skip
         more = "; a case with more strength would show how much more" if self.how == "more than" else ""
-        return f"To stand without shaking it needs {self.how} {listed(told)}{more}"
+        return f"To stand without shaking it needs {self.how} {listed(phrases)}{more}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
@@ -191,13 +191,13 @@ def _acting(case: LiquefiedCase) -> str:
 
 def factors(case: LiquefiedCase) -> str:
     """The factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
-    told = []
+    phrases = []
     if case.factor_lower is not None or case.factor_upper is not None:
-        told.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
+        phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
-        told.append(f"{case.factor:.2f} by elements" + (", which count what ψ < φ takes away" if less else ""))
-    return ", ".join(told)
+        phrases.append(f"{case.factor:.2f} by elements" + (", which count what ψ < φ takes away" if less else ""))
+    return ", ".join(phrases)
 
 
 def bracket(lower: float | None, upper: float | None, digits: int) -> str:

@@ -78,16 +78,16 @@ def _water(section: Section) -> str:
     if not section.water_pressure.present:
         return "It enters by the densities and strengths given: there is no pore pressure, and none comes with strain."
     head = "across the flow" if section.water_pressure.normal else "vertically"
-    told = (
+    phrase = (
         f"Effective stress: below the water level of each stratum pores are full, the head in them measured {head}; "
         "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
         "of the saturated mass. No pore pressure comes with strain."
     )
     if any(s.excess_pore_pressure_ratio for s in section.strata):
-        told += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
+        phrase += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
     if section.water is not None and section.water.after_drawdown is not None:
-        told += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
-    return told
+        phrase += " After the drawdown ground that does not drain keeps its pore pressure, less the water taken off it."
+    return phrase
 
 
 def _driven(config: Config) -> str:

@@ -73,22 +73,22 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
     number = with_flow(factor.factor, answer.flow, beside, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
-    told = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
-    told += f"{factor.reason}{rest}."
+    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
+    phrase += f"{factor.reason}{rest}."
     if factor.slip_surface:
         x, z = zip(*factor.slip_surface, strict=True)
-        told += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
+        phrase += f" It slips from x = {min(x):.1f} to {max(x):.1f} m, down to z = {min(z):.1f} m."
     if factor.skin is not None and factor.skin < factor.factor:
-        told += f" Its cohesionless face fails (shallow failure) at {factor.skin:.3f}."
-    return told
+        phrase += f" Its cohesionless face fails (shallow failure) at {factor.skin:.3f}."
+    return phrase
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
     """The critical Kh on every mesh that was adapted to the mechanism."""
     if answer.meshes:
-        told = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
+        phrase = ", ".join(f"{one.kc:.4f} ({one.cells} cells)" for one in answer.meshes)
         tends = f" The sequence tends to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
-        yield f"On meshes adapted to the mechanism: {told}. The sequence ended because {answer.meshes_ended}.{tends}"
+        yield f"On meshes adapted to the mechanism: {phrase}. The sequence ended because {answer.meshes_ended}.{tends}"
 
 
 def beside_sentences(answer: FemAnswer) -> Iterator[str]:
@@ -176,12 +176,12 @@ def _asked(answer: CalibrationAnswer, target: float) -> str:
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
     """What the cases are, and how far each of them slides, from dem/cases.json."""
     heads = [name for name, _ in case_heads(config)]
-    told = []
+    phrases = []
     for number, layers, *factors in case_rows(config):
         left = [f"{head} {factor}" for head, factor in zip(heads, factors, strict=True) if head != "name"]
-        told.append(f"{config.called(int(number))}, {layers}: {', '.join(left)}")
-    if told:
-        yield f"What is left of the layers that liquefy (factors): {'; '.join(told)}."
+        phrases.append(f"{config.called(int(number))}, {layers}: {', '.join(left)}")
+    if phrases:
+        yield f"What is left of the layers that liquefy (factors): {'; '.join(phrases)}."
     for name, which, case in answer.each():
         settled = "" if case.settled else f"; it has not come to rest: {case.reason}"
         if not case.settled and lies_still(case):
@@ -207,10 +207,12 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
     yield from map(stratum_sentence, answer.strata)
     for one in answer.left:
-        told = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
+        phrases = [f"{pascals / 1e3:.1f} kPa or {one.residual[title]:.2f} σ'v ({title})"
                 for title, pascals in one.strength_Pa.items()]  # fmt: skip
         drains = f"{100.0 * one.volumetric_strain:.1f} % of its volume drains away"
-        keeps = f"keeps a strength of {', '.join(told)}" if told else "is outside all relations of residual strength"
+        keeps = (
+            f"keeps a strength of {', '.join(phrases)}" if phrases else "is outside all relations of residual strength"
+        )
         yield f"{spoken(one.stratum)} {keeps}; {drains}."
     for boring in answer.borings:
         yield f"{boring.name}: P_L = {boring.potential:.1f}, risk {boring.risk}."
@@ -222,11 +224,11 @@ def stratum_sentence(stratum: StratumPart) -> str:
     if not stratum.judged or stratum.share is None:
         return f"{name} was not judged ({stratum.reason})."
     word = "liquefies" if stratum.liquefies else "does not liquefy"
-    told = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
+    phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
     if stratum.lowest_factor is not None:
-        told += f", smallest F_L {stratum.lowest_factor:.2f}"
+        phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
     rest = stratum.tests - stratum.judged
-    return told + (f"; {rest} of its {stratum.tests} tests not judged ({stratum.reason})." if rest else ".")
+    return phrase + (f"; {rest} of its {stratum.tests} tests not judged ({stratum.reason})." if rest else ".")
 
 
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
@@ -259,8 +261,8 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
         )
     if answer.doubt:
         yield f"{'Doubtful' if largest.strain > TOO_LARGE else 'Mind'}: {answer.doubt}."
-    told = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
-    yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in told) + "."
+    phrases = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
+    yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in phrases) + "."
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:

@@ -246,9 +246,9 @@ def _shown(name: str, values: Sequence[Any]) -> str:
     strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
     each = []
     for stratum in strata or [""]:
-        told = [factor(value.get(stratum, 0.0) if isinstance(value, dict) else value, name) for value in values]
+        phrases = [factor(value.get(stratum, 0.0) if isinstance(value, dict) else value, name) for value in values]
         where = f" in {spoken(stratum, quoted=False)}" if len(strata) > 1 else ""
-        each.append(listed(told if len(set(told)) > 1 else told[:1]) + where)
+        each.append(listed(phrases if len(set(phrases)) > 1 else phrases[:1]) + where)
     return ", ".join(each)
 
 
@@ -256,12 +256,12 @@ def _interval(results: Results) -> str:
     """The spread of the largest slide over random packings, where there are several."""
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
-    told = [
+    phrases = [
         f"{_spread(spread.mean, spread.values, spread.mean_ci95)} in case {number}"
         for number, spread in spreads.items()
         if spread.mean is not None and spread.mean_ci95 is not None
     ]
-    if not told:
+    if not phrases:
         return "One packing of discs was computed, so no interval is known; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
     order = ""
@@ -270,14 +270,14 @@ def _interval(results: Results) -> str:
     if random is not None and random.rising is not None and weaker:
         on = {0: "none", count: "each"}.get(random.rising, str(random.rising))
         order = f" On {on} of them each case slides further than the case before."
-    return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(told)}.{order}"
+    return f"On {count} random packings {fail_alike(results)} the largest slide is {listed(phrases)}.{order}"
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float]) -> str:
     """A slide on several packings: its mean, and how far packings differ, where that is more than its digits."""
-    told = [span(values)] if span(values) != about([mean]) else []
-    told += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
-    return about([mean]) + (f" ({'; '.join(told)})" if told else "")
+    phrases = [span(values)] if span(values) != about([mean]) else []
+    phrases += [f"mean of all packings {span(interval)} with 95 %"] if span(interval) != about([mean]) else []
+    return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
 
 
 def _disagreement(results: Results) -> Iterator[str]:
@@ -289,11 +289,11 @@ def _disagreement(results: Results) -> Iterator[str]:
     values = [*discs, *points, *observed, *blocks]
     if not discs or values == discs or max(values) <= DISAGREE * min(values):
         return
-    told = [f"discs {span(discs)}"]
-    told += [f"material points {span(points)}"] if points else []
-    told += [f"regression over observed slides {span(observed)}"] if observed else []
-    told += [f"rigid block on the slip surface {span(blocks)}"] if blocks else []
-    yield f"The methods differ by more than a factor of three: {listed(told)}."
+    phrases = [f"discs {span(discs)}"]
+    phrases += [f"material points {span(points)}"] if points else []
+    phrases += [f"regression over observed slides {span(observed)}"] if observed else []
+    phrases += [f"rigid block on the slip surface {span(blocks)}"] if blocks else []
+    yield f"The methods differ by more than a factor of three: {listed(phrases)}."
     if blocks:
         yield "The rigid block has the strength before liquefaction, so it does not predict slides after it."
     if observed:
@@ -312,12 +312,12 @@ def _measured(results: Results) -> Iterator[str]:
     """What was measured, beside the discs: at the same place where that is given, else with their largest slide."""
     _, cases = results.case_set()
     for one in results.config.report.observed if cases else ():
-        told = f"The measured displacement is {one.displacement:.3g} m ({one.name})"
+        phrase = f"The measured displacement is {one.displacement:.3g} m ({one.name})"
         there = results.slides_at(one.x)
         where = "at most" if there is None else f"there, at x = {one.x:g} m,"
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
         numbers = listed([f"{max(slide, 0.0):.2g} m" for slide in slides])
-        yield f"{told}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
+        yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
 
 
 def _displacements(results: Results, kind: Kind) -> list[float]:

@@ -51,15 +51,15 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     if not fem.has_kc:
         least = coefficient(fem.kc_lower)
         if fem.verdict == "no failure":
-            told = _("The section stands at every Kh up to {kh}, where the search ended.", kh=least)
-            return HeadlinePart(name=name, value=f"> {least}", interval="", conclusion=told)
-        told = _("The critical Kh was not found: {reason}.", reason=fem.reason)
-        return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=told)
+            phrase = _("The section stands at every Kh up to {kh}, where the search ended.", kh=least)
+            return HeadlinePart(name=name, value=f"> {least}", interval="", conclusion=phrase)
+        phrase = _("The critical Kh was not found: {reason}.", reason=fem.reason)
+        return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=phrase)
     error = accuracy(results, fem)
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(FLOW[fem.flow]))
     if error is not None and fem.kc > CONTRADICTED * error.high:
         return _contradicted(fem, error, conditions, _)
-    told = _(
+    phrase = _(
         "The section fails {direction}, to the {side}, at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
         direction=_(DIRECTION[fem.direction]),
         side=_(fem.towards),
@@ -68,16 +68,16 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         conditions=conditions,
     )
     if fem.davis is not None and fem.flow == "associated":
-        told += " " + _(
+        phrase += " " + _(
             "With Davis reduced strength, a low estimate for soil that dilates less, it is {kc}.",
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
         )
-    return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=told)
+    return HeadlinePart(name=name, value=coefficient(fem.kc), interval=_interval(error, _), conclusion=phrase)
 
 
 def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
     """The critical Kh where strict bounds say that it is smaller than the finite elements have it."""
-    told = _(
+    phrase = _(
         "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
         "limit ({conditions}).",
         high=coefficient(error.high),
@@ -85,7 +85,7 @@ def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) ->
         conditions=conditions,
     )
     value = f"≤ {coefficient(error.high)}"
-    return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=told)
+    return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=phrase)
 
 
 def _interval(error: Accuracy | None, _: Texts) -> str:
@@ -102,24 +102,24 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     found = next((one for one in fem.safety_factors if one.kh == 0.0), None) if fem is not None else None
     entry = results.no_answer("fem")
     if entry is not None:
-        told = _("No factor of safety: {reason}.", reason=entry.reason)
-        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+        phrase = _("No factor of safety: {reason}.", reason=entry.reason)
+        return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if fem is None or found is None:
-        told = _("No factor of safety was computed; fem.safety_factors = [0] asks for one.")
-        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+        phrase = _("No factor of safety was computed; fem.safety_factors = [0] asks for one.")
+        return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if found.verdict == "no failure":
-        told = _(
+        phrase = _(
             "Without shaking the section stands with its strength divided by {factor}.", factor=f"{found.factor:.2f}"
         )
-        return HeadlinePart(name=name, value=f"> {found.factor:.2f}", interval="", conclusion=told)
+        return HeadlinePart(name=name, value=f"> {found.factor:.2f}", interval="", conclusion=phrase)
     word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
     if found.factor < 1.0:
         word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
-    told = _(word, factor=f"{found.factor:.2f}", flow=_(FLOW[fem.flow]))
+    phrase = _(word, factor=f"{found.factor:.2f}", flow=_(FLOW[fem.flow]))
     if found.davis is not None:
-        told += " " + _("With Davis reduced strength it is {factor}.", factor=f"{found.davis:.2f}")
+        phrase += " " + _("With Davis reduced strength it is {factor}.", factor=f"{found.davis:.2f}")
     return HeadlinePart(
-        name=name, value=f"{found.factor:.2f}", interval=_of_safety(results, fem, found, _), conclusion=told
+        name=name, value=f"{found.factor:.2f}", interval=_of_safety(results, fem, found, _), conclusion=phrase
     )
 
 
@@ -142,15 +142,15 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     if not cases and not points:
         if not results.config.section.liquefies:
-            told = _("No layer of the section liquefies, so no slide was computed.")
-            return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+            phrase = _("No layer of the section liquefies, so no slide was computed.")
+            return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
         entry = results.no_answer("calibrate") or results.no_answer("slide")
         reason = entry.reason if entry is not None else _("the slides were not computed")
-        told = _("The slide after liquefaction is not known: {reason}.", reason=reason)
-        return HeadlinePart(name=name, value="–", interval="", conclusion=told)
+        phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
+        return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     by = [_("{slide} by calibrated discs", slide=_span(cases))] if cases else []
     by += [_("{slide} by material points", slide=_span(points))] if points else []
-    told = _(
+    phrase = _(
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} ({count} cases) and {end}.",
         layers=_.listed([spoken(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in]),
         shaking=_.sentence(results.config.slide.shaking),
@@ -159,7 +159,7 @@ def _slide(results: Results, _: Texts) -> HeadlinePart:
         end=_end([*cases.values(), *points.values()], _),
     )
     value = _span({**cases, **{-number: point for number, point in points.items()}})
-    return HeadlinePart(name=name, value=value, interval=_of_slides(results, cases or points, _), conclusion=told)
+    return HeadlinePart(name=name, value=value, interval=_of_slides(results, cases or points, _), conclusion=phrase)
 
 
 Slides = Mapping[int, CaseAnswer] | Mapping[int, PointCase] | Mapping[int, CaseAnswer | PointCase]

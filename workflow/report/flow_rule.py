@@ -47,15 +47,15 @@ def with_flow(value: float, flow: Flow, beside: float | None, estimate: str, sho
     """
     match flow:
         case "associated":
-            told = f"{shown(value)} with ψ = φ"
-            return told if beside is None else f"{told}; {estimate}, which is no bound: {_low(beside, shown)}"
+            phrase = f"{shown(value)} with ψ = φ"
+            return phrase if beside is None else f"{phrase}; {estimate}, which is no bound: {_low(beside, shown)}"
         case "davis":
-            told = f"{shown(value)} by {estimate}, which is no bound"
+            phrase = f"{shown(value)} by {estimate}, which is no bound"
         case "section":
-            told = f"{shown(value)} with ψ as given on a non-associated path"
+            phrase = f"{shown(value)} with ψ as given on a non-associated path"
         case _:
             assert_never(flow)
-    return told if beside is None else f"{told}; with ψ = φ: {shown(beside)}"
+    return phrase if beside is None else f"{phrase}; with ψ = φ: {shown(beside)}"
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:

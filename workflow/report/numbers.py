@@ -42,8 +42,8 @@ def rough(value: float) -> float:
 
 def about(lengths: Sequence[float]) -> str:
     """Lengths (m) in a sentence: 40, 19 and 7 m, or one of them where all come to the same."""
-    told = [_plain(rough(max(value, 0.0))) for value in lengths]
-    return f"{listed(told if len(set(told)) > 1 else told[:1])} m"
+    phrases = [_plain(rough(max(value, 0.0))) for value in lengths]
+    return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
 
 
 def span(lengths: Sequence[float]) -> str:

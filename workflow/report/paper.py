@@ -96,16 +96,16 @@ def _fem(results: Results) -> Iterator[PaperRow]:
 def _stands(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
-    told = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
-    return PaperRow(row.quantity, row.paper, row.where, told, stands and max(shares.values()) >= AT_FAILURE,
+    phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
+    return PaperRow(row.quantity, row.paper, row.where, phrase, stands and max(shares.values()) >= AT_FAILURE,
                f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on")  # fmt: skip
 
 
 def _past(row: PaperRow, state: KeptState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
-    told = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
+    phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    return PaperRow(row.quantity, row.paper, row.where, told, state.past_equilibrium and reaches,
+    return PaperRow(row.quantity, row.paper, row.where, phrase, state.past_equilibrium and reaches,
                f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure")  # fmt: skip
 
 
@@ -211,8 +211,8 @@ def _uphill_only(config: Section, case: CaseAnswer) -> tuple[str, bool]:
     left, right = config.extent
     middle = 0.5 * (left + right)
     at = case.slide_max_at_x_m
-    told = f"{100 * case.slides_over_share:.0f} % of the surface, most at x = {at:.0f} m"
-    return told, at <= middle and case.slides_over_share <= 0.5
+    phrase = f"{100 * case.slides_over_share:.0f} % of the surface, most at x = {at:.0f} m"
+    return phrase, at <= middle and case.slides_over_share <= 0.5
 
 
 def _measured(results: Results) -> PaperRow:
@@ -221,17 +221,17 @@ def _measured(results: Results) -> PaperRow:
     row = PaperRow("slide measured in the field", "about 3 m", "Figs 4 and 5", _absent(results, "slide"), None)
     if not slides:
         return row
-    told = f"{min(slides):.1f} to {max(slides):.1f} m in cases 2 and 3"
+    phrase = f"{min(slides):.1f} to {max(slides):.1f} m in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
-    return PaperRow(row.quantity, row.paper, row.where, told, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
+    return PaperRow(row.quantity, row.paper, row.where, phrase, agrees, f"{SECTION}; and so are cases and Kh = 0.1")
 
 
 def _smooth() -> PaperRow:
     plane = SmoothPlane(math.radians(SLOPE_DEG))
-    told = (
+    phrase = (
         f"{plane.acceleration:.2f} m/s²; {plane.speed(9.0):.1f} m/s after 9 s (but then {plane.distance(9.0):.0f} m; "
         f"3 m take {plane.time_for(3.0):.1f} s)"
     )
     agrees = round(plane.acceleration, 2) == 0.44 and abs(plane.speed(9.0) - 4.0) <= 0.1
-    return PaperRow("block on a smooth plane of 2.6°", "0.44 m/s²; 4 m/s and 3 m after 9 s", "Sec. 5", told, agrees,
+    return PaperRow("block on a smooth plane of 2.6°", "0.44 m/s²; 4 m/s and 3 m after 9 s", "Sec. 5", phrase, agrees,
                "its 3 m after 9 s is a slip")  # fmt: skip

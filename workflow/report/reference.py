@@ -104,15 +104,15 @@ def _allowed(field: FieldInfo) -> str:
         return ", ".join(f'"{word}"' for word in dict.fromkeys(words) if word != "")
     if bool in pieces:
         return "true or false"
-    told = [
+    phrases = [
         form.format(getattr(piece, key))
         for kind_of, key, form in BOUNDS
         for piece in pieces
         if isinstance(piece, kind_of)
     ]
-    told += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
+    phrases += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
     whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
-    return " ".join([whole, *dict.fromkeys(told)]).strip()
+    return " ".join([whole, *dict.fromkeys(phrases)]).strip()
 
 
 def markdown() -> str:

@@ -64,18 +64,18 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
         yield f"{title}: {_where(spread, result.samples)}{_strongest(result)}."
         for group in result.groups:
             if group.samples:
-                told = _where(group.spread, group.samples)
-                yield f"{title} where {group.path} is {group.value} ({group.samples}): {told}."
+                phrase = _where(group.spread, group.samples)
+                yield f"{title} where {group.path} is {group.value} ({group.samples}): {phrase}."
     yield from (f"{line}." for one in config.reach.values() for line in one.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 
 
 def _where(spread: Spread, samples: int) -> str:
-    told = f"half of the samples are below {number(spread.median)}"
+    phrase = f"half of the samples are below {number(spread.median)}"
     if spread.low is not None and samples >= FEWEST:
-        told += f", nine of ten between {number(spread.low)} and {number(spread.high)}"
-    return told
+        phrase += f", nine of ten between {number(spread.low)} and {number(spread.high)}"
+    return phrase
 
 
 def _strongest(result: Result) -> str:
@@ -92,8 +92,8 @@ def _strongest(result: Result) -> str:
 def in_words(one: Distribution) -> str:
     """A distribution as people write it."""
     values = ", ".join(str(value) for value in getattr(one, one.kind))
-    told = f"{one.kind} {values}" + ("" if one.does == "value" else f", as a {one.does}")
-    return told + (f", between {one.between[0]} and {one.between[1]}" if one.between else "")
+    phrase = f"{one.kind} {values}" + ("" if one.does == "value" else f", as a {one.does}")
+    return phrase + (f", between {one.between[0]} and {one.between[1]}" if one.between else "")
 
 
 def _row(result: Result) -> list[str]:

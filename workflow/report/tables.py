@@ -60,8 +60,8 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
 
 def source_of(section: Section, stratum: Stratum) -> str:
     """Where the parameters of a stratum come from: its description, and whether the ground is a reconstruction."""
-    told = [stratum.description or FILE]
-    return "; ".join([*told, *(["reconstruction"] if section.reconstruction else [])])
+    phrases = [stratum.description or FILE]
+    return "; ".join([*phrases, *(["reconstruction"] if section.reconstruction else [])])
 
 
 def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
@@ -79,10 +79,10 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         yield "shaking of the slides", config.slide.shaking, by
     heads = [name for name, _ in case_heads(config)]
     for number, names, *left in case_rows(config):
-        told = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
+        phrase = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
         derived = int(number) > len(config.slide.cases)
         called = config.called(int(number))
-        yield called, f"{names}: {told}", "borings ([triggering])" if derived else "slide.cases"
+        yield called, f"{names}: {phrase}", "borings ([triggering])" if derived else "slide.cases"
 
 
 def texts(section: Section) -> list[str]:

@@ -62,8 +62,8 @@ def doubts(results: Results) -> Iterator[tuple[str, str]]:
 
 def _meshes(fem: FemAnswer) -> Iterator[str]:
     """How much hangs on the mesh, as far as it is known."""
-    told = list(meshes_sentences(fem))
-    yield from told or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
+    phrases = list(meshes_sentences(fem))
+    yield from phrases or ["A finer mesh gives less. To see by how much: --set 'variants.which=[\"mesh\"]'."]
 
 
 def _seen(variant: Variant, kc: float | None) -> str:
@@ -116,29 +116,29 @@ def _dilation(fem: FemAnswer) -> str:
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """Whether the critical Kh of the FEM lies inside, where it is one of the same conditions."""
-    told = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
+    phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     doubts = [f"{doubt.what} To do: {doubt.remedy}." for doubt in results.doubts_by_bounds()]
-    return " ".join([told, *(doubts or ["Nothing that the finite elements found contradicts it."])])
+    return " ".join([phrase, *(doubts or ["Nothing that the finite elements found contradicts it."])])
 
 
 def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     """Of the discs; ``several`` packings of them have been computed, or one."""
     model, surfaces = dem.model, dem.slip_surface
-    told = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m."
+    phrase = f"Packing: {model.packing}, {model.elements} discs of {model.radius_m:.3g} m."
     if model.surface_off_mean_m is not None and model.surface_off_worst_m is not None:
-        told += (
+        phrase += (
             f" Before the slide their surface lies {model.surface_off_mean_m:.2f} m from the section's on average, and "
             f"{model.surface_off_worst_m:.2f} m in the worst place."
         )
     if model.packing != "random":
-        told += (
+        phrase += (
             " On a triangular lattice rows must climb over each other, 30° of dilation that no parameter takes away: "
             "the critical Kh is calibrated, the volume change of the lattice is not."
         )
     else:
-        told += f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed packs them differently"
-        told += "." if several else "; --set 'slide.seeds=[1, 2, 3]' says how much that matters."
-    yield "Packing", told
+        phrase += f" Voids take {100.0 * model.porosity:.0f} % of the area. Another seed packs them differently"
+        phrase += "." if several else "; --set 'slide.seeds=[1, 2, 3]' says how much that matters."
+    yield "Packing", phrase
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
         if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:

@@ -173,7 +173,7 @@ def _not_computed(results: Results) -> Iterator[Found]:
 
 def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
     """Every criterion in a sentence, with what decides it."""
-    told = []
+    phrases = []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         its = [part for part in parts if part.criterion == criterion]
         verdict = together(tuple(part.verdict for part in its))
@@ -182,9 +182,9 @@ def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
         why = "" if not worst else f" ({listed([_words(part) for part in worst])})"
         least = "at least" if criterion in AT_LEAST else "at most"
         source = f" [{its[0].source}]" if its[0].source else ""
-        told.append(f"{criterion} {least} {limit_words(its[0])}{source}: {verdict}{why}")
-    if told:
-        yield f"Criteria: {'; '.join(told)}."
+        phrases.append(f"{criterion} {least} {limit_words(its[0])}{source}: {verdict}{why}")
+    if phrases:
+        yield f"Criteria: {'; '.join(phrases)}."
 
 
 def _words(part: VerdictPart) -> str:

@@ -76,8 +76,8 @@ class Answer(Part):
         except ValidationError as error:
             raise OtherVersionError(str(store.folder / cls.FILE), _problems(error)) from None
         if found != cls.VERSION:
-            told = f"version {found} of this file; expected version {cls.VERSION}; run the stage that writes it again"
-            raise OtherVersionError(str(store.folder / cls.FILE), [told])
+            phrase = f"version {found} of this file; expected version {cls.VERSION}; run the stage that writes it again"
+            raise OtherVersionError(str(store.folder / cls.FILE), [phrase])
         return answer
 
     def write(self, store: Store) -> None:
@@ -105,5 +105,5 @@ def line(points: np.ndarray) -> Line:
 
 def _problems(error: ValidationError) -> list[str]:
     """The first few keys that do not fit, each with what was expected."""
-    told = [f"{'.'.join(map(str, one['loc'])) or 'the file'}: {one['msg']}" for one in error.errors()]
-    return [*told[:3], "it was written by another version of the program; run the stage that writes it again"]
+    phrases = [f"{'.'.join(map(str, one['loc'])) or 'the file'}: {one['msg']}" for one in error.errors()]
+    return [*phrases[:3], "it was written by another version of the program; run the stage that writes it again"]

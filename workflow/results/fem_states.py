@@ -44,8 +44,8 @@ class FemResults:
 
     def slip_surface(self, state: State) -> np.ndarray:
         """Points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not fail."""
-        told = next(told for told, one in zip(self.answer.states, self.states, strict=True) if one is state)
-        return np.array(told.slip_surface).reshape(-1, 2)
+        phrase = next(phrase for phrase, one in zip(self.answer.states, self.states, strict=True) if one is state)
+        return np.array(phrase.slip_surface).reshape(-1, 2)
 
 
 def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> State:

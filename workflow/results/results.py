@@ -61,8 +61,8 @@ class Results:
     def of(cls, job: Job) -> "Results":
         """Read what the stages left for this input; results of other inputs are not looked at."""
         record, ends, missing, older = Record(job.store), {}, {}, []
-        told = tuple(stage for stage in job.stages if not stage.of_all)
-        for stage in told:
+        phrase = tuple(stage for stage in job.stages if not stage.of_all)
+        for stage in phrase:
             prints = made_from(stage, job, record)
             entry, why = record[stage.name], changes(stage, prints, record)
             if entry is not None and (not why or (entry.outcome == "part" and entry.inputs == prints)):
@@ -96,7 +96,7 @@ class Results:
             liquefied=left("liquefied", LiquefiedAnswer),
             response=left("response", SiteResponseAnswer),
             mpm=left("mpm", PointSlidesAnswer),
-            stages=told,
+            stages=phrase,
             older=tuple(older),
         )
 
@@ -121,14 +121,14 @@ class Results:
     @property
     def doubts(self) -> list[Doubt]:
         """What contradicts the critical Kh of the FEM, or is to be known beside it."""
-        told = list(self.fem.doubts) if self.fem is not None else []
+        phrase = list(self.fem.doubts) if self.fem is not None else []
         others = [
             Computed(one.change, one.kc, decisive=one.name == "mesh", without=one.kc_without)
             for one in (self.variants.variants if self.variants is not None else ())
             if self.kc and one.kc is not None and one.name in ("mesh", "element")
         ]
         found = of_others(self.kc, others) if self.kc else ()
-        return [*told, *found, *self.doubts_by_bounds()]
+        return [*phrase, *found, *self.doubts_by_bounds()]
 
     def doubts_by_bounds(self) -> list[Doubt]:
         """Where strict bounds contradict the FEM. Those of ψ = φ judge every smaller ψ, too, and upper ones between
