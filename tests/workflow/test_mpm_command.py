@@ -13,6 +13,7 @@ from tests.support import command_line
 from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
+from workflow.run.store import Store
 from workflow.stages.mpm import PointRun, _slid, at_rest
 
 
@@ -31,7 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             layer("stiff", **{**SAND, "cohesion": "50 kPa"}),
         ],
         "slide": {
-            "kh": 0.0, "duration": 12.0, "onset": 1.0, "mpm_cells": 300,
+            "kh": 0.0, "duration": 12.0, "onset": 1.0, "mpm_cells": 300, "frames": 4,
             "cases": [{"residual": 0.5, "name": "much"}, {"residual": 0.01, "name": "little"}],
         },
     }  # fmt: skip
@@ -50,7 +51,9 @@ def test_less_strength_slides_further_and_the_method_says_its_interval(folder: P
         assert case["slide_max_low_m"] <= case["slide_max_m"] <= case["slide_max_high_m"]
         assert abs(case["settlement_crest_m"]) < 3.0
     assert answer["settled_by_m"] < 0.1
-    assert (folder / "figures/mpm.png").stat().st_size > 10_000
+    for picture in ("mpm.png", "mpm_case2.png", "mpm_case2.webp"):
+        assert (folder / "figures" / picture).stat().st_size > 10_000
+    assert len(list((folder / "mpm/case2").glob("frame_*.vtp"))) == 4
 
 
 def test_the_report_has_it_beside_the_discs(folder: Path) -> None:
@@ -78,9 +81,9 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     monkeypatch.setattr("fem.mpm.slide.KEEP", 0.0)
     config = Config.load(folder.parent / "gentle.toml", {"slide": {"duration": 5.0}})
     slider, _ = at_rest(config)
-    checkpoint = tmp_path / "mpm/checkpoint.npz"
+    checkpoint = Store(tmp_path)
 
-    def slid(heard: Tell, where: Path | None) -> PointSlide:
+    def slid(heard: Tell, where: Store | None) -> PointSlide:
         return _slid(PointRun(config, slider, 2, 10.0, where), heard)
 
     def stop(message: tuple[float, float, float]) -> None:

@@ -32,8 +32,9 @@ from workflow.figures.canvas import (
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
 from workflow.results.history import SlideHistory
+from workflow.results.material_points import PointCase
 
-SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2"}
+SPRINGS = {"calibrated": "calibrated springs", "table2": "springs of Table 2", "mpm": "material points"}
 FRAME_WIDTH = 1000  # px
 FRAME_MS = 120
 HOLD_MS = 2000  # the last frame
@@ -118,7 +119,7 @@ def left_by(case: Case) -> str:
     return ", ".join(phrases[:-1]) + " and " * (len(phrases) > 1) + phrases[-1]
 
 
-def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int, out: Path) -> None:
+def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int, out: Path) -> None:
     """Two views of the end, as in Figs 14 to 16: displacement with the surface before and after, and layers."""
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
@@ -131,8 +132,10 @@ def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int,
                 plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
 
     title = f"{name_of(config, springs, number)}: largest slide {case.slide_max_m:.2g} m"
-    soil = config.dem.model == "soil" and springs == "calibrated"
-    kept = left_by(config.cases[number - 1] if soil else Case(stiffness=case.stiffness))
+    left = config.cases[number - 1]
+    if isinstance(case, CaseAnswer) and not (config.dem.model == "soil" and springs == "calibrated"):
+        left = Case(stiffness=case.stiffness)
+    kept = left_by(left)
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
     handles: list[Artist] = [
         Patch(color=soil_colour(k), label=stratum.name)
@@ -151,7 +154,7 @@ def end(config: Config, path: Path, case: CaseAnswer, springs: str, number: int,
     axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
     axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3)
     sheet.show(1, render(window, strata), window, "layers")
-    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); discs beyond the scale have its last colour")
+    sheet.colour_bar(ScalarMappable(norm, FAR), "displacement (m); beyond the scale in its last colour")
     lines = [
         Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),

@@ -76,6 +76,7 @@ CAPTIONS = (
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
     Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
+    Caption(r"mpm_case(\d+)", "slide", "Case {0}, material points."),
     Caption(r"mpm", "slide", "The surface before and after by the material point method.", True),
     Caption(r"history", "slide", "Settlement and slide in time.", True),
     Caption(r"profiles", "slide", "The surface before and after on all random packings: median, and 5 to 95 %.", True),

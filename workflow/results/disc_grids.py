@@ -41,14 +41,14 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
     store.write_grid(name, grid)
 
 
-def write_collection(store: Store, name: str) -> None:
-    """dem/<name>.pvd over the frames of a case, with their times."""
+def write_collection(store: Store, name: str, folder: str = "dem") -> None:
+    """<folder>/<name>.pvd over the frames of a case, with their times."""
     states = [
-        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix("dem/"))
-        for file in frames(store, name).values()
+        (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix(f"{folder}/"))
+        for file in frames(store, name, folder).values()
     ]
     if states:
-        store.write_collection(f"dem/{name}.pvd", states)
+        store.write_collection(f"{folder}/{name}.pvd", states)
 
 
 def case_name(springs: str, number: int) -> str:
@@ -56,12 +56,12 @@ def case_name(springs: str, number: int) -> str:
     return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
 
 
-def frame_file(name: str, number: int) -> str:
+def frame_file(name: str, number: int, folder: str = "dem") -> str:
     """The file of a state of a case."""
-    return f"dem/{name}/frame_{number:03d}.vtp"
+    return f"{folder}/{name}/frame_{number:03d}.vtp"
 
 
-def frames(store: Store, name: str) -> dict[int, str]:
+def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
     """The files of a case by their numbers, in time."""
-    files = store.matching([f"dem/{name}/frame_*.vtp"])
+    files = store.matching([f"{folder}/{name}/frame_*.vtp"])
     return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))

@@ -1,6 +1,7 @@
 """The stage `mpm`: every case of liquefaction by the material point method, a second opinion beside the discs."""
 
 import copy
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +12,10 @@ from meshes.executor import Tell
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
+from workflow.results.disc_grids import frame_file, frames, write_collection
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage
+from workflow.run.store import Store
 from workflow.stages.liquefaction import liquefying, taken
 
 if TYPE_CHECKING:
@@ -20,8 +23,10 @@ if TYPE_CHECKING:
     from fem.mpm import PointSlide, PointSlider, SlideProgramme
     from fem.search.liquefied_ground import Remains
 
+FOLDER = "mpm"  # of its files
 LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
 DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
+TINY = 1e-6  # s: sums of steps are off by less
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 
@@ -33,7 +38,13 @@ class PointRun:
     slider: "PointSlider"
     number: int
     decay: float
-    checkpoint: Path | None = None
+    store: Store | None = None
+
+    @property
+    def checkpoint(self) -> Path | None:
+        """From which it goes on after a stop."""
+        name = f"mpm/checkpoint_{self.number}_{self.decay:g}.npz"
+        return None if self.store is None else self.store.folder / name
 
 
 def work(job: Job) -> None:
@@ -51,12 +62,7 @@ def work(job: Job) -> None:
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
-    kept = job.store.folder
-    runs = [
-        PointRun(config, slider, number, decay, kept / f"mpm/checkpoint_{number}_{decay:g}.npz")
-        for number in wanted
-        for decay in DECAYS
-    ]
+    runs = [PointRun(config, slider, number, decay, job.store) for number in wanted for decay in DECAYS]
     shares = [0.0] * len(runs)
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
@@ -77,18 +83,34 @@ def work(job: Job) -> None:
             for place, number in enumerate(wanted)
         },
     ).write(job.store)
-    job.store.remove(job.store.matching(STAGE.leftovers))
+    job.store.remove(job.store.matching(["mpm/checkpoint_*"]))
+    for number in wanted:
+        write_collection(job.store, f"case{number}", FOLDER)
     draw(job)
 
 
 def draw(job: Job) -> None:
-    """Draw the surface of every case before and after, beside that of the discs where there is one."""
+    """Draw the surface of every case before and after, every case at its end, and its animation."""
     from workflow.figures.material_points import profiles
 
-    answer = PointSlidesAnswer.read(job.store)
+    config, store, answer = job.config, job.store, PointSlidesAnswer.read(job.store)
     if answer.cases:
-        with job.store.writing("figures/mpm.png") as path:
-            profiles(job.config, answer, path)
+        with store.writing("figures/mpm.png") as path:
+            profiles(config, answer, path)
+    job.executor.compute(_drawn, [(config, store, number, case) for number, case in answer.cases.items()])
+
+
+def _drawn(wanted: tuple[Config, Store, int, PointCase], _: Tell) -> None:
+    """The picture of a case at its end, and its animation, from its frames."""
+    from workflow.figures.slides import animate, end
+
+    config, store, number, case = wanted
+    states = [store.folder / file for file in frames(store, f"case{number}", FOLDER).values()]
+    if states:
+        with store.writing(f"figures/mpm_case{number}.png") as path:
+            end(config, states[-1], case, "mpm", number, path)
+        with store.writing(f"figures/mpm_case{number}.webp") as path:
+            animate(config, states, "mpm", number, path)
 
 
 def at_rest(config: Config) -> "tuple[PointSlider, float]":
@@ -131,12 +153,27 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
 
 def _slid(run: PointRun, tell: Tell) -> "PointSlide":
     """A slide; tells the share of its time that is done, the time (s) and the largest slide (m)."""
-    programme = programme_of(run.config, run.number)
+    from fem.mpm.slide import DECAYS, LOOK
+
+    programme, slider = programme_of(run.config, run.number), copy.deepcopy(run.slider)
+    every = max(programme.duration / (run.config.slide.frames - 1), LOOK)
+    films = run.store if run.decay == DECAYS[0] else None
+
+    def frame(number: int) -> None:
+        from workflow.results.point_grids import write_points
+
+        if films is not None:
+            write_points(films, frame_file(f"case{run.number}", number, FOLDER), slider)
 
     def look(time: float, slide: np.ndarray) -> None:
         tell((min(time / programme.duration, 1.0), time, float(slide.max())))
+        if (time + TINY) % every < LOOK - TINY:
+            frame(int((time + TINY) / every))
 
-    return copy.deepcopy(run.slider).run(programme, look, run.decay, run.checkpoint)
+    frame(0)
+    found = slider.run(programme, look, run.decay, run.checkpoint)
+    frame(math.ceil((slider.engine.time - LOOK) / every))  # the last one, if it is as late
+    return found
 
 
 def _remains(section: Section, case: "Case", stratum: int) -> "Remains":
@@ -224,14 +261,15 @@ STAGE = Stage(
     needs=("mesh",),
     reads=(
         "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.accelerogram", "slide.unit",
-        "slide.scale", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration", "slide.mpm_cells",
+        "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
+        "slide.mpm_cells",
     ),
     takes=taken,
     beside=("mesh",),
-    results=(PointSlidesAnswer.FILE,),
+    results=(PointSlidesAnswer.FILE, "mpm/case*.pvd", "mpm/case*/*.vtp"),
     read=PointSlidesAnswer.read,
-    pictures=("figures/mpm.png",),
-    leftovers=("mpm/checkpoint_*",),
+    pictures=("figures/mpm*.png", "figures/mpm*.webp"),
+    leftovers=("mpm/checkpoint_*", "mpm/case*", "mpm/case*/*"),
     partial=lambda job: job.cases is not None,
     wanted=lambda config: "mpm" in config.slide.judges and config.section.liquefies,
 )  # fmt: skip
