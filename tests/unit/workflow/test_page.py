@@ -13,11 +13,13 @@ from tests.support import SECTIONS, TOP, dem_fixture
 from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.summary import summary
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
+from workflow.results.summary import Summary
 
 
 def html(found: Results) -> str:
@@ -118,3 +120,25 @@ def test_no_markup_of_a_template_stands_raw_in_a_page() -> None:
         for text in re.findall(r'"[^"]*<[a-z]+>[^"]*"(?!\)?\s*\|\s*safe)', "".join(expression))
     ]
     assert raw == []
+
+
+def test_a_summary_with_warnings_as_sentences_is_still_read(s13: Config) -> None:
+    """Runs of version 0.1 are compared with those of today."""
+    today = summary(whole(s13), 0.0)
+    old = today.model_dump(mode="json", exclude={"warnings", "headlines", "findings"}) | {
+        "doubtful": ["The base is near."]
+    }
+    read = Summary.model_validate(old)
+    assert [(one.weight, one.what) for one in read.warnings] == [(2, "The base is near.")]
+    assert read.in_short == today.in_short
+
+
+def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
+    """With the line of the report and that of the folder."""
+    found = summary(whole(s13), 0.0)
+    lines = run_lines(found)
+    assert len(lines) <= 10
+    assert lines[0].startswith("critical Kh: 0.2")
+    many = found.model_copy(update={"warnings": found.warnings * 10})
+    assert len(run_lines(many)) <= 10
+    assert run_lines(many)[-1].endswith("more warnings stand in the report.")
