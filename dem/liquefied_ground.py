@@ -18,6 +18,7 @@ from dem.kernels.liquefied_pairs import (
     FITTED,
     FORCE_X,
     FORCE_Z,
+    FRESH,
     MEMORY,
     NOW,
     PRESSURE,
@@ -128,6 +129,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         here = new & (model.layer == k)
         wet[here, STIFFNESS] = WATER * float(onset.pressure[here].mean())
     list_liquefied(model)
+    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], FRESH] = 1.0
     density = _densities(model)
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)

@@ -80,7 +80,7 @@ class DiscState:
         What liquefied discs have, see `kernels.liquefied_pairs`; (0, FIELDS) before anything has liquefied.
     liquefied_i, liquefied_j : (wide pairs,) int32
         Pairs with a liquefied disc within the reach of its pore water, sorted in space.
-    bonds : (wide pairs, 5)
+    bonds : (wide pairs, 8)
         What they remember.
     reach : float
         Of the pore water's kernel (m), 0 before anything has liquefied.

@@ -10,6 +10,8 @@ Two laws of pairs, for every pair with a liquefied disc that is nearer than the 
 2. Residual strength. An elastic-plastic bond between the centres resists both parts of their relative motion, no more
    together than c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij is the
    same whatever the packing, and so is the shear stress of ground that slips: s. Its stiffness is c_ij/(gamma r).
+   Bonds that are there from the onset hold 1 + FIRST times as much until they have slipped: discs which lose their
+   contacts find other places, and until the slip has turned all bonds its way those at their limit add up to 0.77 s.
 
 A disc that has not liquefied, or is fixed, takes the place of the other half: both sums are those of the liquefied
 disc, twice. All is looked at every few steps, where discs will be in the middle of these, and held meanwhile. Sums over
@@ -42,8 +44,11 @@ ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record o
 # far its strength is mobilised, along and across (pull and slip positive, 1 together at most); the same of the spring
 # behind its dashpot; twice the energy that the bond stores at its limit (J); force besides (N).
 LANES = 64
-MEMORY = 7
-ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS = (np.uint64(k * LANES) for k in range(MEMORY))
+MEMORY = 8
+FRESH = 7
+ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS, LEFT = (
+    np.uint64(k * LANES) for k in range(MEMORY)
+)
 REMEMBERED = np.uint64(MEMORY * LANES)
 
 # What is worked out for a pair: where the second disc is from the first and how it moves (m, m/s), where it was at the
@@ -64,6 +69,8 @@ FAR = 1e6  # reaches: how far apart lanes without a pair count
 
 RELAXES = 0.1  # s, in which the spring behind the dashpot of a bond gives way: ground at rest swings at 5 to 20 rad/s
 BEHIND = 0.5  # stiffness of that spring over the bond's
+FIRST = 0.3  # 1/0.77 - 1: what a bond holds beyond its strength before it slips
+SOON = 0.02  # shear strain past its limit in which that goes down to 1/e
 FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
 LESS = 1e-12  # of a reach: what S is at least
 
@@ -288,10 +295,17 @@ def press_pairs(
         strength = 0.5 * math.pi * FITTED * factor * w[q + HELD] * bond_kernel(inside, reach)
         room = 0.5 * factor * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
         stretch, slip = w[q + STRETCH], w[q + SLIP]
+        fresh = memory[r + LEFT]
+        more = 1.0 + FIRST * fresh
+        strength, room = more * strength, more * room
         along, across = memory[r + ALONG], memory[r + ACROSS]
         inverse = here / room
         tried_along, tried_across = along + stretch * inverse, across + slip * inverse
         new_along, new_across = mobilised(tried_along, tried_across)
+        past = math.sqrt((tried_along - new_along) ** 2 + (tried_across - new_across) ** 2)
+        left = here * fresh * math.exp(-past * room / (SOON * inside))
+        gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
+        here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
         if booked:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
@@ -300,7 +314,11 @@ def press_pairs(
             weaker = 0.5 * (memory[r + YIELD] - energy) * (along * along + across * across)
             cut = (along + new_along) * (tried_along - new_along) + (across + new_across) * (tried_across - new_across)
             slid = both(slid, weaker + 0.5 * energy * cut)
-            memory[r + YIELD] = energy
+            yields = energy / (gain * gain)
+            held = energy * (new_along * new_along + new_across * new_across)
+            slid = both(slid, 0.5 * (held - yields * (here_along * here_along + here_across * here_across)))
+            memory[r + YIELD] = yields
+        memory[r + LEFT] = left
         late_along, late_across = mobilised(
             kept * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
             kept * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
@@ -312,7 +330,7 @@ def press_pairs(
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
         # beyond the reach strength has gone to nothing, and is forgotten
-        memory[r + ALONG], memory[r + ACROSS] = here * new_along, here * new_across
+        memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
         memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across
         memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
         if booked:
