@@ -44,6 +44,13 @@ def test_a_short_column_is_predicted_as_it_was_recorded() -> None:
     assert found.values[0] == pytest.approx(RECORDED["column_33_050"].values[0], abs=0.1)
 
 
+def test_liquefied_ground_holds_at_nine_tenths_of_its_yield_coefficient() -> None:
+    """Newmark (1965): nothing moves; the first packing comes 0.05 m (1.0 m without FIRST)."""
+    found = predict(CASES["endless_ratio_20_90"], 1)
+    assert not found.failure
+    assert abs(found.values[0]) < 0.2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.known.group != "field"])
 def test_theory_and_experiments_are_met_within_a_factor_of_three(name: str) -> None:
