@@ -7,10 +7,20 @@ from hypothesis import strategies as st
 
 from fem.kernels import material_points as kernel
 from fem.kernels import mohr_coulomb
-from fem.mpm import BackgroundGrid, MaterialPointEngine, MaterialPoints, PointSoil
+from fem.mpm import (
+    BackgroundGrid,
+    MaterialPointEngine,
+    MaterialPoints,
+    PointSlider,
+    PointSoil,
+    SlideProgramme,
+    ground_of,
+)
 from fem.mpm.slide import DECAYS
 from meshes.section.quantity import GRAVITY
+from tests.support import SECTIONS
 from tests.support.material_points import EndlessSlope, column, front, lattice
+from workflow.config import Config
 
 DENSITY = 1800.0
 
@@ -167,3 +177,20 @@ def test_ground_without_strength_creates_no_energy(decay: float) -> None:
     energy = engine.energy
     assert energy.kinetic > 0.5 * energy.external
     assert -0.005 < energy.imbalance_share < 0.15
+
+
+@pytest.mark.parametrize(("times", "low", "high"), [(0.97, 0.0, 0.2), (1.03, 0.5, 2.0)])
+def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(times: float, low: float, high: float) -> None:
+    """slope_2to1 between fixed sides fails at Kh = 0.348 (ψ = φ; `noshiro fem --sides fixed`): 3 % less moves it by
+    what it yields before, 3 % more until it lies flatter (m)."""
+    section = Config.load(SECTIONS / "slope_2to1.toml").section
+    slider = PointSlider(ground_of(section, 400), 1)
+    slider.settle()
+    kh = 0.348 * times
+
+    def push(time: np.ndarray) -> np.ndarray:
+        return kh * GRAVITY * (0.5 - 0.5 * np.cos(np.pi * np.clip(time / 4.0, 0.0, 1.0)))
+
+    slide = slider.run(SlideProgramme(push, {}, {}, 1.0, 4.0, 14.0))
+    assert low < slide.slide_max < high
+    assert abs(slide.energy_lost_share) < 0.005
