@@ -20,6 +20,7 @@ from fem.mpm.slide import DECAYS
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.material_points import EndlessSlope, column, front, lattice
+from tests.support.sections import slope
 from workflow.config import Config
 
 DENSITY = 1800.0
@@ -194,3 +195,12 @@ def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(times: float, 
     slide = slider.run(SlideProgramme(push, {}, {}, 1.0, 4.0, 14.0))
     assert low < slide.slide_max < high
     assert abs(slide.energy_lost_share) < 0.005
+
+
+def test_surcharges_weigh_on_the_surface_and_shake_with_their_share() -> None:
+    data = {**slope(), "surcharges": [{"from": 2.0, "to": 8.0, "pressure": "20 kPa", "seismic_share": 0.5}]}
+    bare, loaded = (ground_of(Config.parse(each).section, 600).points for each in (slope(), data))
+    weights = [(points.mass * points.properties[:, kernel.HEAVY]).sum() * GRAVITY for points in (bare, loaded)]
+    assert weights[1] - weights[0] == pytest.approx(6.0 * 20e3, rel=0.1)  # whole columns of points
+    assert (loaded.mass.sum() - bare.mass.sum()) * GRAVITY == pytest.approx(0.5 * (weights[1] - weights[0]))
+    assert (bare.stress[:, 1] - loaded.stress[:, 1]).max() == pytest.approx(20e3)
