@@ -40,6 +40,12 @@ def as_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layer
     return [names[k] for k in tops], whole
 
 
+def uncut(strata: Sequence[Stratum]) -> list[Stratum]:
+    """The lower parts alone of strata that water has cut in two: these end where the whole ones do."""
+    names = [stratum.name for stratum in strata]
+    return [s for k, s in enumerate(strata) if k + 1 == len(names) or names[k + 1] != s.name + BELOW_WATER]
+
+
 def by_stratum(values: Mapping[str, Value], name: str) -> Value | None:
     """What is set for a stratum by name; a part that water cut off has what is set for the whole of it."""
     return values.get(name, values.get(name.removesuffix(BELOW_WATER)))

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from meshes.section.cutting import BELOW_WATER, Halves, halves, in_file
 from meshes.section.layering import Layering
 from meshes.section.model import Model
+from meshes.section.polyline import level_at
 from meshes.section.quantity import GRAVITY
 from meshes.section.ranges import Range, sentence, within
 from meshes.section.stratum import MISSING_DENSITY, Stratum
@@ -113,10 +114,10 @@ def _area(parts: Halves, part: int) -> float:
 def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
     """A sentence if water stands on the ground (n, 2) and its surface, the ``table`` (n, 2), is not level there."""
     x = np.union1d(ground[:, 0], table[:, 0])
-    level = np.interp(x, *table.T)
-    under = level - np.interp(x, *ground.T) > LEVEL
-    both = under[1:] & under[:-1]
-    falls = np.abs(np.diff(level)) > LEVEL
+    middle, height = 0.5 * (x[1:] + x[:-1]), np.interp(x, *ground.T)
+    ends = np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])])
+    both = (ends - np.array([height[:-1], height[1:]]) > LEVEL).all(axis=0)
+    falls = np.abs(ends[1] - ends[0]) > LEVEL
     if (both & falls).any():
         at = x[:-1][both & falls][0]
         yield f"water: it stands on the ground at x = {at:g} m and its surface is not level there"

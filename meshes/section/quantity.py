@@ -167,6 +167,7 @@ UNIT_WEIGHT = Kind(
     limits=" above 0",
     times_gravity=True,
 )
+PERMEABILITY = Kind("a permeability", "m/s", '"1e-5 m/s"', minimum=0.0, minimum_allowed=False, limits=" above 0")
 RATIO = Kind("a ratio", "", "0.3", minimum=0.0, limits=" of 0 or more")
 ANGLE = Kind("an angle", "rad", '"35 deg"', minimum=0.0, maximum=math.pi / 2, limits=" from 0 to below 90 deg")
 POISSON = Kind("a Poisson's ratio", "", "0.33", minimum=0.0, maximum=0.5, limits=" from 0 to below 0.5")
@@ -179,6 +180,7 @@ Strength = _field(STRENGTH)
 Density = _field(DENSITY)
 Gradient = _field(GRADIENT)
 UnitWeight = _field(UNIT_WEIGHT)
+Permeability = _field(PERMEABILITY)
 Ratio = _field(RATIO)
 Angle = _field(ANGLE)
 PoissonsRatio = _field(POISSON)

@@ -3,6 +3,7 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -14,15 +15,19 @@ from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationErro
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
-from meshes.section.cutting import cut, in_file
+from meshes.section.cutting import cut, in_file, uncut
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
+from meshes.section.flow import seepage_of
+from meshes.section.flow_grid import Wall
+from meshes.section.geometry_problems import geometry_problems
 from meshes.section.growth import growth_problems
-from meshes.section.layering import Layering, Layers, above_ground, layering
+from meshes.section.layering import Layering, Layers, layering
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
 from meshes.section.plausibility import against_the_water, implausible, implausible_as_written, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
+from meshes.section.seepage import Seepage
 from meshes.section.sentences import sentences
 from meshes.section.stratum import Stratum
 from meshes.section.structure import Structure, structure_problems
@@ -31,11 +36,7 @@ from meshes.section.surface_loads import SurfaceLoads
 from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
-from meshes.section.water_problems import surcharge_problems, water_problems
-
-# The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
-# the pen, and neither a mesh nor a picture comes of it.
-NARROWEST, LONGEST = 1e-3, 1000.0
+from meshes.section.water_problems import cutoff_problems, surcharge_problems, water_problems
 
 
 class Section(Model):
@@ -74,6 +75,7 @@ class Section(Model):
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
 
     _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
+    _seepage: Seepage | None = PrivateAttr(default=None)  # found once, for all sections that derive from this one
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -81,13 +83,15 @@ class Section(Model):
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
-        problems += _geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
+        problems += geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
         if not self.unusual:
             problems += implausible(self.strata, self.water, self.surcharges)
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
             problems += structure_problems(self.structures, self.given_extent)
+        if not problems and self.water is not None and self.water.cutoffs:
+            problems += cutoff_problems(self.water.cutoffs, self.layering)
         if not problems and any(stratum.cohesion_increase for stratum in self.strata):
             problems += growth_problems(self.strata, self.layering)
         if problems:
@@ -110,8 +114,8 @@ class Section(Model):
     def _layers(self) -> Layers:
         return self._layers_with(())
 
-    def _layers_with(self, more: Iterable[float]) -> Layers:
-        bottoms = [stratum.bottom for stratum in self.strata]
+    def _layers_with(self, more: Iterable[float], strata: Sequence[Stratum] | None = None) -> Layers:
+        bottoms = [stratum.bottom for stratum in (self.strata if strata is None else strata)]
         base, ends = self.base, [x for load in self.surcharges for x in (load.start, load.end)]
         if (past := self._continuation) is not None:
             base, bottoms = past.line(base), [bottom and past.line(bottom) for bottom in bottoms]
@@ -139,9 +143,12 @@ class Section(Model):
         told += [f"geometry: {text}" for text in self._layers.notices]
         told += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
-        told += against_the_water(self.layering, self.strata, drawn, self.water_pressure.before)
+        table = self.water_pressure.before if self.water_pressure.flow is None else self.water_points()
+        told += against_the_water(self.layering, self.strata, drawn, table)
         if self.water_pressure.after is not None:
             told += not_level(self.ground, self.water_pressure.after)
+        if self.water_pressure.flow is not None:
+            told.append(f"water, flow: {self.water_pressure.flow.words}")
         told += [self.uplift.words] if self.uplift else []
         names = [stratum.name for stratum in self.strata]
         told += [f"{in_file(names, k)}: its cohesion grows with depth; discs have that of its middle throughout"
@@ -199,6 +206,8 @@ class Section(Model):
 
     def water_points(self) -> np.ndarray | None:
         """The water table (before a drawdown) as elevations (n, 2) in metres, or None."""
+        if (flow := self.water_pressure.flow) is not None:
+            return flow.water_line
         table = self.water_table if self.water is None else self.water.table
         return None if table is None else self.elevations_of(table)
 
@@ -212,9 +221,18 @@ class Section(Model):
             before if s.piezometric_level is None else self.elevations_of(s.piezometric_level) for s in self.strata
         ]
         normal = water.head == "normal"
-        return WaterPressure(
+        found = WaterPressure(
             self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard
         )
+        return self._with_flow(found) if water.flow else found
+
+    def _with_flow(self, still: WaterPressure) -> WaterPressure:
+        """The same water where it flows; in the strata of the file, whether or not its phreatic line has cut them."""
+        if self._seepage is None:
+            whole = uncut(self.strata)
+            walls = [] if self.water is None else [Wall(wall.x, wall.bottom) for wall in self.water.cutoffs]
+            self._seepage = seepage_of(self.name, whole, lambda x: self._layers_with(x, whole).layering, still, walls)
+        return replace(still, levels=(self._seepage.water_line,) * len(self.strata), flow=self._seepage)
 
     @cached_property
     def uplift(self) -> Uplift | None:
@@ -273,7 +291,7 @@ class Section(Model):
         """The section with other strata, without any check that is meant for what a person writes."""
         fields = {name: getattr(self, name) for name in Section.model_fields}
         section = Section.model_construct(**{**fields, "strata": tuple(strata)})
-        section._thinning = self._thinning
+        section._thinning, section._seepage = self._thinning, self._seepage
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
@@ -338,47 +356,6 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None
 
 
-def _geometry_problems(
-    surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
-) -> list[str]:
-    ground = np.array(surface, dtype=float)
-    left, right = float(ground[0, 0]), float(ground[-1, 0])
-    width = right - left
-    if width < NARROWEST:
-        return [f"surface: the section is {width:g} m wide; expected at least {NARROWEST:g} m"]
-    problems = []
-    lines = [(f"strata {k}, bottom", line) for k, line in enumerate(bottoms, start=1)]
-    for key, line in [("base", base), *across.items(), *lines]:
-        if line is None:
-            continue
-        points = line.points(left, right)
-        outside = points[(points[:, 0] < left) | (points[:, 0] > right)]
-        if len(outside):
-            problems.append(
-                f"{key}: the point at x = {outside[0, 0]:g} m lies outside the section, which reaches from "
-                f"{left:g} to {right:g} m"
-            )
-        elif not key.startswith("strata") and (points[0, 0] > left or points[-1, 0] < right):
-            problems.append(f"{key}: expected a line across the whole section, from x = {left:g} to {right:g} m")
-    for k, bottom in enumerate(bottoms[:-1], start=1):
-        if bottom is None:
-            problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
-    if problems:
-        return problems
-    layers, faults, _ = layering(ground, base, bottoms)
-    outline = layers.outline()
-    height = float(np.ptp(outline[:, 1]))
-    if not width / LONGEST <= height <= width * LONGEST:
-        faults.append(
-            f"the section is {width:g} m wide and {height:g} m high; expected one to be no more than {LONGEST:g} "
-            "times the other"
-        )
-    if (drawn := across.get("water_table")) is not None:
-        # Usually another datum; and water that is only drawn has no weight.
-        faults += above_ground(ground, drawn, "the water table")
-    return [f"geometry: {text}" for text in faults]
-
-
 def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
     """What is wrong with names, soils and geometry, as far as those can be read, in input that has other faults."""
     strata = data.get("strata")
@@ -395,4 +372,4 @@ def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
         bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
     except (KeyError, ValidationError):
         return problems
-    return problems + _geometry_problems(surface, base, across, bottoms)
+    return problems + geometry_problems(surface, base, across, bottoms)

@@ -8,7 +8,17 @@ from pydantic import Field, StrictBool, model_validator
 from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
 from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine, Line
-from meshes.section.quantity import Angle, Coordinate, Density, Gradient, PoissonsRatio, Ratio, Stiffness, Strength
+from meshes.section.quantity import (
+    Angle,
+    Coordinate,
+    Density,
+    Gradient,
+    Permeability,
+    PoissonsRatio,
+    Ratio,
+    Stiffness,
+    Strength,
+)  # fmt: skip
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
 NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
@@ -79,6 +89,13 @@ class Stratum(Model):
     excess_pore_pressure_ratio: Annotated[Ratio, Field(le=1.0)] = Field(
         default=0.0,
         description="pore pressure that shaking adds, over the vertical effective stress before it, from 0 to 1",
+    )
+    permeability: Permeability | None = Field(
+        default=None, description='how fast water flows under a gradient of 1, such as "1e-5 m/s"; for flow in [water]'
+    )
+    permeability_vertical: Permeability | None = Field(
+        default=None,
+        description="the same of water that flows vertically, where it is another; permeability is then horizontal",
     )
     drains: StrictBool = Field(
         default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"

@@ -73,7 +73,7 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     water = loads.water
     if not water.still:
         return None
-    x = np.union1d(layers.x, water.kinks)
+    x = np.union1d(layers.x, water.kinks if water.flow is None else water.flow.grid.x)
     found: Uplift | None = None
     spans, bare = [], False
     for k, below in product(range(len(strata)), (0, 1)):

@@ -6,10 +6,17 @@ from pydantic import Field, StrictBool, model_validator
 
 from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine
-from meshes.section.quantity import GRAVITY, Quantity, UnitWeight
+from meshes.section.quantity import GRAVITY, Coordinate, Quantity, UnitWeight
 
 # Of fresh water (kg/m³).
 FRESH = 1000.0
+
+
+class Cutoff(Model):
+    """A wall, such as a sheet pile, that no water crosses, from the ground down; it has neither strength nor weight."""
+
+    x: Coordinate = Field(description="where it stands (m)")
+    bottom: Coordinate = Field(description="the elevation (m) of its foot")
 
 
 class Water(Model):
@@ -21,6 +28,14 @@ class Water(Model):
 
     table: ElevationOrLine | None = Field(
         default=None, description="the water table: points [[x, elevation], ...], one elevation, or { depth = ... }"
+    )
+    flow: StrictBool = Field(
+        default=False,
+        description="true if pore pressures are those of steady seepage: table gives the heads where it stands on the "
+        "ground and at both sides, and what lies between is found",
+    )
+    cutoffs: tuple[Cutoff, ...] = Field(
+        default=(), description="walls that seeping water does not cross, a table [[water.cutoffs]] each"
     )
     after_drawdown: ElevationOrLine | None = Field(
         default=None,
@@ -43,4 +58,10 @@ class Water(Model):
     def _consistent(self) -> Self:
         if self.after_drawdown is not None and self.table is None:
             raise ValueError("after_drawdown without table: expected the water table before the drawdown as well")
+        if self.flow and self.table is None:
+            raise ValueError("flow = true without table: expected table, the levels of free water and at the sides")
+        if self.flow and self.after_drawdown is not None:
+            raise ValueError("flow = true beside after_drawdown: expected one of them; seepage is steady")
+        if self.cutoffs and not self.flow:
+            raise ValueError("cutoffs without flow = true: expected walls only where water flows")
         return self

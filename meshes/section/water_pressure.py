@@ -13,7 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from meshes.section.layering import Layering
+from meshes.section.polyline import level_at
 from meshes.section.quantity import GRAVITY
+from meshes.section.seepage import Seepage
 from meshes.section.stratum import Stratum
 
 # A level this near to the ground, as a share of what makes two points one, does not go through it there.
@@ -40,6 +42,8 @@ class WaterPressure:
         Whether the head is measured across the flow: times cos² of the level's slope.
     moves : bool
         Whether water on the ground presses with its own inertia when the ground shakes.
+    flow : Seepage or None
+        The steady seepage whose pore pressure takes the place of that below levels.
     """
 
     layers: Layering
@@ -50,6 +54,7 @@ class WaterPressure:
     after: np.ndarray | None
     normal: bool
     moves: bool
+    flow: Seepage | None = None
 
     @cached_property
     def present(self) -> bool:
@@ -74,12 +79,14 @@ class WaterPressure:
         ratio, level = self.strata[k].pore_pressure_ratio, self.levels[k]
         if ratio is not None:
             return ratio * self.overburden(points, near) if ratio > 0.0 else np.zeros(len(points))
+        if self.flow is not None:
+            return self.unit_weight * self.flow.pressure_head(points, near)
         if level is None:
             return np.zeros(len(points))
-        pressure = self._hydrostatic(level, points, near)
+        pressure = self.hydrostatic(level, points, near)
         if level is self.before and self.after is not self.before and self.after is not None:
             if self.strata[k].drains:
-                return self._hydrostatic(self.after, points, near)
+                return self.hydrostatic(self.after, points, near)
             return np.maximum(pressure - self._taken_off(points, near), 0.0)
         return pressure
 
@@ -111,9 +118,11 @@ class WaterPressure:
         line, change with x by one rule in every stratum.
 
         Levels bend there or go through the ground. Where a pore pressure follows from the weight of the ground above,
-        or a drawdown takes off what stood on the ground, all breakpoints of the layers are among them.
+        or a drawdown takes off what stood on the ground, all breakpoints of the layers are among them. Where water
+        flows they are the ends of seepage faces and of free water, and walls that it does not cross.
         """
-        lines = [level for level in (*self.levels, self.before, self.after) if level is not None]
+        levels = self.levels if self.flow is None else ()
+        lines = [level for level in (*levels, self.before, self.after) if level is not None]
         ends, near = self.layers.x, self.layers.tolerance
         x = np.unique(np.concatenate([ends, *(line[:, 0] for line in lines)]))
         x = x[(x >= ends[0]) & (x <= ends[-1])]
@@ -121,9 +130,10 @@ class WaterPressure:
         ground = [self.layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])]
         found = [line[:, 0] for line in lines]
         for line in lines:
-            first, last = (np.interp(end, *line.T) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
+            first, last = (level_at(line, end, middle) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
             i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > ON_GROUND * near))
             found.append(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))
+        found += [] if self.flow is None else [self.flow.marks]
         by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio for s in self.strata)
         if by_weight or self.after is not self.before:
             found.append(ends)
@@ -144,7 +154,7 @@ class WaterPressure:
         """Pressure (n,) of the water that stands on the ground, at points of the ground."""
         if self.after is None:
             return np.zeros(len(points))
-        return self._hydrostatic(self.after, points, near)
+        return self.hydrostatic(self.after, points, near)
 
     @cached_property
     def deepest(self) -> float:
@@ -162,7 +172,7 @@ class WaterPressure:
         if level is None:
             return np.zeros(len(points))
         ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
-        return self._hydrostatic(level, np.column_stack([points[:, 0], ground]), near)
+        return self.hydrostatic(level, np.column_stack([points[:, 0], ground]), near)
 
     def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """What a drawdown takes off the pore pressure of ground that does not drain: what it takes off the ground.
@@ -172,10 +182,11 @@ class WaterPressure:
         """
         return self.ponded(self.before, points, near) - self.ponded(self.after, points, near)
 
-    def _hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        head = np.maximum(np.interp(points[:, 0], *level.T) - points[:, 1], 0.0)
+    def hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Pressure (n,) below a water level (k, 2), as its head is measured."""
+        head = np.maximum(level_at(level, points[:, 0], near[:, 0]) - points[:, 1], 0.0)
         if self.normal:
             stretch = np.clip(np.searchsorted(level[:, 0], near[:, 0]) - 1, 0, len(level) - 2)
-            slope = np.diff(level[:, 1]) / np.diff(level[:, 0])
-            head = head / (1.0 + slope[stretch] ** 2)
+            width, rise = (level[stretch + 1] - level[stretch]).T
+            head = head / (1.0 + (rise / width) ** 2)
         return self.unit_weight * head

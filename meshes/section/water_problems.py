@@ -5,10 +5,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.section.cutting import in_file
+from meshes.section.layering import Layering
 from meshes.section.polyline import Line
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import Surcharge
-from meshes.section.water import Water
+from meshes.section.water import Cutoff, Water
 
 
 def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
@@ -20,13 +21,20 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
     lines["water, after_drawdown"] = None if water is None else water.after_drawdown
     names = [stratum.name for stratum in strata]
     lines |= {f"{in_file(names, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}
+    walls = {float(wall.x) for wall in water.cutoffs} if water is not None else set()
     for key, line in lines.items():
-        if line is not None and (at := _step(line)) is not None:
+        if line is not None and (at := _step(line)) is not None and at not in walls:
             yield (
                 f"{key}: a step at x = {at:g} m, where water would flow without end; expected a line without steps, "
-                "and a piezometric_level where a stratum has a level of its own"
+                "and a piezometric_level where a stratum has a level of its own, or flow = true and a wall of "
+                "[[water.cutoffs]] there"
             )
+    flows = water is not None and water.flow
     for k, s in enumerate(strata):
+        if flows and s.permeability is None:
+            yield f'{in_file(names, k)}, permeability: missing; expected one such as "1e-5 m/s", for water that flows'
+        if flows and s.piezometric_level is not None:
+            yield f"{in_file(names, k)}, piezometric_level: expected none beside flow = true, which finds its pressure"
         ratio = s.pore_pressure_ratio
         pressed = table is not None if ratio is None else ratio > 0.0
         if s.buoyant and (pressed or s.piezometric_level is not None):
@@ -41,6 +49,19 @@ def _step(line: Line) -> float | None:
     x = line.points(0.0, 1.0)[:, 0]
     steps = np.flatnonzero(np.diff(x) == 0.0)
     return float(x[steps[0]]) if len(steps) else None
+
+
+def cutoff_problems(walls: Sequence[Cutoff], layers: Layering) -> Iterator[str]:
+    """Of the walls that water does not cross."""
+    for number, wall in enumerate(walls, start=1):
+        x = np.array([wall.x])
+        if not layers.x[0] < wall.x < layers.x[-1]:
+            yield (
+                f"water, cutoffs {number}: x = {wall.x:g} m is not between the sides of the section, "
+                f"{layers.x[0]:g} and {layers.x[-1]:g} m"
+            )
+        elif wall.bottom >= (ground := float(layers.interfaces(x)[0, 0])):
+            yield f"water, cutoffs {number}: bottom = {wall.bottom:g} m is above the ground there, at {ground:g} m"
 
 
 def surcharge_problems(surcharges: Sequence[Surcharge], left: float, right: float) -> Iterator[str]:

@@ -18,6 +18,7 @@ from workflow.figures.ground import foot
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
 FINE = 1.0 / 15.0
 WEIGHTS, PRESSURES = "YlOrBr", "Blues"
+EQUIPOTENTIALS = 15  # lines of equal head, about
 ARROW = 0.06  # of the width: the largest surcharge
 
 
@@ -78,6 +79,11 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
             )
     if name == "weight":
         _draw_loads(axes, section, window)
+    elif (flow := section.water_pressure.flow) is not None:
+        wet = (flow.head > flow.grid.points[:, 1] - flow.tolerance)[flow.grid.cells].any(axis=1)
+        axes.tricontour(
+            *flow.grid.points.T, flow.grid.cells[wet], flow.head, EQUIPOTENTIALS, colors=INK, linewidths=0.6
+        )
     sheet.figure.colorbar(
         ScalarMappable(Normalize(*limits), colours), ax=axes, location="right", fraction=0.03, pad=0.01
     ).ax.tick_params(labelsize=7, colors=INK)
@@ -102,6 +108,10 @@ def _said(section: Section) -> str:
         first, last = (f"{end / 1e3:g}" for end in load.pressure)
         phrases.append(
             f"{first if first == last else f'{first} to {last}'} kPa from x = {load.start:g} to {load.end:g} m"
+        )
+    if section.water_pressure.flow is not None:
+        phrases.append(
+            "steady seepage: thin lines have equal head, the dashed line is free water and the phreatic line"
         )
     if section.water is not None and section.water.after_drawdown is not None:
         phrases.append("pore pressure after the drawdown, dashed the water table before it")

@@ -83,6 +83,12 @@ def _water(section: Section) -> str:
         "above it there is none, and no suction. Water on the ground presses on it. The horizontal force acts on all "
         "of the saturated mass. No pore pressure comes with strain."
     )
+    if section.water_pressure.flow is not None:
+        phrase = (
+            "Effective stress: pore pressure is that of steady seepage between free water and the heads at the sides, "
+            "0 above the phreatic line, without suction. Shaking and sliding do not change the flow. The horizontal "
+            "force acts on all of the saturated mass. No pore pressure comes with strain."
+        )
     if any(s.excess_pore_pressure_ratio for s in section.strata):
         phrase += " Shaking adds the excess pore pressure given, all of it before Kh comes on."
     if section.water is not None and section.water.after_drawdown is not None:

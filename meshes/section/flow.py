@@ -1,0 +1,102 @@
+"""The seepage of a section: its heads and permeabilities on the grid, and the lines that others need of the flow."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from meshes.errors import InputError
+from meshes.section.flow_grid import FlowGrid, Wall, flow_grid
+from meshes.section.layering import Layering
+from meshes.section.polyline import level_at
+from meshes.section.seepage import Seepage, steady_seepage
+from meshes.section.stratum import Stratum
+from meshes.section.water_pressure import WaterPressure
+
+# So many triangles would have the area of the section if they were squares halved.
+SQUARES = 4500
+
+
+def seepage_of(
+    name: str,
+    strata: Sequence[Stratum],
+    layers_with: Callable[[Iterable[float]], Layering],
+    still: WaterPressure,
+    walls: Sequence[Wall] = (),
+) -> Seepage:
+    """The steady seepage of a section between the water of its table on the ground and at its sides.
+
+    Parameters
+    ----------
+    name : str
+        Of the section, for complaints.
+    strata : sequence of Stratum
+        The strata of the file; each has a permeability.
+    layers_with : callable
+        The layers of these strata with breakpoints at more x (m).
+    still : WaterPressure
+        The water as it would be if it stood still everywhere; its table gives the heads.
+    walls : sequence of Wall
+        What no water crosses.
+
+    Raises
+    ------
+    InputError
+        If the table is above no ground and no side, so that there is no water.
+    SeepageError
+        If the phreatic line does not come to rest.
+    """
+    table = still.before
+    assert table is not None  # Water sees to it
+    plain = layers_with([])
+    layers = layers_with([*_shores(plain, table), *(wall.x for wall in walls)])
+    size = float(np.sqrt(layers.areas().sum() / SQUARES))
+    steps = layers.x[1:-1][np.abs(layers.right[:-1, 0] - layers.left[1:, 0]) > layers.tolerance]
+    free = [(float(x), float(np.interp(x, *table.T))) for x in (layers.x[0], *steps, layers.x[-1])]
+    grid = flow_grid(layers, size, walls, free)
+    given = _given(grid, still, table, layers.tolerance)
+    if not np.isfinite(given).any():
+        raise InputError(
+            name,
+            ["water, flow: the table lies below the base at both sides, and stands on no ground; expected water "
+             "somewhere, from which to where it flows"],
+        )  # fmt: skip
+    k = [(float(s.permeability or 0.0), float(s.permeability_vertical or s.permeability or 0.0)) for s in strata]
+    return steady_seepage(grid, np.array(k), _without_islands(grid, given), table, layers.tolerance)
+
+
+def _shores(layers: Layering, table: np.ndarray) -> list[float]:
+    """Where the table goes through the ground (m)."""
+    x = np.union1d(layers.x, table[(table[:, 0] > layers.x[0]) & (table[:, 0] < layers.x[-1]), 0])
+    middle = 0.5 * (x[1:] + x[:-1])
+    first, last = (level_at(table, end, middle) - layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:]))
+    i = np.flatnonzero(first * last < 0.0)
+    return [float(at) for at in x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i])]
+
+
+def _given(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
+    """Heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
+    given = np.full(len(grid.points), np.nan)
+    places = np.unique(np.concatenate([grid.ground, *grid.sides]))
+    points, middle = grid.points[places], grid.points[grid.cells].mean(axis=1)
+    cells = np.bincount(grid.cells.ravel(), minlength=len(given))
+    beside = np.bincount(grid.cells.ravel(), np.repeat(middle[:, 0], 3), minlength=len(given))[places] / cells[places]
+    near = np.column_stack([beside, points[:, 1]])
+    under = level_at(table, points[:, 0], beside) >= points[:, 1] - 1e-3 * tolerance
+    pressure = still.hydrostatic(table, points, near) / still.unit_weight
+    given[places[under]] = (points[:, 1] + pressure)[under]
+    return given
+
+
+def _without_islands(grid: FlowGrid, given: np.ndarray) -> np.ndarray:
+    """The heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
+    size = len(grid.points)
+    ends = np.concatenate([grid.cells[:, pair] for pair in ([0, 1], [1, 2])])
+    _, part = connected_components(coo_array((np.ones(len(ends)), ends.T), shape=(size, size)), directed=False)
+    given = given.copy()
+    for number in np.setdiff1d(part, part[np.isfinite(given)]):
+        here = np.flatnonzero(part == number)
+        lowest = here[np.argmin(grid.points[here, 1])]
+        given[lowest] = grid.points[lowest, 1]
+    return given

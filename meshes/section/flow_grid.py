@@ -1,0 +1,227 @@
+"""Triangles for seepage: vertical lines from the base to the ground, joined from one to the next.
+
+Lines stand at all breakpoints of the layers, and between them no farther apart than a size; points on them are where
+interfaces cross, and between those as close. A strip between two lines is filled from the base upwards with triangles
+that follow the interfaces, so that a point is found by its strip and its height alone. A line may part: then its two
+sides have points of their own, and no water crosses it (a cut-off wall).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from meshes.section.layering import Layering
+
+
+class Wall(NamedTuple):
+    """A vertical line at ``x`` that no water crosses, from the ground down to the elevation ``bottom`` (m)."""
+
+    x: float
+    bottom: float
+
+
+@dataclass(frozen=True, eq=False)
+class FlowGrid:
+    """The triangles of a section.
+
+    Attributes
+    ----------
+    x : (lines,) ndarray
+        Where the lines stand (m), rising.
+    points : (n, 2) ndarray
+        Points (m).
+    cells : (m, 3) ndarray
+        Points of the triangles.
+    stratum : (m,) ndarray
+        Strata of the triangles.
+    rungs : tuple of (r, 2) ndarray
+        Of every strip the pairs of points, left and right, between which its triangles lie, from the base upwards;
+        none where the strip has no height.
+    ground : (g,) ndarray
+        Points on the ground, walls of steps among them.
+    sides : two of ndarray
+        Points of the left and of the right side, from below upwards.
+    walls : tuple of float
+        Where (m) no water crosses a line.
+    """
+
+    x: np.ndarray
+    points: np.ndarray
+    cells: np.ndarray
+    stratum: np.ndarray
+    rungs: tuple[np.ndarray, ...]
+    ground: np.ndarray
+    sides: tuple[np.ndarray, np.ndarray]
+    walls: tuple[float, ...] = ()
+
+    def strip_at(self, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
+        """The strips (k,) in which points (k, 2) lie; on a line that in which ``near`` (k, 2) does."""
+        x = points[:, 0]
+        strip = np.searchsorted(self.x, x, side="right") - 1
+        after = np.clip(np.searchsorted(self.x, x), 1, len(self.x) - 1)
+        line = np.where(x - self.x[after - 1] <= self.x[after] - x, after - 1, after)  # the nearest one
+        beside = np.where(near[:, 0] > self.x[line], line, line - 1)
+        strip = np.where(np.abs(x - self.x[line]) <= tolerance, beside, strip)
+        return np.clip(strip, 0, len(self.rungs) - 1)
+
+    def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
+        """Values (k,) at points (k, 2) of those (n,) at the points of the grid; above and below it the nearest one,
+        and that is not a number where there is no ground."""
+        found = np.full(len(points), np.nan)
+        strip = self.strip_at(points, near, tolerance)
+        for j in np.unique(strip):
+            rungs = self.rungs[j]
+            if not len(rungs):
+                continue
+            here = np.flatnonzero(strip == j)
+            share = ((points[here, 0] - self.x[j]) / (self.x[j + 1] - self.x[j]))[:, None]
+            heights, there = (
+                (1.0 - share) * field[rungs[:, 0]] + share * field[rungs[:, 1]] for field in (self.points[:, 1], values)
+            )
+            z = points[here, 1]
+            below = np.clip((heights <= z[:, None]).sum(axis=1) - 1, 0, len(rungs) - 2)
+            row = np.arange(len(here))
+            low, high = heights[row, below], heights[row, below + 1]
+            part = np.clip((z - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
+            found[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
+        return found
+
+
+def flow_grid(
+    layers: Layering, size: float, walls: Sequence[Wall] = (), levels: Sequence[tuple[float, float]] = ()
+) -> FlowGrid:
+    """The grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long.
+
+    Breakpoints are also wanted at the x of ``levels`` (x, elevation), places on lines that get a point of their own.
+    """
+    x, ends = _lines(layers, size)
+    z = [_heights(ends, line, size, [level for at, level in levels if abs(at - x[line]) <= layers.tolerance],
+                  [wall.bottom for wall in walls if abs(wall.x - x[line]) <= layers.tolerance], layers.tolerance)
+         for line in range(len(x))]  # fmt: skip
+    points, left_numbers, right_numbers = _numbered(x, z, walls, layers.tolerance)
+    cells, stratum, rungs = [], [], []
+    for strip in range(len(x) - 1):
+        numbers, heights = (right_numbers[strip], left_numbers[strip + 1]), (z[strip], z[strip + 1])
+        pairs: list[tuple[int, int]] = []
+        for k in range(layers.strata - 1, -1, -1):
+            lower, upper = ends[strip, :, k + 1], ends[strip, :, k]
+            if not (upper > lower).any():
+                continue
+            chains = [
+                numbers[side][(heights[side] >= lower[side]) & (heights[side] <= upper[side])].tolist()
+                for side in (0, 1)
+            ]
+            for triangle, rung in _zipped(chains, points):
+                cells.append(triangle)
+                stratum.append(k)
+                pairs += [rung[0], rung[1]] if not pairs else [rung[1]]
+        rungs.append(np.array(pairs, dtype=int).reshape(-1, 2))
+    triangles = np.array(cells, dtype=int)
+    used = np.unique(triangles)
+    new = np.full(len(points), -1)
+    new[used] = np.arange(len(used))
+    ground = _on_ground(ends, z, left_numbers, right_numbers)
+    sides = (right_numbers[0], left_numbers[-1])
+    return FlowGrid(
+        x, points[used], new[triangles], np.array(stratum), tuple(new[pairs] for pairs in rungs),
+        np.unique([new[i] for i in ground if new[i] >= 0]), (_kept(new, sides[0]), _kept(new, sides[1])),
+        tuple(wall.x for wall in walls),
+    )  # fmt: skip
+
+
+def _kept(new: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    found = new[numbers]
+    return np.asarray(found[found >= 0])
+
+
+def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where lines stand (m), and elevations (strips, 2 ends, interfaces) of the interfaces between them."""
+    x, ends = [layers.x[:1]], []
+    for i, width in enumerate(layers.width):
+        count = max(1, int(np.ceil(width / size - 1e-9)))
+        share = (np.arange(count + 1) / count)[:, None]
+        between = (1.0 - share) * layers.left[i] + share * layers.right[i]
+        between[0], between[-1] = layers.left[i], layers.right[i]
+        ends.append(np.stack([between[:-1], between[1:]], axis=1))
+        x.append(layers.x[i] + width * share[1:, 0])
+        x[-1][-1] = layers.x[i + 1]
+    return np.concatenate(x), np.concatenate(ends)
+
+
+def _heights(
+    ends: np.ndarray, line: int, size: float, levels: list[float], tips: list[float], tolerance: float
+) -> np.ndarray:
+    """Elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther apart."""
+    sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
+    fixed = np.unique(np.concatenate(sides))
+    more = [at for at in (*levels, *tips) if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > tolerance]
+    fixed = np.union1d(fixed, more)
+    found = [fixed[:1]]
+    for low, high in pairwise(fixed.tolist()):
+        count = max(1, int(np.ceil((high - low) / size - 1e-9)))
+        between = low + (high - low) * np.arange(1, count + 1) / count
+        between[-1] = high
+        found.append(between)
+    return np.concatenate(found)
+
+
+def _numbered(
+    x: np.ndarray, z: list[np.ndarray], walls: Sequence[Wall], tolerance: float
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Points (n, 2) of all lines, and their numbers as the strip to the left and that to the right of a line has
+    them: others above the foot of a wall."""
+    points, to_left, to_right, count = [], [], [], 0
+    for at, heights in zip(x, z, strict=True):
+        numbers = count + np.arange(len(heights))
+        points.append(np.column_stack([np.full(len(heights), at), heights]))
+        count += len(heights)
+        to_left.append(numbers)
+        feet = [wall.bottom for wall in walls if abs(wall.x - at) <= tolerance]
+        if feet and at not in (x[0], x[-1]):
+            apart = heights > min(feet) + 0.5 * tolerance
+            numbers = numbers.copy()
+            numbers[apart] = count + np.arange(int(apart.sum()))
+            points.append(np.column_stack([np.full(int(apart.sum()), at), heights[apart]]))
+            count += int(apart.sum())
+        to_right.append(numbers)
+    return np.concatenate(points), to_left, to_right
+
+
+def _zipped(
+    chains: list[list[int]], points: np.ndarray
+) -> list[tuple[tuple[int, int, int], tuple[tuple[int, int], tuple[int, int]]]]:
+    """Triangles between two chains of points that rise side by side, counter-clockwise, each with the pair of points
+    below and that above it."""
+    left, right = chains
+    i = j = 0
+    found = []
+    while i + 1 < len(left) or j + 1 < len(right):
+        rung = (left[i], right[j])
+        # The next one is that whose new rung is the shorter one, by height.
+        on_left = j + 1 == len(right) or (
+            i + 1 < len(left)
+            and abs(points[left[i + 1], 1] - points[right[j], 1]) <= abs(points[left[i], 1] - points[right[j + 1], 1])
+        )
+        if on_left:
+            triangle = (left[i], right[j], left[i + 1])
+            i += 1
+        else:
+            triangle = (left[i], right[j], right[j + 1])
+            j += 1
+        found.append((triangle, (rung, (left[i], right[j]))))
+    return found
+
+
+def _on_ground(
+    ends: np.ndarray, z: list[np.ndarray], to_left: list[np.ndarray], to_right: list[np.ndarray]
+) -> list[int]:
+    """Points at the top of strips, and above the lower ground where it steps."""
+    found: list[int] = []
+    for line, heights in enumerate(z):
+        tops = ([ends[line - 1, 1, 0]] if line else []) + ([ends[line, 0, 0]] if line < len(ends) else [])
+        bare = heights >= min(tops)
+        found += [*to_left[line][bare].tolist(), *to_right[line][bare].tolist()]
+    return found

@@ -1,0 +1,55 @@
+"""What is wrong with the lines of a section, one sentence each."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from meshes.section.layering import above_ground, layering
+from meshes.section.polyline import Line
+
+# The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
+# the pen, and neither a mesh nor a picture comes of it.
+NARROWEST, LONGEST = 1e-3, 1000.0
+
+
+def geometry_problems(
+    surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
+) -> list[str]:
+    """One sentence each, of the ground, the base, lines ``across`` the section by their keys, and bottoms of strata."""
+    ground = np.array(surface, dtype=float)
+    left, right = float(ground[0, 0]), float(ground[-1, 0])
+    width = right - left
+    if width < NARROWEST:
+        return [f"surface: the section is {width:g} m wide; expected at least {NARROWEST:g} m"]
+    problems = []
+    lines = [(f"strata {k}, bottom", line) for k, line in enumerate(bottoms, start=1)]
+    for key, line in [("base", base), *across.items(), *lines]:
+        if line is None:
+            continue
+        points = line.points(left, right)
+        outside = points[(points[:, 0] < left) | (points[:, 0] > right)]
+        if len(outside):
+            problems.append(
+                f"{key}: the point at x = {outside[0, 0]:g} m lies outside the section, which reaches from "
+                f"{left:g} to {right:g} m"
+            )
+        elif not key.startswith("strata") and (points[0, 0] > left or points[-1, 0] < right):
+            problems.append(f"{key}: expected a line across the whole section, from x = {left:g} to {right:g} m")
+    for k, bottom in enumerate(bottoms[:-1], start=1):
+        if bottom is None:
+            problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
+    if problems:
+        return problems
+    layers, faults, _ = layering(ground, base, bottoms)
+    outline = layers.outline()
+    height = float(np.ptp(outline[:, 1]))
+    if not width / LONGEST <= height <= width * LONGEST:
+        faults.append(
+            f"the section is {width:g} m wide and {height:g} m high; expected one to be no more than {LONGEST:g} "
+            "times the other"
+        )
+    if (drawn := across.get("water_table")) is not None:
+        # Usually another datum; and water that is only drawn has no weight.
+        faults += above_ground(ground, drawn, "the water table")
+    return [f"geometry: {text}" for text in faults]
