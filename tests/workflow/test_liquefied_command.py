@@ -53,7 +53,7 @@ def test_strength_decides_whether_it_stands(folder: Path) -> None:
 def test_the_report_tells_it(folder: Path) -> None:
     assert command_line.run("report", folder, "--quiet") == 0
     text = (folder / "report.html").read_text(encoding="utf-8")
-    assert "After liquefaction, does it still stand?" in text
+    assert "Stability after liquefaction" in text
     assert "1, 4" in text
 
 
