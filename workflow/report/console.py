@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator, Mapping
 from meshes.section.cutting import spoken
 from workflow.config import Config
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
-from workflow.earthquake.site_response import TOO_LARGE
 from workflow.report import after
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences
@@ -62,7 +61,7 @@ def fem_sentences(answer: FemAnswer) -> Iterator[str]:
     yield from beside_sentences(answer)
     yield from (safety_sentence(factor, answer) for factor in answer.safety_factors)
     for doubt in answer.doubts:
-        yield f"{'Doubtful' if doubt.contradiction else 'Mind'}: {doubt.what} To do: {doubt.remedy}."
+        yield f"{'Contradiction' if doubt.contradiction else 'Warning'}: {doubt.what} To do: {doubt.remedy}."
 
 
 def safety_sentence(factor: FactorOfSafety, answer: FemAnswer) -> str:
@@ -260,7 +259,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
             f"{100.0 * answer.change:.1f} %."
         )
     if answer.doubt:
-        yield f"{'Doubtful' if largest.strain > TOO_LARGE else 'Mind'}: {answer.doubt}."
+        yield f"Warning: {answer.doubt}."
     phrases = [one for one in answer.layers if abs(one.bottom_m - round(one.bottom_m / 5.0) * 5.0) < 0.26]
     yield "k_max of all above: " + ", ".join(f"{one.k_max:.3f} ({one.bottom_m:.0f} m)" for one in phrases) + "."
 
