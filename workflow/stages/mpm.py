@@ -12,7 +12,6 @@ from meshes.executor import Tell
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
-from workflow.results.disc_grids import frame_file, frames, write_collection
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -53,6 +52,7 @@ def work(job: Job) -> None:
     What material points cannot do is told in the place of an answer.
     """
     from fem.mpm.slide import DECAYS
+    from workflow.results.disc_grids import write_collection
 
     config = job.config
     wanted = [n for n in liquefying(config) if job.cases is None or n in job.cases]
@@ -103,6 +103,7 @@ def draw(job: Job) -> None:
 def _drawn(wanted: tuple[Config, Store, int, PointCase], _: Tell) -> None:
     """The picture of a case at its end, and its animation, from its frames."""
     from workflow.figures.slides import animate, end
+    from workflow.results.disc_grids import frames
 
     config, store, number, case = wanted
     states = [store.folder / file for file in frames(store, f"case{number}", FOLDER).values()]
@@ -160,6 +161,7 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
     films = run.store if run.decay == DECAYS[0] else None
 
     def frame(number: int) -> None:
+        from workflow.results.disc_grids import frame_file
         from workflow.results.point_grids import write_points
 
         if films is not None:
