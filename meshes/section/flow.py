@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from meshes.errors import InputError
 from meshes.section.flow_grid import FlowGrid, Wall, flow_grid
@@ -91,6 +89,9 @@ def _given(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: f
 
 def _without_islands(grid: FlowGrid, given: np.ndarray) -> np.ndarray:
     """The heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     size = len(grid.points)
     ends = np.concatenate([grid.cells[:, pair] for pair in ([0, 1], [1, 2])])
     _, part = connected_components(coo_array((np.ones(len(ends)), ends.T), shape=(size, size)), directed=False)

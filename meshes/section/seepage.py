@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.linalg import splu
 
 from meshes.errors import NoAnswerError
 from meshes.section.flow_grid import FlowGrid
@@ -224,6 +222,9 @@ def _solved(
     blocks: np.ndarray, cells: np.ndarray, known: np.ndarray, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Heads (n,), those ``known`` being of ``values``, and what flows in at every point (m²/s)."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
     rows, columns = np.repeat(cells, 3, axis=1).ravel(), np.tile(cells, 3).ravel()
     matrix = coo_array((blocks.ravel(), (rows, columns)), shape=(len(known), len(known))).tocsr()
     free = np.flatnonzero(~known)

@@ -6,7 +6,6 @@ import numpy as np
 
 from fem.continuum.strength import Flow
 from fem.search.doubts import is_doubtful
-from fem.search.slip_surface import slip_surface
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
@@ -97,11 +96,17 @@ def fem_stage(config: Config, mesh: "QuadMesh", store: Store | None, comm: Any, 
         raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
 
 
+def _slip_line(mesh: "QuadMesh", state: "State") -> Line:
+    from fem.search.slip_surface import slip_surface
+
+    return line(slip_surface(mesh, state))
+
+
 def answer_of(config: Config, found: "Assessment") -> FemAnswer:
     """The critical Kh with what stands beside it, the path to it, the states kept, and the factors of safety."""
     result, mesh, adapted = found.critical, found.mesh, found.adapted
     rounds = adapted.rounds if adapted and len(adapted.rounds) > 1 else []
-    surface = line(slip_surface(mesh, result.mechanism))
+    surface = _slip_line(mesh, result.mechanism)
     angles = {s.name: round(float(np.degrees(s.dilation)), 6) for s in config.section.strata}
     return FemAnswer(
         section=SectionLabel.of(config.section),
@@ -190,7 +195,7 @@ def _factor_of_safety(found: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fact
         davis=result.beside if flow == "associated" else None,
         associated=result.beside if flow == "davis" else None,
         rest=float(rest) if np.isfinite(rest) else None,
-        slip_surface=line(slip_surface(found.mesh, result.mechanism)) if result.mechanism is not None else (),
+        slip_surface=_slip_line(found.mesh, result.mechanism) if result.mechanism is not None else (),
     )
 
 
@@ -229,7 +234,7 @@ def rigid_box_of(found: "AdaptiveResult[CriticalResult]", depth: float | None = 
         flow=found.result.flow,
         verdict=found.result.verdict,
         reason=found.result.reason,
-        slip_surface=line(slip_surface(found.mesh, found.result.mechanism)),
+        slip_surface=_slip_line(found.mesh, found.result.mechanism),
         curve=tuple(found.result.steps),
         deeper_than_m=depth,
     )
