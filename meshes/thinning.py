@@ -79,11 +79,14 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
                 f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
             )
         for start, end in [] if k is None else _necks(layers, k, least, longest(k)):
-            area = layers.areas()[k]
-            layers = _without(_with_breakpoint(_with_breakpoint(layers, start), end), k, start, end)
+            left_out = _without(_with_breakpoint(_with_breakpoint(layers, start), end), k, start, end)
+            lost = layers.areas()[k] - left_out.areas()[k]
+            if lost <= 0.0:  # its ends are one breakpoint
+                continue
+            layers = left_out
             notices.append(
                 f"mesh: stratum {spoken(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m; "
-                f"in the mesh it ends there in steps, without {area - layers.areas()[k]:.2g} m²"
+                f"in the mesh it ends there in steps, without {lost:.2g} m²"
             )
     return layers, notices
 
