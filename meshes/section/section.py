@@ -51,7 +51,9 @@ class Section(Model):
         pattern=r"^[A-Za-z0-9][\w.-]{0,79}$",
     )
     title: str = Field(default="", description="the title of the report and of pictures; the name if not given")
-    reconstruction: StrictBool = Field(default=False, description="true if the ground was not surveyed but inferred")
+    reconstruction: StrictBool = Field(
+        default=False, description="true or false: whether the ground was not surveyed but inferred"
+    )
     reconstruction_note: str = Field(default="", description="what the reconstruction is inferred from")
     unusual: StrictBool = Field(
         default=False, description="true if quantities beyond what soils, water and loads have are meant"

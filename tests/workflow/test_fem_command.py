@@ -52,7 +52,7 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed")
+    options = ("--kh", "0.1", "--associated", "--safety-factor", "--sides", "fixed", "--set", "bounds.seconds=9")
     assert run("fem", written(tmp_path), "--out", out, *options, *SMALL) == 0
     answer = json.loads((out / "fem/critical.json").read_text())
     still, shaken = answer["safety_factors"]
