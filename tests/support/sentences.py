@@ -111,6 +111,10 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         lambda s, high, kh: _near(high, s["bounds"]["upper"]) and _near(kh, s["fem"]["kc"]),
     ),
     (
+        rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} to {NUMBER} by strict bounds",
+        lambda s, low, high: float(low) <= float(high) and _near(high, s["bounds"]["upper"]),
+    ),
+    (
         r"the surface slides < 0.1 m by calibrated discs",
         lambda s: max(case["slide_max_m"] for case in s["cases"].values()) < 0.1,
     ),

@@ -16,6 +16,7 @@ from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 
+CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it tells the critical Kh better than coarse elements
 LEAST_SLIDE = 0.1  # m: discs do not resolve less
 DIRECTION: Mapping[str, str] = {"downhill": "downslope", "uphill": "upslope"}
 FLOW: Mapping[str, str] = {
@@ -76,7 +77,21 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) -> HeadlinePart:
-    """The critical Kh where strict bounds say that it is smaller than the finite elements have it."""
+    """The critical Kh where strict bounds say that it is smaller than the finite elements have it: theirs, where they
+    lie close together."""
+    if error.low >= CLOSE_BOUNDS * error.high:
+        phrase = _(
+            "The section fails {direction}, to the {side}, at Kh = {low} to {high} by strict bounds; the finite "
+            "elements are {excess} % above ({conditions}).",
+            direction=_(DIRECTION[fem.direction]),
+            side=_(fem.towards),
+            low=coefficient(error.low),
+            high=coefficient(error.high),
+            excess=f"{100.0 * (fem.kc / error.high - 1.0):.1f}",
+            conditions=conditions,
+        )
+        value = coefficient(error.high)
+        return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=phrase)
     phrase = _(
         "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
         "limit ({conditions}).",
