@@ -17,6 +17,9 @@ from meshes.section.surface_loads import SurfaceLoads
 
 # A pore pressure above the weight by less (Pa) is none: what 1 cm of water weighs, as close as points are one.
 LEAST = 100.0
+# The same where water flows, as the head of this share of the step of its grid: where a shore lies between two of its
+# points, the pressure at the ground beside it is off by so much.
+LEAST_OF_STEP = 0.1
 UPWARDS = np.array([[0.0, 1.0]])
 
 
@@ -73,12 +76,16 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     water = loads.water
     if not water.still:
         return None
-    x = np.union1d(layers.x, water.kinks if water.flow is None else water.flow.grid.x)
+    x, least = np.union1d(layers.x, water.kinks), LEAST
+    if water.flow is not None:
+        grid = water.flow.grid.x
+        x = np.union1d(layers.x, grid)
+        least = max(LEAST, LEAST_OF_STEP * water.unit_weight * float(np.diff(grid).max()))
     found: Uplift | None = None
     spans, bare = [], False
     for k, below in product(range(len(strata)), (0, 1)):
         points, pressure, weight = _along(layers, loads, x, k, k + below)
-        excess = np.where(pressure - weight > LEAST, pressure - weight, 0.0)
+        excess = np.where(pressure - weight > least, pressure - weight, 0.0)
         spans += [_positive(x[i : i + 2], (pressure - weight)[i]) for i in np.flatnonzero(excess.any(axis=1))]
         i, end = np.unravel_index(int(np.argmax(excess)), excess.shape)
         if excess[i, end] > (0.0 if found is None else found.pressure - found.weight):

@@ -112,3 +112,11 @@ def test_a_stratum_that_does_not_fit_flowing_water_is_refused(key: str, value: o
     data["strata"] = [{k: v for k, v in {**data["strata"][0], key: value}.items() if v is not None}]
     with pytest.raises(InputError, match=sentence):
         Section.parse(data)
+
+
+@pytest.mark.parametrize("toe", [40.0, 40.3])
+def test_a_shore_between_two_points_of_the_grid_lifts_no_ground(toe: float) -> None:
+    """The pond meets a bank of sand, through which little seeps: nothing blows out there, wherever it is."""
+    ground = [[0, 6], [toe, 6], [toe + 8, 10], [140, 10]]
+    section = Section.parse(flowing(ground, [[0, 8.5], [toe + 5, 8.5], [140, 9.5]], base=-10.0))
+    assert section.uplift is None
