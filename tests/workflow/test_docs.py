@@ -199,6 +199,7 @@ def test_all_commands_of_a_tutorial_run(page: Path, tmp_path: Path, monkeypatch:
     _run_tutorial(page, tmp_path, quick=False)
 
 
+@pytest.mark.slow
 def test_the_tutorial_in_python_runs(capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, object] = {}
     for block in blocks("python", (DOCS / "tutorials/discs.md").read_text(encoding="utf-8")):

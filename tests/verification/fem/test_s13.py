@@ -128,7 +128,7 @@ def test_flow_without_dilation_changes_by_less_than_4_percent_from_2x_to_4x(elem
 OTHERS = [{"first_step": 0.005}, {"first_step": 0.05}, {"tolerance": 1e-5}, {"tolerance": 1e-9}]
 
 
-@pytest.mark.parametrize("element", ["bilinear", "quadratic"])
+@pytest.mark.parametrize("element", ["bilinear", pytest.param("quadratic", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("flow", [ASSOCIATED, AS_GIVEN])
 def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
     """Measured, largest over smallest: ψ = φ 0.005 and 0.012 %, ψ = 0 0.007 % (bilinear) and 0.44 % (quadratic)."""
