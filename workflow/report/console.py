@@ -310,5 +310,6 @@ def run_lines(answer: Summary) -> list[str]:
     shown = warnings[: MOST_LINES - len(told) - 1]
     told += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
-        told.append(f"{len(warnings) - len(shown)} more warnings stand in the report.")
+        rest = len(warnings) - len(shown)
+        told.append(f"{rest} more {'warning stands' if rest == 1 else 'warnings stand'} in the report.")
     return told
