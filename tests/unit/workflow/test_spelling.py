@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tomli_w
@@ -17,7 +18,11 @@ from tests.support.borings import bored
 from workflow.run.spelling import SPELLED_OUT, legible, spelled
 
 PLAIN = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}
-PLACES = [{"PYTHONIOENCODING": name} for name in ("ascii", "cp932")] + [PLAIN]
+PLACES: list[Any] = [{"PYTHONIOENCODING": name} for name in ("ascii", "cp932")] + [PLAIN]
+PLACES += [
+    pytest.param({"PYTHONIOENCODING": name}, marks=pytest.mark.slow, id=name)
+    for name in ("latin-1", "cp1252", "shift_jis")
+]
 
 
 @pytest.mark.parametrize(
