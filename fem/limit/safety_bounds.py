@@ -36,10 +36,10 @@ class SafetyBounds:
     """Factors of safety: ``lower`` is carried, ``upper`` fails; 0 and inf where none was proven.
 
     ``skin`` is that at which grains roll down a cohesionless face, or shallow ground slips where two of them meet, if
-    below ``upper``; the ground down to the least
-    depth below such faces was then strengthened, as in the finite elements, and the bounds are of the slope as a whole:
-    strict for the ground so strengthened. Without it they are strict for the ground as it is given. ``direction`` is
-    that of the seismic force with which it fails, None without any; ``ended`` says why the bounds are not closer.
+    below ``upper``; the ground down to the least depth below such faces was then strengthened, as in the finite
+    elements, and the bounds are of the slope as a whole: strict for the ground so strengthened. Without it they are
+    strict for the ground as it is given. ``direction`` is that of the seismic force with which it fails, None without
+    any; ``ended`` says why the bounds are not closer.
     """
 
     kh: float

@@ -230,10 +230,8 @@ def _solved(
     free = np.flatnonzero(~known)
     head = np.where(known, values, 0.0)
     if len(free):
-        right = -(matrix @ head)[free]
-        head[free] = splu(matrix[free][:, free].tocsc(), diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve(
-            right
-        )
+        factors = splu(matrix[free][:, free].tocsc(), diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        head[free] = factors.solve(-(matrix @ head)[free])
     return head, matrix @ head
 
 

@@ -91,15 +91,15 @@ def _contradicted(fem: FemAnswer, error: Accuracy, conditions: str, _: Texts) ->
             conditions=conditions,
         )
         value = coefficient(error.high)
-        return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=phrase)
-    phrase = _(
-        "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
-        "limit ({conditions}).",
-        high=coefficient(error.high),
-        kc=coefficient(fem.kc),
-        conditions=conditions,
-    )
-    value = f"≤ {coefficient(error.high)}"
+    else:
+        phrase = _(
+            "Strict bounds prove failure at Kh = {high}, below the {kc} of the finite elements: use {high} as an upper "
+            "limit ({conditions}).",
+            high=coefficient(error.high),
+            kc=coefficient(fem.kc),
+            conditions=conditions,
+        )
+        value = f"≤ {coefficient(error.high)}"
     return HeadlinePart(name=_("critical Kh"), value=value, interval=_interval(error, _), conclusion=phrase)
 
 
