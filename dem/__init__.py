@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dem.laboratory.soil_layers import soil_layers
     from dem.model import DiscModel
     from dem.problems.column import SoilColumn
-    from dem.problems.uniform_slope import UniformSlope, newmark_slide
+    from dem.problems.uniform_slope import UniformSlope
     from dem.search.calibration import Calibrator, calibrate
     from dem.search.critical import critical_kh
     from dem.search.deposit import deposit
@@ -54,7 +54,6 @@ __all__ = [
     "ground_of",
     "loose_share",
     "mass_quantile",
-    "newmark_slide",
     "run_out",
     "run_until_rest",
     "settle",
@@ -81,7 +80,6 @@ _HOME = {
     "soil_contacts": "dem.laboratory.soil_contacts",
     "SoilColumn": "dem.problems.column",
     "UniformSlope": "dem.problems.uniform_slope",
-    "newmark_slide": "dem.problems.uniform_slope",
     "RunOut": "dem.slides.runout",
     "connected_ground": "dem.slides.runout",
     "deposit_profile": "dem.slides.runout",

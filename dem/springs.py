@@ -37,7 +37,6 @@ from dem.kernels.contact import (
 )
 from meshes.section.section import Stratum
 
-TABLE2_RADIUS = 0.75  # m
 PORE_SHARE = 0.1  # t_n = t_s of eq. (13), Iwashita (1988)
 VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular lattice
 

@@ -1,4 +1,4 @@
-"""Forces of the contacts as they are now, what they add up to on each disc, and the stress they carry."""
+"""Forces of the contacts as they are now, and what they add up to on each disc."""
 
 from dataclasses import dataclass
 
@@ -97,16 +97,3 @@ def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.
     fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.swing_x * level + ax)
     fz = wet_z + total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.swing_z * level + az)
     return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)
-
-
-def stress(model: DiscModel, forces: ContactForces, area: float, where: np.ndarray | None = None) -> np.ndarray:
-    """Mean stress (2, 2) of the discs in the mask `where` on their share of the plane `area` (Pa, tension positive).
-
-    Sum over pairs of force times branch, half of it for each of the two discs: pair forces, not what they add up to
-    on a disc, which would be nothing at rest.
-    """
-    chosen = np.ones(len(model), bool) if where is None else where
-    i, j = model.pair_i, model.pair_j
-    share = 0.5 * (chosen[i].astype(float) + chosen[j])
-    branch = model.branch()
-    return -np.einsum("c,ac,bc->ab", share, np.array([forces.fx, forces.fz]), branch) / area

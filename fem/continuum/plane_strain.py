@@ -82,7 +82,7 @@ class PlaneStrain:
     strain, plastic_strain : ndarray (points, 4)
         Accepted strain, engineering shear (-).
     region : ndarray (points,)
-        Part of the yield surface that every point is on, see ``mohr_coulomb.REGIONS``.
+        Part of the yield surface that every point is on, by the codes of ``return_mapping``.
     repeats : bool
         Whether the sides are periodic.
     free : ndarray (dofs,)

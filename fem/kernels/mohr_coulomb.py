@@ -21,21 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from fem.kernels import return_mapping as rm
 from fem.kernels.return_mapping import Floats, Integers
 
-# Names of the parts of the surface, in the order of their codes.
-REGIONS = (
-    "elastic",
-    "shear plane",
-    "left edge",
-    "right edge",
-    "tension plane",
-    "tension edge",
-    "shear-tension line",
-    "apex",
-    "tension apex",
-    "left corner",
-    "right corner",
-)
-
 # With fewer points a chunk (0.3 ms) is hardly worth handing to another thread.
 SMALLEST_CHUNK = 4096
 
@@ -149,7 +134,7 @@ def update(
     stress (n, 4)                      Pa, out
     tangent (n, 4, 4)                  Pa, out: d stress_i / d strain_increment_j; takes half the time
     plastic_strain_increment (n, 4)    out
-    region (n,) int8                   out: index into REGIONS
+    region (n,) int8                   out: part of the surface, a code of `return_mapping`
     threads                            the result is the same, to the bit, for any number of them
 
     Raises ValueError if an array has another shape, type or layout (C-contiguous float64), or if `material`

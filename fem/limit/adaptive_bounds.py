@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, check_velocity, corner_rates, dissipation
-from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds, Observer, StressField
+from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds, StressField
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
@@ -104,16 +104,6 @@ class BoundSearch:
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
     """The share of the work of the next mesh that its lower bound may take: by what these two took."""
     return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
-
-
-def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits, observer: Observer | None = None) -> Bracket:
-    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes, until a limit is reached."""
-    search = BoundSearch(mesh, body, limits)
-    while search.found.ended is None:
-        search.advance()
-        if observer:
-            observer(search.found)
-    return search.found
 
 
 def proven_lower_bound(

@@ -1,6 +1,6 @@
 """The best lower and upper bound of a sequence of meshes, and the limits at which the sequence ends."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -151,10 +151,6 @@ class Bracket:
         if not (self.stress and self.mechanism):
             return np.inf
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)
-
-
-# Called with the bracket after every mesh.
-Observer = Callable[[Bracket], None]
 
 
 @dataclass(frozen=True)

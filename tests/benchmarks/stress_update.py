@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.kernels import mohr_coulomb as mc
+from tests.support.stress_updates import REGIONS
 
 # Material (the second has a tension cut-off) and trial principal stresses (Pa) that return to the region.
 TRIALS = {
@@ -39,7 +40,7 @@ def points(names: list[str], n: int) -> tuple[np.ndarray, ...]:
 
     region = np.empty(n, np.int8)
     mc.update(np.zeros((n, 4)), stress, material, MATERIALS, np.empty((n, 4)), region=region)
-    if {mc.REGIONS[r] for r in np.unique(region)} != set(names):
+    if {REGIONS[r] for r in np.unique(region)} != set(names):
         raise RuntimeError(f"the trial stresses of {names} return to {np.unique(region)}")
     return np.zeros((n, 4)), stress, material
 

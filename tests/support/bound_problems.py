@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fem.limit.adaptive_bounds import bracket
+from fem.limit.adaptive_bounds import BoundSearch
 from fem.limit.bracket import Bracket, Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from meshes.section.section import Section
@@ -12,6 +12,14 @@ from meshes.triangles import TriMesh, triangulate
 from tests.support.sections import layer
 
 FIXED = Side("xy")
+
+
+def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> Bracket:
+    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes, until a limit is reached."""
+    search = BoundSearch(mesh, body, limits)
+    while search.found.ended is None:
+        search.advance()
+    return search.found
 
 
 def ground(cohesion, phi, sides, weight=0.0, tension=None):

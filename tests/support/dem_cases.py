@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.engine.engine import Engine
+from dem.engine.forces import ContactForces
 from dem.model import DiscModel
 from dem.springs import Law, LayerSprings
 
@@ -79,3 +80,16 @@ def order(errors: np.ndarray, ratio: float = 2.0) -> float:
     """Observed order of convergence: slope of the errors of ever finer steps, each `ratio` times the last."""
     levels = np.arange(len(errors))
     return float(-np.polyfit(levels * np.log(ratio), np.log(np.abs(errors)), 1)[0])
+
+
+def stress(model: DiscModel, forces: ContactForces, area: float, where: np.ndarray | None = None) -> np.ndarray:
+    """Mean stress (2, 2) of the discs in the mask `where` on their share of the plane `area` (Pa, tension positive).
+
+    Sum over pairs of force times branch, half of it for each of the two discs: pair forces, not what they add up to
+    on a disc, which would be nothing at rest.
+    """
+    chosen = np.ones(len(model), bool) if where is None else where
+    i, j = model.pair_i, model.pair_j
+    share = 0.5 * (chosen[i].astype(float) + chosen[j])
+    branch = model.branch()
+    return -np.einsum("c,ac,bc->ab", share, np.array([forces.fx, forces.fz]), branch) / area

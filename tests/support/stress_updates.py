@@ -7,6 +7,11 @@ import numpy as np
 from fem.kernels import mohr_coulomb as mc
 
 YOUNG = 1e3
+# Names of the parts of the yield surface, in the order of their codes.
+REGIONS = (
+    "elastic", "shear plane", "left edge", "right edge", "tension plane", "tension edge", "shear-tension line", "apex",
+    "tension apex", "left corner", "right corner",
+)  # fmt: skip
 FLOWS = {"associated": (0.6, 0.6), "dilation": (0.6, 0.2), "no dilation": (0.6, 0.0), "Tresca": (0.0, 0.0)}
 
 

@@ -25,8 +25,6 @@ SITES: Mapping[Site, float] = {
     "soft": 0.27,
 }  # ground that liquefies lies on deep soil unless rock is said
 BAND = (0.25, 20.0)  # Hz over which the mean period of a record is taken
-IDRISS_BOULANGER = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
-RATHJE = "E. M. Rathje, F. Faraj, S. Russell, J. D. Bray, Earthquake Spectra 20 (2004) 119-144"
 
 
 @dataclass(frozen=True)

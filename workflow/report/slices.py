@@ -7,7 +7,7 @@ import numpy as np
 from workflow.config import Config
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slip_circles import surface_balance
-from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.continuum import FactorOfSafety
 from workflow.results.slices import CirclePart, SlicesAnswer
 
 FEWEST_POINTS = 3  # of a slip surface
@@ -30,23 +30,6 @@ def _listed(circles: Sequence[CirclePart], digits: int) -> str:
         + ("" if one.spencer is None else f", {one.spencer:.{digits}f} by Spencer's")
         for one in circles
     )
-
-
-def on_surface_found(config: Config, fem: FemAnswer | None) -> Iterator[str]:
-    """Spencer's numbers on the slip surfaces of the finite elements, which need not be circles."""
-    if fem is None:
-        return
-    end = fem.last_in_equilibrium()
-    if end is not None and fem.has_kc:
-        kh = _by_spencer(config, end.slip_surface, fem.towards, None)
-        if kh is not None:
-            yield f"On the slip surface of the finite elements Spencer's method has a critical Kh of {kh:.3f}."
-    for factor in fem.safety_factors:
-        if (found := factor_on_surface(config, factor)) is not None:
-            yield (
-                f"On the slip surface that the finite elements found at Kh = {factor.kh:g} Spencer's factor of safety "
-                f"is {found:.2f}."
-            )
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:

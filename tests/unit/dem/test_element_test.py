@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dem.engine.engine import largest_step
-from dem.engine.forces import contact_forces, stress
+from dem.engine.forces import contact_forces
 from dem.engine.packer import unpack
 from dem.errors import EscapeError, OverlapError
 from dem.kernels.patch import share_inside
@@ -25,7 +25,7 @@ from dem.laboratory.strength import dilation, from_plane, from_principal, verdic
 from dem.model import DiscModel
 from meshes.section.section import Section, Stratum
 from tests.support import SECTIONS
-from tests.support.dem_cases import KN, RADIUS, SOIL
+from tests.support.dem_cases import KN, RADIUS, SOIL, stress
 
 SMALL = (12, 14)
 STRATUM = Stratum(

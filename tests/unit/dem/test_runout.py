@@ -5,7 +5,7 @@ import pytest
 
 import dem
 from dem.model import DiscModel
-from dem.problems.uniform_slope import newmark_shaken
+from tests.support.newmark import newmark_shaken, newmark_slide
 
 RADIUS = 0.5
 SAND = dem.soil_discs("sand", 1e7, dem.Strength(0.3), 2000.0, 2000.0, RADIUS, 0.25)
@@ -75,9 +75,9 @@ def test_contacts_without_a_section() -> None:
 
 def test_newmark_by_hand() -> None:
     """A block on the level: a = g (k - mu) for T seconds, then mu g (Newmark 1965): d = g (k - mu) T^2 k / (2 mu)."""
-    assert dem.newmark_slide(0.0, 0.1, 0.3, 2.0) == pytest.approx(9.81 * 0.2 * 4.0 * 0.3 / 0.2)
-    assert dem.newmark_slide(0.0, 0.3, 0.2, 2.0) == 0.0
-    assert dem.newmark_slide(0.2, 0.1, 0.3, 2.0) == np.inf
+    assert newmark_slide(0.0, 0.1, 0.3, 2.0) == pytest.approx(9.81 * 0.2 * 4.0 * 0.3 / 0.2)
+    assert newmark_slide(0.0, 0.3, 0.2, 2.0) == 0.0
+    assert newmark_slide(0.2, 0.1, 0.3, 2.0) == np.inf
 
 
 def test_a_block_that_slides_both_ways_drifts_downhill() -> None:
@@ -94,4 +94,4 @@ def test_a_block_that_slides_both_ways_drifts_downhill() -> None:
     assert newmark_shaken(angle, 0.009, time, push) == np.inf
     held = np.array([0.0, 1e-6, 2.0, 2.0 + 1e-6])
     one_way = newmark_shaken(0.0, 0.1, held, 9.81 * np.array([0.0, 0.3, 0.3, 0.0]))
-    assert one_way == pytest.approx(dem.newmark_slide(0.0, 0.1, 0.3, 2.0), rel=2e-3)
+    assert one_way == pytest.approx(newmark_slide(0.0, 0.1, 0.3, 2.0), rel=2e-3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dem.kernels.contact import ALLOWED, BC, BETA, CN, KN, KPN, KS, MU, TAN
-from dem.springs import TABLE2_RADIUS, LayerSprings, from_soil, pair_table, table2, wave_speeds
+from dem.springs import LayerSprings, from_soil, pair_table, table2, wave_speeds
 
 # Table 1: E (tf/m2), nu, density ordinary and seismic (t/m3), cohesion (tf/m2), friction angle (deg)
 TABLE1 = {
@@ -31,7 +31,7 @@ EXCEPTIONS = {
 def from_table1(layer: int, **settings: float) -> LayerSprings:
     e, nu, ordinary, seismic, cohesion, friction = TABLE1[layer]
     return from_soil(
-        str(layer), e * TF, nu, 1000.0 * seismic, 1000.0 * ordinary, cohesion * TF, np.radians(friction), TABLE2_RADIUS,
+        str(layer), e * TF, nu, 1000.0 * seismic, 1000.0 * ordinary, cohesion * TF, np.radians(friction), 0.75,
         **settings,
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ import pytest
 
 from fem.kernels import mohr_coulomb as mc
 from fem.kernels import return_mapping as rm
-from tests.support.stress_updates import FLOWS, YOUNG, in_plane, many_trials, updated
+from tests.support.stress_updates import FLOWS, REGIONS, YOUNG, in_plane, many_trials, updated
 
 SHEAR_REGIONS = {rm.ELASTIC, rm.SHEAR_PLANE, rm.LEFT_EDGE, rm.RIGHT_EDGE}
 TENSION_REGIONS = {rm.TENSION_PLANE, rm.TENSION_EDGE, rm.TENSION_APEX, rm.SHEAR_TENSION, rm.LEFT_CORNER}
@@ -37,10 +37,10 @@ def test_taylor_remainder_of_the_tangent_is_of_second_order(flow, tension):
     for r in expected:
         for z in (1, 2, 3):
             here = np.flatnonzero(steady & (region == r) & (place == z))[:200]
-            assert here.size >= 10, f"{mc.REGIONS[r]}, zz number {z}: {here.size} states"
+            assert here.size >= 10, f"{REGIONS[r]}, zz number {z}: {here.size} states"
             orders = np.polyfit(np.log(STEPS), np.log(remainder[:, here] + 1e-300), 1)[0]
             exact = remainder[0, here] < 1e-9  # of a change of 0.04; less is lost to rounding at the last step
-            assert np.all(exact | (orders > 1.9)), f"{mc.REGIONS[r]}, zz number {z}: {orders[~exact].min()}"
+            assert np.all(exact | (orders > 1.9)), f"{REGIONS[r]}, zz number {z}: {orders[~exact].min()}"
             if r in (rm.SHEAR_PLANE, rm.SHEAR_TENSION):
                 assert not exact.all(), "the axes turn: something must be left over"
 
@@ -74,7 +74,7 @@ def test_associated_tangent_is_symmetric():
     table = mc.table(YOUNG, 0.2, 1.0, 0.6, 0.6, 0.5)
     _, tangent, _, region = updated(table, many_trials(seed=4, n=20_000)[0])
     assert np.abs(tangent - tangent.transpose(0, 2, 1)).max() < 1e-11 * YOUNG
-    assert len(np.unique(region)) == len(mc.REGIONS) - 1  # all but the apex, which the cut-off removes
+    assert len(np.unique(region)) == len(REGIONS) - 1  # all but the apex, which the cut-off removes
 
 
 def test_pure_shear_without_strength_is_not_a_toss_up():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.continuum.shallow_failure import skins, strengthened
-from fem.limit.adaptive_bounds import bracket, proven_lower_bound, proven_upper_bound
+from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import body_of, first_mesh, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
@@ -15,7 +15,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import triangulate
 from tests.support import SECTIONS
-from tests.support.bound_problems import FIXED, ground, rectangles
+from tests.support.bound_problems import FIXED, bracket, ground, rectangles
 from tests.support.sections import layer, slope
 
 SIDES = {"footing": Side(), "surface": Side(), "left": FIXED, "right": FIXED, "base": FIXED}

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dem.problems.uniform_slope import G, newmark_shaken, newmark_slide
 from meshes.errors import InputError
+from tests.support.newmark import G, newmark_shaken, newmark_slide
 from workflow.estimates.slide_error import SlideError, error_of
 from workflow.report import model_error
 from workflow.verify.record import read_answers, write_answers

@@ -10,11 +10,11 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.engine.engine import Engine, largest_step
-from dem.laboratory.tied_shear import shear
 from dem.model import DiscModel
 from dem.springs import LayerSprings, Strength, soil_discs
 from dem.tied_packing import TiedPacking, tied_packing
 from tests.support.dem_cases import GRAVITY
+from tests.support.tied_shear import shear
 
 RADIUS, DENSITY, VOID_RATIO = 0.5, 2000.0, 0.25  # 0.25 is a porosity of 0.2, as both have once they are pressed
 SLOPE = np.radians(15.0)

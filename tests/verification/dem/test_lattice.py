@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from dem.engine.engine import Engine, largest_step
-from dem.engine.forces import contact_forces, resultants, stress
+from dem.engine.forces import contact_forces, resultants
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, trace
+from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, stress, trace
 
 SPACING = 2.0 * RADIUS * (1.0 - 1e-6)  # everything touches
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from dem.problems.uniform_slope import newmark_slide
 from tests.support.liquefied import GRAVITY, LayeredSlope, ShearedBox, Slump
+from tests.support.newmark import newmark_slide
 
 SLOW = 0.046  # 1/s: an inertial number of 0.004 under 300 kPa
 

@@ -5,7 +5,6 @@ import pytest
 from mpi4py import MPI
 
 from dem.laboratory.soil_layers import soil_layers
-from fem.limit.adaptive_bounds import bracket
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds
@@ -16,7 +15,7 @@ from meshes.section.growth import evened
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.triangles import triangulate
-from tests.support.bound_problems import FIXED
+from tests.support.bound_problems import FIXED, bracket
 from tests.support.sections import layer, problems
 
 

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from mpi4py import MPI
 
-from fem.limit.adaptive_bounds import bracket
 from fem.limit.bounds import body_of, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import Side, limit_problem, units_of
@@ -22,6 +21,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.triangles import triangulate
+from tests.support.bound_problems import bracket
 from tests.support.fem_problems import ELEMENTS
 from tests.support.water import BANK, WATER, random_water, section, soil
 
