@@ -1,13 +1,13 @@
 """Pages that follow from the program, computed from models, commands, docstrings and numbers."""
 
-import ast
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import typer
 
+from meshes.exports import homes
 from workflow.cli import app
 from workflow.report.reference import markdown as keys
 
@@ -54,24 +54,6 @@ def commands() -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def exported(package: str) -> Iterator[tuple[str, str]]:
-    """What a package offers at its top: names and the modules that define them."""
-    tree = ast.parse((TOP / package / "__init__.py").read_text(encoding="utf-8"))
-    homes = {
-        alias.asname or alias.name: node.module
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom) and node.module
-        for alias in node.names
-    }
-    listed = next(
-        ast.literal_eval(node.value)
-        for node in tree.body
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__"
-    )
-    for name in listed:
-        yield name, homes[name]
-
-
 def python_interface() -> str:
     """The public interface of the packages, from the docstrings."""
     parts = [
@@ -81,7 +63,10 @@ def python_interface() -> str:
     ]
     for package in ("meshes", "fem", "dem"):
         parts += [f"## {package}"]
-        parts += [f"::: {module}.{name}\n    options:\n      heading_level: 3" for name, module in exported(package)]
+        parts += [
+            f"::: {module}.{name}\n    options:\n      heading_level: 3"
+            for name, module in sorted(homes(str(TOP / package / "__init__.py")).items())
+        ]
     return "\n\n".join(parts) + "\n"
 
 

@@ -14,9 +14,6 @@ MODULES = sorted(path for package in ("meshes", "fem", "dem", "workflow") for pa
 
 # Tables of texts from files and of names, whose lookup is guarded where it stands.
 ANY_TEXT = {
-    "dem/__init__.py": {"_HOME"},
-    "fem/__init__.py": {"_HOME"},
-    "meshes/__init__.py": {"LATER"},
     "meshes/borings/blows.py": {"MILLIMETRES"},
     "meshes/borings/table.py": {"PLAIN"},
     "meshes/section/motion_units.py": {"LENGTHS"},
