@@ -9,6 +9,7 @@ from meshes.compiled import keep_compiled_kernels
 from meshes.exports import exports
 
 if TYPE_CHECKING:
+    from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
     from dem.engine.engine import Engine
     from dem.errors import DemError
     from dem.ground import Ground, ground_of, springs_of

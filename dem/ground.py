@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscMaterials
 from dem.model import DiscModel
 from dem.packing import ROW, Packing, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
@@ -69,7 +70,7 @@ class Ground:
     def model(self, layers: Sequence[LayerSprings], settings: DemSettings) -> DiscModel:
         """The discs at rest, without pore springs, under gravity."""
         gravity = tilted_gravity(self.tilt)
-        model = self.packing.discs(layers, gravity=gravity, mean=settings.mean, law=settings.model)
+        model = self.packing.discs(DiscMaterials(layers, law=settings.model, mean=settings.mean), gravity=gravity)
         if self.section is not None:
             places = self.to_section(model.x, model.z)
             model.drift_x, model.drift_z = self._own(still_water(self.section, places, model))

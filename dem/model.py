@@ -10,6 +10,7 @@ import numpy as np
 
 from dem import checkpoint
 from dem.acceleration import Acceleration
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.kernels.arguments import LEDGER
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.layout import LANES
@@ -25,7 +26,7 @@ from dem.kernels.neighbours import (
     turned,
 )
 from dem.kernels.period import folded
-from dem.lines import LineStrengths, strength_of_each, with_line_strengths
+from dem.lines import with_line_strengths
 from dem.liquefied_ground import change_areas, list_liquefied
 from dem.ranges import Ranges, at_once
 from dem.springs import Law, LayerSprings, Mean, PairTable, Strength, pair_table
@@ -33,7 +34,6 @@ from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
 
 # what changes its sign when the two discs of a pair change places
 TURNED = ("force_x", "force_z", "rolled", "torque")
-SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
 WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
 SORT_EVERY = 16  # lists made between two sortings in space
 
@@ -47,59 +47,50 @@ class DiscModel(DiscState):
     @classmethod
     def create(
         cls,
-        x: np.ndarray,
-        z: np.ndarray,
-        radius: np.ndarray | float,
-        layers: Sequence[LayerSprings],
-        layer: np.ndarray | int = 0,
+        geometry: DiscGeometry,
+        materials: DiscMaterials,
+        boundary: DiscBoundary | None = None,
         *,
-        fixed: np.ndarray | bool = False,
-        turns: np.ndarray | bool = True,
         gravity: tuple[float, float] = (0.0, 0.0),
         acceleration: Acceleration | None = None,
-        lines: np.ndarray | None = None,
-        line_strength: LineStrengths = None,
-        mean: Mean = "arithmetic",
-        law: Law = "paper",
-        period: tuple[float, float] | None = None,
         skin: float | None = None,
     ) -> "DiscModel":
-        """Discs at rest. layer: index into `layers`, -1 for boundary discs, which are fixed too.
+        """Make a model of discs at rest.
 
-        turns: False for discs that cannot rotate; those of layers with infinite rolling friction cannot either.
-        line_strength: what contacts with rigid lines hold, one for all or one for each, such as `springs.SMOOTH`; None
-        for what the disc's own layer holds. mean, law: see `springs.pair_table`. period: (length, rise) in m, for
-        ground that goes on as it is, its sides tied to each other; soil discs only. skin (m): margin of the list,
-        0.4 mean radii if not given.
-        Raises ValueError for arrays that do not fit together.
+        Parameters
+        ----------
+        geometry
+            Where the discs lie, and their layers.
+        materials
+            The constants of the layers, and the contact law.
+        boundary
+            Rigid lines and periodic sides; none if left out.
+        gravity
+            Along x and z (m/s2).
+        acceleration
+            External acceleration in time; none if left out.
+        skin
+            Margin of the neighbour list (m); 0.4 mean radii if left out.
+
+        Returns
+        -------
+        DiscModel
+            With its neighbour list, at time 0.
+
+        Raises
+        ------
+        ValueError
+            If layers, period or skin do not fit the discs.
         """
-        x, z = np.array(x, float), np.array(z, float)
-        n = len(x)
-        radii = np.array(np.broadcast_to(np.asarray(radius, float), n))
-        layer = np.array(np.broadcast_to(layer, n), np.int32)
-        still = np.array(np.broadcast_to(fixed, n), bool) | (layer < 0)
-        if n == 0 or z.shape != (n,) or not (np.isfinite(x).all() and np.isfinite(z).all()):
-            raise ValueError("discs: x and z must be finite, of one length, and not empty")
-        if not (radii > 0.0).all():
-            raise ValueError(f"discs: radius of disc {int(np.argmin(radii))} is {radii.min()}, must be positive")
-        if layer.max() >= len(layers) or layer.min() < -1:
-            raise ValueError(f"discs: layer {layer.max()} of {len(layers)} layers (they count from 0, -1 is boundary)")
-        lines = np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6)
-        strengths = strength_of_each(line_strength, len(lines))
-        density = np.array([s.density for s in layers] + [layers[0].density])[layer]
-        effective = np.array([s.effective_density for s in layers] + [0.0])[layer]
-        if period is not None:
-            period = (float(period[0]), float(period[1]))
+        boundary = boundary or DiscBoundary()
+        x, z, radii, layer = geometry.x, geometry.z, geometry.radius, geometry.layer
+        n, law, mean = len(x), materials.law, materials.mean
+        materials.check_numbers(layer)
+        boundary.check_period(law, float(radii.max()))
         margin = float(0.4 * radii.mean()) if skin is None else skin
         if not margin > 0.0:
             raise ValueError(f"discs: the skin of the neighbour list must be positive, is {margin}")
-        if period is not None and (law != "soil" or not period[0] >= SHORTEST * radii.max()):
-            raise ValueError(
-                f"discs: a period wants law='soil' and a length of at least {SHORTEST:g} of the largest radius, which "
-                f"is {radii.max():g} m; they are {law!r} and {period[0]:g} m"
-            )
-        free = np.isfinite([s.rolling_friction for s in layers] + [0.0])[layer]
-        rotates = np.where(np.broadcast_to(turns, n) & free, 2.0, 0.0)
+        density, effective = materials.densities(layer)
         # what belongs to contacts is there once the list is made
         numbers = ("pair_i", "pair_j", "line_disc", "line_id")
         contacts: dict[str, Any] = {name: np.zeros(0) for name in MEMORY + ROLLING_MEMORY + LINE_MEMORY}
@@ -108,14 +99,14 @@ class DiscModel(DiscState):
             name: np.zeros(n) for name in ("roll", "vx", "vz", "vr", "vx_half", "vz_half", "vr_half")
         }
         model = cls(
-            x=x, z=z, **motion, radius=radii, mass=np.pi * radii**2 * density, weight=effective / density,
-            drift_x=np.zeros(n), drift_z=np.zeros(n), swing_x=np.zeros(n), swing_z=np.zeros(n),
-            inertia_ratio=rotates, layer=layer, fixed=still, x_list=x.copy(), z_list=z.copy(),
-            order=np.arange(n, dtype=np.int32), **contacts,
-            lines=lines, line_strength=strengths,
+            x=x.copy(), z=z.copy(), **motion, radius=radii.copy(), mass=np.pi * radii**2 * density,
+            weight=effective / density, drift_x=np.zeros(n), drift_z=np.zeros(n), swing_x=np.zeros(n),
+            swing_z=np.zeros(n), inertia_ratio=np.where(materials.rotates(layer), 2.0, 0.0), layer=layer.copy(),
+            fixed=geometry.fixed.copy(), x_list=x.copy(), z_list=z.copy(), order=np.arange(n, dtype=np.int32),
+            **contacts, lines=boundary.lines.copy(), line_strength=boundary.strengths,
             energy_sums=np.zeros((n // LANES + 1, LEDGER)),
-            springs=_table(layers, mean, law, margin, strengths), mean=mean, law=law,
-            period=period, gravity=(float(gravity[0]), float(gravity[1])),
+            springs=_table(materials.layers, mean, law, margin, boundary.strengths), mean=mean, law=law,
+            period=boundary.period, gravity=(float(gravity[0]), float(gravity[1])),
             acceleration=acceleration or Acceleration(), skin=margin,
         )  # fmt: skip
         model.make_list()

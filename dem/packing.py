@@ -5,17 +5,16 @@ right to left are the free surface, all others are walls. Boundary discs stand o
 behind these, where their outer rims end, are rigid lines.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numba import njit
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import ENDLESS
 from dem.model import DiscModel
-from dem.springs import LayerSprings
 
 StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -51,9 +50,12 @@ class Packing:
         """Mask of the discs that can move."""
         return self.layer >= 0
 
-    def discs(self, layers: Sequence[LayerSprings], **settings: Any) -> DiscModel:
-        """The packing as a model; settings go to `DiscModel.create`."""
-        return DiscModel.create(self.x, self.z, self.radius, layers, self.layer, lines=self.lines, **settings)
+    def discs(
+        self, materials: DiscMaterials, *, gravity: tuple[float, float] = (0.0, 0.0), skin: float | None = None
+    ) -> DiscModel:
+        """The packing as a model, see `DiscModel.create`."""
+        geometry = DiscGeometry(self.x, self.z, self.radius, self.layer)
+        return DiscModel.create(geometry, materials, DiscBoundary(self.lines), gravity=gravity, skin=skin)
 
 
 def lattice_box(columns: int, rows: int, radius: float) -> Packing:

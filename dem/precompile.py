@@ -14,6 +14,7 @@ from llvmlite.binding import get_host_cpu_name
 from numba import config, typeof
 from numba.core.types import Type
 
+from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.engine.packer import pack, unpack
 from dem.kernels import stepping
@@ -70,4 +71,6 @@ def types_of_a_step() -> tuple[Type, ...]:
 
 def three_discs() -> DiscModel:
     """A row of discs that touch."""
-    return DiscModel.create(np.array([0.0, 1.9, 3.8]), np.zeros(3), 1.0, [SOIL], law="soil")
+    return DiscModel.create(
+        DiscGeometry(np.array([0.0, 1.9, 3.8]), np.zeros(3), 1.0), DiscMaterials([SOIL], law="soil")
+    )

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.engine.packer import pack
 from dem.errors import EscapeError
@@ -285,7 +286,8 @@ def _patch(
     mass = layer.density * np.pi * float(np.mean(radius**2))
     cn, ct = (DASHPOTS * float(np.sqrt(mass * k)) for k in (layer.kn, layer.ks))
     model = DiscModel.create(
-        x, z, radius, [replace(layer, cn=cn, ct=ct)], np.where(frame, -1, 0), skin=SKIN * float(radius.mean()),
-        law=law,
-    )  # fmt: skip
+        DiscGeometry(x, z, radius, np.where(frame, -1, 0)),
+        DiscMaterials([replace(layer, cn=cn, ct=ct)], law=law),
+        skin=SKIN * float(radius.mean()),
+    )
     return Patch(model, model.fixed.copy(), np.array([-half, half]))

@@ -87,7 +87,7 @@ class SoilContacts:
         Returns
         -------
         LayerSprings
-            For `DiscModel.create` with law="soil".
+            For `DiscMaterials` with law="soil".
         """
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
@@ -75,10 +76,16 @@ class SoilColumn:
             [width, 0.0, -1.0, 0.0, -50.0 * height, 4.0 * radius],
         ])  # fmt: skip
         self.model = DiscModel.create(
-            np.concatenate([x, floor[0]]), np.concatenate([z, floor[1]]), np.concatenate([r, floor[2]]),
-            layers_of(void_ratio), np.where(np.arange(len(x) + floor.shape[1]) < len(x), 0, -1),
-            lines=lines, line_strength=(SMOOTH, None, SMOOTH), gravity=(0.0, -G), law="soil",
-        )  # fmt: skip
+            DiscGeometry(
+                np.concatenate([x, floor[0]]),
+                np.concatenate([z, floor[1]]),
+                np.concatenate([r, floor[2]]),
+                np.where(np.arange(len(x) + floor.shape[1]) < len(x), 0, -1),
+            ),
+            DiscMaterials(layers_of(void_ratio), law="soil"),
+            DiscBoundary(lines, line_strength=(SMOOTH, None, SMOOTH)),
+            gravity=(0.0, -G),
+        )
 
     @property
     def unit(self) -> float:

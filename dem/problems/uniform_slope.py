@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from dem.acceleration import tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.laboratory.patch import POROSITY, VOID_RATIO
@@ -184,9 +185,12 @@ def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequ
     """Discs of a tied packing on the level, in layers of some thickness from z = 0 up; in the first one without any."""
     layer = np.searchsorted(np.cumsum(thickness)[:-1], packing.z, side="right") if len(thickness) else 0
     return DiscModel.create(
-        packing.x, packing.z, packing.radius, layers, np.where(packing.layer < 0, -1, layer), law="soil",
-        period=(packing.length, 0.0), gravity=(0.0, -G), skin=0.2 * float(packing.radius.mean()),
-    )  # fmt: skip
+        DiscGeometry(packing.x, packing.z, packing.radius, np.where(packing.layer < 0, -1, layer)),
+        DiscMaterials(layers, law="soil"),
+        DiscBoundary(period=(packing.length, 0.0)),
+        gravity=(0.0, -G),
+        skin=0.2 * float(packing.radius.mean()),
+    )
 
 
 class Push:

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from dem.acceleration import tilted_gravity
+from dem.assembly import DiscMaterials
 from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, EngineRun, largest_step
 from dem.engine.packer import pack, unpack
 from dem.kernels.stepping import DONE
@@ -79,7 +80,7 @@ def model_of(elements: int, bonded: bool, law: Law = "paper") -> DiscModel:
         ]
     depth = LAYERS * (packing.z / packing.z[packing.free].max() + 0.1 * packing.x / packing.x.max()) / 1.1
     packing.layer[packing.free] = np.clip(depth[packing.free].astype(int), 0, LAYERS - 1)
-    model = packing.discs(soil, gravity=tilted_gravity(TILT, GRAVITY), skin=SKIN, law=law)
+    model = packing.discs(DiscMaterials(soil, law=law), gravity=tilted_gravity(TILT, GRAVITY), skin=SKIN)
     if bonded:
         model.set_pore_springs()
     return model

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
@@ -32,9 +33,11 @@ def model_of(elements: int, share: float) -> DiscModel:
     layer = np.where(free, np.where(packing.z <= level, 1, 0), -1)
     layers = [sand(1.0e8, RADIUS), replace(sand(1.0e8, RADIUS), faded=1.0)]
     model = DiscModel.create(
-        packing.x, packing.z, packing.radius, layers, layer, law="soil", turns=False, lines=packing.lines,
+        DiscGeometry(packing.x, packing.z, packing.radius, layer),
+        DiscMaterials(layers, law="soil", turns=False),
+        DiscBoundary(packing.lines),
         gravity=(0.0, -GRAVITY),
-    )  # fmt: skip
+    )
     if share > 0.0:
         depth = model.z[free].max() - model.z
         pressure = np.maximum(BUOYANT * GRAVITY * depth, 0.0)

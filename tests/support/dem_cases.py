@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.engine.forces import ContactForces
 from dem.model import DiscModel
@@ -48,7 +49,7 @@ def box(
     layer[(row == 0) | (column == 0) | (column == columns + 1)] = -1
     stiffer = replace(soil, name="stiffer", kn=2.0 * soil.kn, ks=2.0 * soil.ks)
     gravity = (GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt))
-    return DiscModel.create(x, z, RADIUS, [soil, stiffer], layer, gravity=gravity, law=law)
+    return DiscModel.create(DiscGeometry(x, z, RADIUS, layer), DiscMaterials([soil, stiffer], law=law), gravity=gravity)
 
 
 def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> DiscModel:
@@ -59,7 +60,7 @@ def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> Dis
     radius = RADIUS * rng.uniform(0.8, 1.2, count)
     x = x[:count] + 0.1 * RADIUS * rng.standard_normal(count)
     z = z[:count] + 0.1 * RADIUS * rng.standard_normal(count)
-    model = DiscModel.create(x, z, radius, [replace(soil, allowed_overlap=2.0)])
+    model = DiscModel.create(DiscGeometry(x, z, radius), DiscMaterials([replace(soil, allowed_overlap=2.0)]))
     vx, vz = speed * rng.standard_normal((2, count))
     model.set_velocity(vx, vz, speed / RADIUS * rng.standard_normal(count))
     return model

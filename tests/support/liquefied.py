@@ -7,6 +7,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.kernels.liquefied_pairs import DENSITY as RHO0
 from dem.kernels.liquefied_pairs import STIFFNESS, STRAIN, STRENGTH
@@ -62,9 +63,10 @@ class ShearedBox:
         packing = tied_packing(columns, rows, radius, porosity=VOIDS / (1.0 + VOIDS), seed=seed)
         layer = replace(sand(1.0e8, radius), faded=1.0)
         model = DiscModel.create(
-            *on_a_deep_base(packing)[:3], [layer], on_a_deep_base(packing)[3], law="soil",
-            period=(packing.length, 0.0), turns=False,
-        )  # fmt: skip
+            DiscGeometry(*on_a_deep_base(packing)),
+            DiscMaterials([layer], law="soil", turns=False),
+            DiscBoundary(period=(packing.length, 0.0)),
+        )
         n = len(model)
         onset = Onset(~model.fixed, with_voids(model), np.full(n, pressure), np.full(n, strength), np.full(n, strain))
         liquefy(model, onset)
@@ -115,7 +117,10 @@ class LayeredSlope:
         layer = np.where((layer >= 0) & (z > self.LOW), 1, layer)
         layers = [sand(1.41e8, radius, "loose"), sand(1.41e8, radius)]
         self.model = model = DiscModel.create(
-            x, z, r, layers, layer, law="soil", period=(packing.length, 0.0), gravity=(0.0, -GRAVITY), turns=False
+            DiscGeometry(x, z, r, layer),
+            DiscMaterials(layers, law="soil", turns=False),
+            DiscBoundary(period=(packing.length, 0.0)),
+            gravity=(0.0, -GRAVITY),
         )
         self.on(6.0, ledger=False)
         for tilt in np.linspace(0.0, self.ANGLE, 6)[1:]:
@@ -172,9 +177,10 @@ class Slump:
         r = np.concatenate([packing.radius[inside], np.full(DEEP * len(along), radius)])
         self.free = np.arange(len(x)) < inside.sum()
         self.model = model = DiscModel.create(
-            x, z, r, [replace(sand(1e8, radius), faded=1.0)], np.where(self.free, 0, -1), law="soil", turns=False,
+            DiscGeometry(x, z, r, np.where(self.free, 0, -1)),
+            DiscMaterials([replace(sand(1e8, radius), faded=1.0)], law="soil", turns=False),
             gravity=(0.0, -GRAVITY),
-        )  # fmt: skip
+        )
         self.area = np.pi * r**2 * 2.0 * self.HALF * self.HEIGHT / np.sum(np.pi * r[self.free] ** 2)
         model.mass[:] = DENSITY * self.area
         self.strength = DENSITY * GRAVITY * self.HEIGHT / weight_over_strength

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.errors import ConfinementError
 from dem.model import DiscModel
@@ -65,9 +66,11 @@ class _Box:
         self.packing, self.pressure = packing, pressure
         self.plate = packing.above
         self.model = DiscModel.create(
-            packing.x, packing.z, packing.radius, [layer], packing.layer, law="soil", period=(packing.length, 0.0),
+            DiscGeometry(packing.x, packing.z, packing.radius, packing.layer),
+            DiscMaterials([layer], law="soil"),
+            DiscBoundary(period=(packing.length, 0.0)),
             skin=SKIN * float(packing.radius.mean()),
-        )  # fmt: skip
+        )
         self.free = ~self.model.fixed
         self.interval = INTERVAL * float(np.sqrt(self.model.mass[self.free].mean() / layer.kn))
         self.modulus = layer.kn  # about that of one-dimensional compression: a contact a diameter

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.engine.memory import Room
@@ -143,9 +144,12 @@ def test_numbering_changes_rounding_only(law: Law) -> None:
     first = shaken(law)
     shuffle = np.random.default_rng(0).permutation(len(first))
     second = DiscModel.create(
-        first.x[shuffle], first.z[shuffle], RADIUS, first.springs.layers, first.layer[shuffle],
-        gravity=first.gravity, acceleration=first.acceleration, skin=first.skin, law=law,
-    )  # fmt: skip
+        DiscGeometry(first.x[shuffle], first.z[shuffle], RADIUS, first.layer[shuffle]),
+        DiscMaterials(first.springs.layers, law=law),
+        gravity=first.gravity,
+        acceleration=first.acceleration,
+        skin=first.skin,
+    )
     second.set_pore_springs()
     second.set_velocity(first.vx[shuffle], first.vz[shuffle])
     engine = Engine(dt=2e-4, balance=1.0)
@@ -173,7 +177,7 @@ def test_skin_of_the_list_changes_rounding_only(law: Law) -> None:
 def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
     """A disc that flies past another and back: its force changes by no more in a step than its path allows."""
     soil = replace(SOIL, cn=0.0, ct=0.0)
-    model = DiscModel.create([0.0, 3.0], [0.0, 1.3], RADIUS, [soil], fixed=[True, False])
+    model = DiscModel.create(DiscGeometry([0.0, 3.0], [0.0, 1.3], RADIUS, fixed=[True, False]), DiscMaterials([soil]))
     model.set_velocity(np.array([0.0, -2.0]), 0.0)
     pairs, force = [], []
 
@@ -192,7 +196,7 @@ def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
 
 
 def test_list_is_made_only_when_a_disc_has_moved_half_the_skin() -> None:
-    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE], skin=0.2)
+    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]), skin=0.2)
     model.set_velocity(np.array([0.0, 1.0]), 0.0)
     begin = model.lists_made
     Engine(dt=1e-3).run(model, steps=99)
@@ -214,7 +218,9 @@ def test_no_steps_leave_the_model_as_it_is() -> None:
 
 
 def test_output_comes_at_the_times_asked_for() -> None:
-    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE], gravity=(0.0, -GRAVITY))
+    model = DiscModel.create(
+        DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]), gravity=(0.0, -GRAVITY)
+    )
     seen = []
     Engine(dt=1e-3).run(model, 0.1, every=0.03, on_output=lambda m: seen.append((m.time, m.z[0])))
     assert [t for t, _ in seen] == pytest.approx([0.03, 0.06, 0.09, 0.1])
@@ -224,7 +230,9 @@ def test_output_comes_at_the_times_asked_for() -> None:
 def test_weight_is_effective_and_the_rest_is_full() -> None:
     """Gravity moves a disc with rho_w / rho_d of its value, Kh with all of it."""
     soil = replace(BARE, density=2220.0, effective_density=1220.0)
-    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [soil], gravity=(0.0, -GRAVITY))
+    model = DiscModel.create(
+        DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([soil]), gravity=(0.0, -GRAVITY)
+    )
     model.acceleration = Acceleration.seismic(0.1, g=GRAVITY)
     Engine(dt=1e-3).run(model, 1.0)
     assert model.vz == pytest.approx(-GRAVITY * 1220.0 / 2220.0, rel=1e-9)
@@ -233,7 +241,7 @@ def test_weight_is_effective_and_the_rest_is_full() -> None:
 
 def test_acceleration_in_time_is_followed() -> None:
     times = np.linspace(0.0, 1.0, 11)
-    model = DiscModel.create([0.0, 10.0], [0.0, 0.0], RADIUS, [BARE])
+    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]))
     model.acceleration = Acceleration(times, np.sin(5.0 * times), times**2)
     Engine(dt=1e-3).run(model, 1.5)
     for v, a in ((model.vx, np.sin(5.0 * times)), (model.vz, times**2)):
@@ -300,9 +308,11 @@ def test_cut_pore_springs_by_layer() -> None:
 
 def test_settled_column_of_discs_carries_its_weight_to_the_base() -> None:
     model = DiscModel.create(
-        np.zeros(9), RADIUS + 2.0 * RADIUS * np.arange(9), RADIUS,
-        [replace(SOIL, effective_density=1200.0, cn=5.0 * SOIL.cn)], lines=FLOOR, gravity=(0.0, -GRAVITY),
-    )  # fmt: skip
+        DiscGeometry(np.zeros(9), RADIUS + 2.0 * RADIUS * np.arange(9), RADIUS),
+        DiscMaterials([replace(SOIL, effective_density=1200.0, cn=5.0 * SOIL.cn)]),
+        DiscBoundary(FLOOR),
+        gravity=(0.0, -GRAVITY),
+    )
     Engine().run(model, 12.0)
     model.set_pore_springs()
     Engine().run(model, 1.0)

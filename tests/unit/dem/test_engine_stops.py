@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
 from dem.kernels.contact import KN
@@ -59,8 +60,8 @@ def test_smallest_of_all_limits_sets_the_step() -> None:
     """One light, stiff disc among heavy ones: its limit counts, not the heaviest disc's."""
     light = replace(BARE, name="light", density=20.0, effective_density=20.0)
     x = np.array([0.0, 1.5, 3.0, 4.5])
-    heavy = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], 0)
-    mixed = DiscModel.create(x, np.zeros(4), RADIUS, [BARE, light], [0, 0, 1, 0])
+    heavy = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, 0), DiscMaterials([BARE, light]))
+    mixed = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, [0, 0, 1, 0]), DiscMaterials([BARE, light]))
     assert largest_step(mixed).seconds == pytest.approx(0.1 * largest_step(heavy).seconds, rel=1e-9)
     assert largest_step(mixed).disc == 2
 
@@ -111,7 +112,7 @@ def test_undamped_heap_that_gains_energy_is_caught() -> None:
 
 
 def test_disc_behind_a_line_is_found() -> None:
-    model = DiscModel.create([0.0], [RADIUS], RADIUS, [BARE], lines=FLOOR)
+    model = DiscModel.create(DiscGeometry([0.0], [RADIUS], RADIUS), DiscMaterials([BARE]), DiscBoundary(FLOOR))
     model.z[:] = -1.5 * RADIUS
     with pytest.raises(EscapeError, match="behind rigid line 0"):
         Engine(dt=1e-4, balance=1.0).run(model, steps=1)
@@ -131,6 +132,7 @@ def test_impossible_settings_are_refused(settings: dict, words: str) -> None:
     [({"radius": 0.0}, "radius"), ({"layer": 3}, "layer 3 of 1"), ({"skin": 0.0}, "skin"), ({"x": [np.nan]}, "finite")],
 )
 def test_impossible_discs_are_refused(change: dict, words: str) -> None:
-    given = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layers": [BARE]} | change
+    given = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layer": 0, "skin": None} | change
+    skin = given.pop("skin")
     with pytest.raises(ValueError, match=words):
-        DiscModel.create(**given)
+        DiscModel.create(DiscGeometry(**given), DiscMaterials([BARE]), skin=skin)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dem.assembly import DiscMaterials
 from dem.packing import Packing
 from dem.search.levelling import STANDS_OUT, TOUCHES, levelled, misfit
 from meshes.section.section import Section
@@ -38,7 +39,7 @@ def without(packing: Packing, gone: np.ndarray) -> Packing:
 
 
 def off(given: Section, packing: Packing) -> np.ndarray:
-    return misfit(given, packing.discs([SOIL], law="soil"), RADIUS)
+    return misfit(given, packing.discs(DiscMaterials([SOIL], law="soil")), RADIUS)
 
 
 @pytest.mark.parametrize("surface", [LEVEL, FACE])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
@@ -33,7 +34,9 @@ def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3) -> DiscMode
     layer = np.where(fixed, -1, np.where(z > 9.0, 1, 0))
     radius = rng.uniform(0.4, 0.6, len(x))
     layers = [replace(LOOSE, faded=1.0), LOOSE]
-    model = DiscModel.create(x, z, radius, layers, layer, law="soil", turns=False, gravity=(0.0, -gravity))
+    model = DiscModel.create(
+        DiscGeometry(x, z, radius, layer), DiscMaterials(layers, law="soil", turns=False), gravity=(0.0, -gravity)
+    )
     n = len(model)
     liquefy(model, Onset(layer == 0, with_voids(model), np.full(n, 5e4), np.full(n, 1e4), np.full(n, LEAST_STRAIN)))
     set_share(model, np.ones(n))
@@ -150,8 +153,12 @@ def test_what_cannot_liquefy() -> None:
     x, z, nothing = np.arange(n) * 2.0 * RADIUS, np.zeros(n), np.zeros(n)
     given = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
     with pytest.raises(ValueError, match="only those of law='soil' liquefy"):
-        liquefy(DiscModel.create(x, z, RADIUS, [BARE]), given)
-    short = DiscModel.create(x[:6], z[:6], RADIUS, [LOOSE], law="soil", period=(12.5 * RADIUS, 0.0))
+        liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE])), given)
+    short = DiscModel.create(
+        DiscGeometry(x[:6], z[:6], RADIUS),
+        DiscMaterials([LOOSE], law="soil"),
+        DiscBoundary(period=(12.5 * RADIUS, 0.0)),
+    )
     with pytest.raises(ValueError, match="three reaches of its pore water"):
         liquefy(short, given)
 
@@ -163,7 +170,7 @@ def level() -> tuple[DiscModel, Ground]:
     packing.layer[packing.free & (packing.z < 3.0 * RADIUS * np.sqrt(3.0) + RADIUS)] = 1
     ground = Ground(packing, "lattice", RADIUS, 0, 0.0, (0.0, 0.0), 1)
     layers = [LOOSE, replace(LOOSE, name="loose", effective_density=0.5 * LOOSE.effective_density)]
-    return packing.discs(layers, gravity=(0.0, -GRAVITY), law="soil", turns=False), ground
+    return packing.discs(DiscMaterials(layers, law="soil", turns=False), gravity=(0.0, -GRAVITY)), ground
 
 
 def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dem.assembly import DiscMaterials
 from dem.engine.engine import Engine
 from dem.packing import Packing, clearance, lattice_box, random_packing, triangular_lattice
 from dem.springs import from_strata
@@ -101,7 +102,7 @@ def test_boundary_has_no_hole_and_holds_what_falls() -> None:
     apart = np.sort(np.hypot(dx, dz), axis=1)[:, 1:3]
     ends = 2  # the upper ends of the two side walls
     assert np.sum(apart[:, 1] > 2.3 * RADIUS) <= ends
-    model = packing.discs([SOIL, BARE], gravity=(0.0, -GRAVITY))
+    model = packing.discs(DiscMaterials([SOIL, BARE]), gravity=(0.0, -GRAVITY))
     rng = np.random.default_rng(0)
     model.set_velocity(*(8.0 * rng.standard_normal((2, len(model))) * packing.free), 0.0)
     Engine(balance=1e-2).run(model, 1.5)
@@ -125,5 +126,5 @@ def test_both_packings_fit_a_section(name: str) -> None:
         free = packing.free
         assert 400 < free.sum() < 820
         assert np.array_equal(packing.layer[free], section.stratum_at(packing.x[free], packing.z[free]))
-        model = packing.discs(layers, gravity=(0.0, -GRAVITY))
+        model = packing.discs(DiscMaterials(layers), gravity=(0.0, -GRAVITY))
         Engine().run(model, steps=200)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import dem
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.model import DiscModel
 from tests.support.newmark import newmark_shaken, newmark_slide
 
@@ -16,7 +17,9 @@ def row_and_stray(gap: float = 3.0) -> DiscModel:
     """Ten discs beside each other, one on top of the first, and one that lies apart."""
     x = np.append(np.arange(10) + 0.5, [0.5, 10.5 + gap])
     z = np.append(np.full(10, 0.5), [1.5, 0.5])
-    return DiscModel.create(x, z, RADIUS, [SAND], law="soil", lines=FLOOR, gravity=(0.0, -9.81))
+    return DiscModel.create(
+        DiscGeometry(x, z, RADIUS), DiscMaterials([SAND], law="soil"), DiscBoundary(FLOOR), gravity=(0.0, -9.81)
+    )
 
 
 def test_what_has_left_the_connected_ground() -> None:
@@ -43,7 +46,9 @@ def test_profile_of_the_deposit() -> None:
 
 def test_run_until_rest() -> None:
     """A disc thrown along a floor with a friction of 0.3 stops after v / (mu g) = 1.7 s and v^2 / (2 mu g) = 4.25 m."""
-    model = DiscModel.create([0.0], [0.5], RADIUS, [SAND], law="soil", lines=FLOOR, gravity=(0.0, -9.81))
+    model = DiscModel.create(
+        DiscGeometry([0.0], [0.5], RADIUS), DiscMaterials([SAND], law="soil"), DiscBoundary(FLOOR), gravity=(0.0, -9.81)
+    )
     model.set_velocity(5.0, 0.0)
     rest = dem.run_until_rest(model, still=1e-3, longest=10.0, every=0.2, step_share=0.02)
     assert rest.rested

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE, FLOOR, KN, MASS, RADIUS, order, trace
@@ -18,7 +19,9 @@ def collide(zeta: float, steps: int, pulls: bool) -> tuple[float, float, float]:
     """Restitution, duration times OMEGA, largest overlap times OMEGA / speed of approach, of a head-on collision."""
     soil = replace(BARE, cn=2.0 * zeta * np.sqrt(KN * 0.5 * MASS))
     # the first step begins with the discs just in touch, so the jump of the dashpot's force falls on a step
-    model = DiscModel.create([0.0, 2.0 * RADIUS * (1.0 - 1e-14)], [0.0, 0.0], RADIUS, [soil])
+    model = DiscModel.create(
+        DiscGeometry([0.0, 2.0 * RADIUS * (1.0 - 1e-14)], [0.0, 0.0], RADIUS), DiscMaterials([soil])
+    )
     model.set_velocity(np.array([0.5, -0.5]) * SPEED, 0.0)
     dt = np.pi / OMEGA / steps
     seen = trace(model, dt, int(1.4 * steps), lambda m: (m.x[1] - m.x[0], m.vx_half[1] - m.vx_half[0]), pulls=pulls)
@@ -71,7 +74,9 @@ def test_undamped_head_on_returns_all_energy() -> None:
 def impact(friction: float, vt: float, steps: int) -> tuple[float, float]:
     """Tangential velocity and spin times radius after an impact on a rigid line at speed (vt, -1) * SPEED."""
     soil = replace(BARE, ks=0.5 * KN, friction=friction)
-    model = DiscModel.create([0.0], [RADIUS * (1.0 - 1e-14)], RADIUS, [soil], lines=FLOOR)
+    model = DiscModel.create(
+        DiscGeometry([0.0], [RADIUS * (1.0 - 1e-14)], RADIUS), DiscMaterials([soil]), DiscBoundary(FLOOR)
+    )
     model.set_velocity(vt * SPEED, -SPEED)
     dt = np.pi * np.sqrt(MASS / KN) / steps
     Engine(dt=dt, balance=np.inf).run(model, steps=int(1.2 * steps))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dem.assembly import DiscMaterials
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
@@ -26,7 +27,7 @@ def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tup
     packing = Packing(x, np.full(count, RADIUS), np.full(count, RADIUS), layer.astype(np.int32), FLOOR)
     ground = Ground(packing, "box", RADIUS, 1, tilt, (0.0, 0.0), 1)
     gravity = (9.80665 * np.sin(tilt), -9.80665 * np.cos(tilt))
-    model = packing.discs(layers, gravity=gravity, turns=False)
+    model = packing.discs(DiscMaterials(layers, turns=False), gravity=gravity)
     for _ in range(40):
         step_on(model, 0.05)
         stop(model)
@@ -99,7 +100,7 @@ def test_period_of_a_uniform_ground() -> None:
     """4 H / V_s with V_s = r sqrt(1.5 (kn + ks) / m) (verification: waves in the triangular lattice)."""
     packing = lattice_box(20, 6, RADIUS)
     ground = Ground(packing, "box", RADIUS, 6, 0.0, (0.0, 0.0), 1)
-    model = packing.discs([SOIL])
+    model = packing.discs(DiscMaterials([SOIL]))
     mass = np.pi * RADIUS**2 * SOIL.density
     height = 5 * RADIUS * np.sqrt(3.0) + 2.0 * RADIUS
     speed = RADIUS * np.sqrt(1.5 * (SOIL.kn + SOIL.ks) / mass)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
 from dem.settings import Case
@@ -16,7 +17,9 @@ SAND = soil_discs("sand", 1e7, Strength(0.3), 2000.0, 2000.0, 0.5, 0.25)
 
 def rebound(layer: LayerSprings) -> float:
     """Speed after over speed before, of two equal discs that meet head on at 1 m/s each."""
-    model = DiscModel.create([0.0, 1.001], [0.0, 0.0], 0.5, [layer], law="soil", turns=False)
+    model = DiscModel.create(
+        DiscGeometry([0.0, 1.001], [0.0, 0.0], 0.5), DiscMaterials([layer], law="soil", turns=False)
+    )
     model.set_velocity(np.array([1.0, -1.0]), 0.0)
     Engine(dt=0.002 * largest_step(model).seconds, ledger=False, pulls=True).run(model, 0.5)
     return float(-model.vx[0])

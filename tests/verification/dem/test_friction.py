@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.kernels.contact import CN, MU
 from dem.model import DiscModel
@@ -19,9 +20,12 @@ def on_floor(friction: float, tilt: float = 0.0, turns: bool = True, kh: float =
     """A disc at rest on a rigid line that falls to the right by `tilt`, sunk in by what carries its weight."""
     normal = np.cos(tilt) - kh * np.sin(tilt)
     return DiscModel.create(
-        [0.0], [RADIUS - SUNK * normal], RADIUS, [replace(ROUGH, friction=friction)], turns=turns, lines=FLOOR,
-        gravity=tilted_gravity(tilt, GRAVITY), acceleration=Acceleration.seismic(kh, tilt=tilt, g=GRAVITY),
-    )  # fmt: skip
+        DiscGeometry([0.0], [RADIUS - SUNK * normal], RADIUS),
+        DiscMaterials([replace(ROUGH, friction=friction)], turns=turns),
+        DiscBoundary(FLOOR),
+        gravity=tilted_gravity(tilt, GRAVITY),
+        acceleration=Acceleration.seismic(kh, tilt=tilt, g=GRAVITY),
+    )
 
 
 def acceleration(model: DiscModel, dt: float) -> float:
@@ -81,7 +85,9 @@ def test_one_disc_on_two(at_disc: float, at_floor: float, stands: bool) -> None:
     discs = replace(ROUGH, friction=at_disc, name="discs")
     x = np.array([-RADIUS, RADIUS, 0.0])
     z = np.array([RADIUS, RADIUS, RADIUS * (1.0 + np.sqrt(3.0))])
-    model = DiscModel.create(x, z, RADIUS, [discs], lines=FLOOR, gravity=(0.0, -GRAVITY))
+    model = DiscModel.create(
+        DiscGeometry(x, z, RADIUS), DiscMaterials([discs]), DiscBoundary(FLOOR), gravity=(0.0, -GRAVITY)
+    )
     lines = model.springs.lines.copy()
     lines[MU] = at_floor
     model.springs = replace(model.springs, lines=lines)

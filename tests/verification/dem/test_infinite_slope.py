@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
 from dem.springs import LayerSprings, Strength, soil_discs
@@ -32,9 +33,12 @@ def ground(packing: TiedPacking) -> DiscModel:
     """A slope at rest: settled level, then tilted."""
     bare = packing.without_upper_plate()
     model = DiscModel.create(
-        bare.x, bare.z, bare.radius, [sand()], bare.layer, law="soil", period=(bare.length, 0.0),
-        gravity=(0.0, -GRAVITY), skin=0.2 * RADIUS,
-    )  # fmt: skip
+        DiscGeometry(bare.x, bare.z, bare.radius, bare.layer),
+        DiscMaterials([sand()], law="soil"),
+        DiscBoundary(period=(bare.length, 0.0)),
+        gravity=(0.0, -GRAVITY),
+        skin=0.2 * RADIUS,
+    )
     advance(model, 8.0)
     for tilt in np.linspace(0.0, SLOPE, 11)[1:]:
         model.gravity = tilted_gravity(tilt, GRAVITY)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.model import DiscModel
@@ -18,7 +19,9 @@ def patch(ks: float, size: int = 11) -> tuple[DiscModel, np.ndarray]:
     soil = replace(BARE, ks=ks, friction=1e12)
     x, z = lattice(size, size, SPACING)
     middle = np.hypot(x - x.mean(), z - z.mean())
-    model = DiscModel.create(x - x[np.argmin(middle)], z - z[np.argmin(middle)], RADIUS, [soil])
+    model = DiscModel.create(
+        DiscGeometry(x - x[np.argmin(middle)], z - z[np.argmin(middle)], RADIUS), DiscMaterials([soil])
+    )
     return model, np.arange(len(x)) == np.argmin(middle)
 
 
@@ -77,7 +80,7 @@ def held(ks: float, cn: float = 0.0) -> DiscModel:
     x, z = lattice(14, 14, SPACING)
     i, j = np.meshgrid(np.arange(14), np.arange(14))
     frame = ((i == 0) | (i == 13) | (j == 0) | (j == 13)).ravel()
-    model = DiscModel.create(x, z, RADIUS, [soil], fixed=frame)
+    model = DiscModel.create(DiscGeometry(x, z, RADIUS, fixed=frame), DiscMaterials([soil]))
     rng = np.random.default_rng(1)
     vx, vz, spin = 1e-9 * rng.standard_normal((3, len(x)))
     model.set_velocity(vx[~frame], vz[~frame], spin[~frame] / RADIUS, where=~frame)
@@ -114,7 +117,9 @@ def test_column_settles_under_its_weight() -> None:
     count = 12
     soil = replace(BARE, cn=np.sqrt(MASS * KN))
     z = RADIUS + 2.0 * RADIUS * np.arange(count)
-    model = DiscModel.create(np.zeros(count), z, RADIUS, [soil], lines=FLOOR, gravity=(0.0, -GRAVITY))
+    model = DiscModel.create(
+        DiscGeometry(np.zeros(count), z, RADIUS), DiscMaterials([soil]), DiscBoundary(FLOOR), gravity=(0.0, -GRAVITY)
+    )
     Engine(dt="auto").run(model, 20.0)
     one = MASS * GRAVITY / KN
     above = np.arange(count, 0, -1)  # discs that each contact carries
@@ -129,7 +134,7 @@ def test_chain_frequencies(mode: int) -> None:
     count, dt = 8, 5e-4
     x = SPACING * np.arange(count + 2)
     ends = (np.arange(count + 2) == 0) | (np.arange(count + 2) == count + 1)
-    model = DiscModel.create(x, np.zeros(count + 2), RADIUS, [BARE], fixed=ends)
+    model = DiscModel.create(DiscGeometry(x, np.zeros(count + 2), RADIUS, fixed=ends), DiscMaterials([BARE]))
     shape = np.sin(np.arange(count + 2) * mode * np.pi / (count + 1))
     model.set_velocity(1e-6 * np.where(ends, 0.0, shape), 0.0)
     q = trace(model, dt, 60, lambda m: (m.x - x) @ shape)

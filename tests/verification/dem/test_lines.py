@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.model import DiscModel
 from dem.springs import SMOOTH, Strength, soil_discs
@@ -19,7 +20,10 @@ FLOOR = np.array([0.0, 0.0, 0.0, 1.0, -1e4, 1e4])
 def sliding(strength: Strength | None, tilt: float, seconds: float = 1.0) -> DiscModel:
     """A disc that does not turn, on a line that dips by `tilt` (rad)."""
     model = DiscModel.create(
-        [0.0], [0.5], 0.5, [SAND], law="soil", lines=FLOOR, line_strength=strength, gravity=tilted_gravity(tilt, G)
+        DiscGeometry([0.0], [0.5], 0.5),
+        DiscMaterials([SAND], law="soil"),
+        DiscBoundary(FLOOR, line_strength=strength),
+        gravity=tilted_gravity(tilt, G),
     )
     Engine(dt=1e-4).run(model, 0.2)  # comes to rest across the line
     model.set_velocity(0.0, 0.0)
@@ -50,7 +54,10 @@ def two_lines(strengths: tuple[Strength | None, Strength | None]) -> DiscModel:
     lines[0, 4], lines[0, 5] = 50.0, 1e4  # the floor to the left of x = -50 m, along (-nz, nx) = (-1, 0)
     lines[1, 4], lines[1, 5] = -1e4, 50.0
     return DiscModel.create(
-        [-100.0, 100.0], [0.5, 0.5], 0.5, [SAND], law="soil", lines=lines, line_strength=strengths, gravity=(0.0, -G)
+        DiscGeometry([-100.0, 100.0], [0.5, 0.5], 0.5),
+        DiscMaterials([SAND], law="soil"),
+        DiscBoundary(lines, line_strength=strengths),
+        gravity=(0.0, -G),
     )
 
 
@@ -91,6 +98,14 @@ def test_a_gate_that_opens_leaves_the_other_lines_as_they_were() -> None:
 
 def test_strengths_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="3 strengths of rigid lines given, there are 1 lines"):
-        DiscModel.create([0.0], [0.5], 0.5, [SAND], law="soil", lines=FLOOR, line_strength=(None, SMOOTH, None))
+        DiscModel.create(
+            DiscGeometry([0.0], [0.5], 0.5),
+            DiscMaterials([SAND], law="soil"),
+            DiscBoundary(FLOOR, line_strength=(None, SMOOTH, None)),
+        )
     with pytest.raises(ValueError, match="expected friction of at least 0"):
-        DiscModel.create([0.0], [0.5], 0.5, [SAND], law="soil", lines=FLOOR, line_strength=Strength(-0.1, 5.0))
+        DiscModel.create(
+            DiscGeometry([0.0], [0.5], 0.5),
+            DiscMaterials([SAND], law="soil"),
+            DiscBoundary(FLOOR, line_strength=Strength(-0.1, 5.0)),
+        )

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces
 from dem.model import DiscModel
@@ -22,7 +23,7 @@ DT = 1e-3
 def pair(soil: LayerSprings, vx: float, vz: float, length: float = LENGTH, swapped: bool = False) -> DiscModel:
     """Two heavy discs at rest and at (vx, vz), with a pore spring set at `length`."""
     x = np.array([0.0, length])
-    model = DiscModel.create(x[::-1] if swapped else x, np.zeros(2), RADIUS, [soil])
+    model = DiscModel.create(DiscGeometry(x[::-1] if swapped else x, np.zeros(2), RADIUS), DiscMaterials([soil]))
     assert model.set_pore_springs() == 1
     moving = np.array([swapped, not swapped])
     model.set_velocity(vx * moving, vz * moving)
@@ -36,7 +37,7 @@ def watch(model: DiscModel) -> tuple[float, float, float, float]:
 
 def test_reach_of_new_springs() -> None:
     x = np.array([0.0, 1.2 * 2.0 * RADIUS, 2.4 * 2.0 * RADIUS + 1e-9])
-    model = DiscModel.create(x, np.zeros(3), RADIUS, [SOIL])
+    model = DiscModel.create(DiscGeometry(x, np.zeros(3), RADIUS), DiscMaterials([SOIL]))
     assert model.set_pore_springs() == 1
     linked = model.pore_length != 0.0
     assert set(model.pair_i[linked]) | set(model.pair_j[linked]) == {0, 1}
@@ -156,7 +157,7 @@ def test_order_of_the_two_discs_does_not_matter() -> None:
 
 def test_bonded_pair_turns_as_one_body_without_slip() -> None:
     """A rigid rotation strains neither spring: levers add up to the distance."""
-    model = DiscModel.create([-0.5 * LENGTH, 0.5 * LENGTH], [0.0, 0.0], RADIUS, [SOIL])
+    model = DiscModel.create(DiscGeometry([-0.5 * LENGTH, 0.5 * LENGTH], [0.0, 0.0], RADIUS), DiscMaterials([SOIL]))
     model.set_pore_springs()
     spin = 0.2
     model.set_velocity(0.0, spin * model.x, spin)

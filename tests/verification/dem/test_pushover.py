@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from dem.assembly import DiscMaterials
 from dem.errors import NotFiniteError
 from dem.ground import Ground
 from dem.model import DiscModel
@@ -28,7 +29,7 @@ def block(soil: LayerSprings, tilt: float = 0.0) -> tuple[Ground, DiscModel, Con
     x = 4.0 * RADIUS * np.arange(4)
     packing = Packing(x, np.full(4, RADIUS), np.full(4, RADIUS), np.zeros(4, np.int32), FLOOR)
     ground = Ground(packing, "box", RADIUS, 1, tilt, (0.0, 0.0), 1)
-    model = packing.discs([soil], gravity=(GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt)), turns=False)
+    model = packing.discs(DiscMaterials([soil], turns=False), gravity=(GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt)))
     for _ in range(40):
         step_on(model, 0.05)
         stop(model)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE, FLOOR, GRAVITY, MASS, RADIUS
@@ -30,9 +31,11 @@ def column(beta: float = 0.0) -> DiscModel:
     row, place = np.repeat(np.arange(ROWS + 1), COLUMNS), np.tile(np.arange(COLUMNS), ROWS + 1)
     soil = replace(BARE, kn=KN, ks=KS, cn=beta * KN, ct=beta * KS, friction=1e9)
     return DiscModel.create(
-        (place + 0.5 * (row % 2)) * SPACING, np.array(heights)[row], RADIUS, [soil], np.where(row == 0, -1, 0),
-        law="soil", period=(SPACING * COLUMNS, 0.0), gravity=(0.0, -GRAVITY),
-    )  # fmt: skip
+        DiscGeometry((place + 0.5 * (row % 2)) * SPACING, np.array(heights)[row], RADIUS, np.where(row == 0, -1, 0)),
+        DiscMaterials([soil], law="soil"),
+        DiscBoundary(period=(SPACING * COLUMNS, 0.0)),
+        gravity=(0.0, -GRAVITY),
+    )
 
 
 @pytest.mark.parametrize(("mode", "cycles"), [(1, 20), (2, 60)])
@@ -82,9 +85,11 @@ def test_a_block_on_a_plane_slides_as_newmark_says(tilt: float) -> None:
     sunk = MASS * GRAVITY * np.cos(tilt) / 1e9
     time, shaking = record()
     model = DiscModel.create(
-        [0.0], [RADIUS - sunk], RADIUS, [soil], turns=False, lines=FLOOR,
+        DiscGeometry([0.0], [RADIUS - sunk], RADIUS),
+        DiscMaterials([soil], turns=False),
+        DiscBoundary(FLOOR),
         gravity=(GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt)),
-    )  # fmt: skip
+    )
     Engine(dt=1e-4, balance=np.inf).run(model, 2.0)  # at rest on the slope, held by its shear spring
     start = float(model.x[0])
     model.acceleration = Acceleration(model.time + time, shaking, np.zeros_like(time))

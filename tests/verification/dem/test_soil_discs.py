@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.kernels.contact import GAP
@@ -21,9 +22,12 @@ def on_incline(tilt: float, soil: LayerSprings, turns: bool = True, kh: float = 
     """A disc at rest on a rigid line that falls to the right by `tilt` (rad), sunk in by what carries its weight."""
     sunk = WEIGHT * (np.cos(tilt) - kh * np.sin(tilt)) / KN
     return DiscModel.create(
-        [0.0], [RADIUS - sunk], RADIUS, [soil], turns=turns, lines=FLOOR, gravity=tilted_gravity(tilt, GRAVITY),
-        acceleration=Acceleration.seismic(kh, tilt=tilt, g=GRAVITY), law="soil",
-    )  # fmt: skip
+        DiscGeometry([0.0], [RADIUS - sunk], RADIUS),
+        DiscMaterials([soil], law="soil", turns=turns),
+        DiscBoundary(FLOOR),
+        gravity=tilted_gravity(tilt, GRAVITY),
+        acceleration=Acceleration.seismic(kh, tilt=tilt, g=GRAVITY),
+    )
 
 
 def acceleration(model: DiscModel) -> float:
@@ -58,7 +62,7 @@ def test_disc_stands_where_rolling_friction_exceeds_the_slope(rolling: float, st
 
 def test_discs_of_infinite_rolling_friction_do_not_turn() -> None:
     soils = [replace(ROUGH, rolling_friction=np.inf), replace(ROUGH, name="other", rolling_friction=0.1)]
-    model = DiscModel.create([0.0, 1.4], [0.0, 0.4], RADIUS, soils, [0, 1], law="soil")
+    model = DiscModel.create(DiscGeometry([0.0, 1.4], [0.0, 0.4], RADIUS, [0, 1]), DiscMaterials(soils, law="soil"))
     assert list(model.inertia_ratio) == [0.0, 2.0]
     model.set_velocity(0.0, np.array([0.3, -0.3]))
     Engine(dt=1e-4, balance=np.inf).run(model, 0.05)
@@ -73,7 +77,7 @@ def test_rolling_moments_of_two_discs_are_opposite() -> None:
     reduced = radius.prod() / radius.sum()
     spin = np.array([0.02, -0.05])
     push = 0.01 * KN
-    model = DiscModel.create([0.0, 1.49], [0.0, 0.0], radius, [heavy], law="soil")
+    model = DiscModel.create(DiscGeometry([0.0, 1.49], [0.0, 0.0], radius), DiscMaterials([heavy], law="soil"))
     model.set_velocity(0.0, 0.0, spin)
     seen = []
 
@@ -111,7 +115,9 @@ def test_block_held_by_cohesion(share: float, stands: bool) -> None:
 
 def test_cohesion_is_there_again_when_discs_touch_again_and_pulls_nowhere() -> None:
     soil = replace(ROUGH, density=1e9, effective_density=1e9, friction=0.0, contact_cohesion=5e4)
-    model = DiscModel.create([0.0, 1.49], [0.0, 0.0], RADIUS, [soil], law="soil", turns=False)
+    model = DiscModel.create(
+        DiscGeometry([0.0, 1.49], [0.0, 0.0], RADIUS), DiscMaterials([soil], law="soil", turns=False)
+    )
 
     def sheared() -> float:
         model.set_velocity(0.0, np.array([0.0, 0.1]))
@@ -129,7 +135,9 @@ def test_cohesive_discs_bear_a_pull_and_attract_again() -> None:
     """F = kn (overlap) down to -a C, where the spring lets go: that costs (a C)^2 / (2 kn), which comes back."""
     heavy = replace(BARE, density=1e12, effective_density=1e12, contact_cohesion=5e4, attraction=2.0)
     gap = 2.0 * 5e4 / KN
-    model = DiscModel.create([0.0, 2.0 * RADIUS], [0.0, 0.0], RADIUS, [heavy], law="soil", turns=False)
+    model = DiscModel.create(
+        DiscGeometry([0.0, 2.0 * RADIUS], [0.0, 0.0], RADIUS), DiscMaterials([heavy], law="soil", turns=False)
+    )
     due = [(0.5 * gap, -5e4), (0.99 * gap, -0.99e5), (1.01 * gap, 0.0), (0.99 * gap, -0.99e5), (-gap, 1e5)]
     for apart, force in due:
         step = apart - (float(model.distance()[0]) - 2.0 * RADIUS)
@@ -161,7 +169,8 @@ def test_two_materials_are_as_strong_as_the_weaker(push: float, due: float) -> N
     clay = replace(sand, name="clay", friction=0.1, contact_cohesion=6e4)
     for layers in ([0, 1], [1, 0]):
         model = DiscModel.create(
-            [0.0, 2.0 * RADIUS - push / KN], [0.0, 0.0], RADIUS, [sand, clay], layers, law="soil", turns=False
+            DiscGeometry([0.0, 2.0 * RADIUS - push / KN], [0.0, 0.0], RADIUS, layers),
+            DiscMaterials([sand, clay], law="soil", turns=False),
         )
         model.set_velocity(0.0, np.array([0.0, 0.02]))
         Engine(dt=1e-4, balance=np.inf).run(model, 0.1)
@@ -172,7 +181,11 @@ def test_softened_discs_do_not_fall_through_each_other() -> None:
     """Two springs side by side beyond a quarter of the radius: W = k d + (K - k)(d - d0)."""
     soft = replace(ROUGH, kn=1e-4 * KN, ks=1e-4 * KN, cn=0.05 * np.sqrt(MASS * KN), stop=KN, rolling_friction=np.inf)
     z = np.array([0.0, 1.95 * RADIUS])
-    model = DiscModel.create([0.0, 0.0], z, RADIUS, [soft], fixed=[True, False], gravity=(0.0, -GRAVITY), law="soil")
+    model = DiscModel.create(
+        DiscGeometry([0.0, 0.0], z, RADIUS, fixed=[True, False]),
+        DiscMaterials([soft], law="soil"),
+        gravity=(0.0, -GRAVITY),
+    )
     ledger = Engine().run(model, 3.0)
     depth = STOP_DEPTH * RADIUS
     over = 2.0 * RADIUS - (model.z[1] - model.z[0])
@@ -205,10 +218,12 @@ def heap(seed: int, attraction: float = 0.0) -> DiscModel:
     )
     box = [[0.0, -RADIUS, 0.0, 1.0], [-RADIUS, 0.0, 1.0, 0.0], [x.max() + RADIUS, 0.0, -1.0, 0.0]]
     discs = DiscModel.create(
-        x, z, RADIUS * rng.uniform(0.8, 1.2, 120), [SOIL_DISCS, second], np.arange(120) % 2,
-        gravity=(0.0, -GRAVITY), lines=np.hstack([box, np.full((3, 1), -1e3), np.full((3, 1), 1e3)]), law="soil",
+        DiscGeometry(x, z, RADIUS * rng.uniform(0.8, 1.2, 120), np.arange(120) % 2),
+        DiscMaterials([SOIL_DISCS, second], law="soil"),
+        DiscBoundary(np.hstack([box, np.full((3, 1), -1e3), np.full((3, 1), 1e3)])),
+        gravity=(0.0, -GRAVITY),
         skin=0.05,
-    )  # fmt: skip
+    )
     discs.set_velocity(*rng.standard_normal((3, 120)))
     return discs
 
@@ -235,7 +250,10 @@ def _rolling_energy(model: DiscModel) -> float:
 
 def test_rolling_resistance_keeps_momentum() -> None:
     model = random_discs(5, 60, BARE, 0.3)
-    closed = DiscModel.create(model.x, model.z, model.radius, [replace(SOIL_DISCS, allowed_overlap=2.0)], law="soil")
+    closed = DiscModel.create(
+        DiscGeometry(model.x, model.z, model.radius),
+        DiscMaterials([replace(SOIL_DISCS, allowed_overlap=2.0)], law="soil"),
+    )
     closed.set_velocity(model.vx, model.vz, model.spin)
 
     def momenta() -> np.ndarray:

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dem.acceleration import tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.kernels.contact import COHESION, MU, MU_ROLLING
@@ -29,9 +30,11 @@ def heap(rows: int = 8, shift: float = 0.0, periods: int = 0, tilt: float = 0.0,
     radius = RADIUS * rng.uniform(0.85, 1.0, len(x))
     far = periods * rng.integers(-1, 2, len(x)) * LENGTH
     return DiscModel.create(
-        x + shift + far, z, radius, [SOIL], gravity=tilted_gravity(tilt, GRAVITY), lines=FLOOR, law="soil",
-        period=(LENGTH, 0.0),
-    )  # fmt: skip
+        DiscGeometry(x + shift + far, z, radius),
+        DiscMaterials([SOIL], law="soil"),
+        DiscBoundary(FLOOR, period=(LENGTH, 0.0)),
+        gravity=tilted_gravity(tilt, GRAVITY),
+    )
 
 
 @settings(max_examples=30, deadline=None)
@@ -57,7 +60,9 @@ def test_pair_across_the_side_is_a_pair(rise: float) -> None:
     for period in (None, (LENGTH, rise)):
         away = np.array([0.0, 1.0]) if period else np.zeros(2)
         x, z = np.array([0.0, 1.4]) + away * LENGTH, np.array([0.0, 0.4]) + away * rise
-        model = DiscModel.create(x, z, RADIUS, [SOIL], law="soil", period=period)
+        model = DiscModel.create(
+            DiscGeometry(x, z, RADIUS), DiscMaterials([SOIL], law="soil"), DiscBoundary(period=period)
+        )
         model.set_velocity(np.array([0.2, -0.2]), np.array([0.0, 0.3]), np.array([1.0, 0.5]))
         dt = 0.1 * largest_step(model).seconds
         Engine(dt=dt, balance=np.inf).run(model, steps=15)
@@ -86,9 +91,11 @@ def test_row_slides_on_for_ever() -> None:
     smooth = replace(SOIL, friction=0.3, contact_cohesion=0.0, rolling_friction=np.inf, cn=np.sqrt(MASS * KN))
     sunk = MASS * GRAVITY * np.cos(beta) / KN
     model = DiscModel.create(
-        2.0 * RADIUS * np.arange(COLUMNS), np.full(COLUMNS, -sunk), RADIUS, [smooth], lines=FLOOR, law="soil",
-        gravity=tilted_gravity(beta, GRAVITY), period=(LENGTH, 0.0),
-    )  # fmt: skip
+        DiscGeometry(2.0 * RADIUS * np.arange(COLUMNS), np.full(COLUMNS, -sunk), RADIUS),
+        DiscMaterials([smooth], law="soil"),
+        DiscBoundary(FLOOR, period=(LENGTH, 0.0)),
+        gravity=tilted_gravity(beta, GRAVITY),
+    )
     model.set_velocity(10.0, 0.0)
     Engine(dt=1e-4, threads=2).run(model, 4.0)
     due = GRAVITY * (np.sin(beta) - 0.3 * np.cos(beta))
@@ -118,6 +125,7 @@ def test_horizontal_force_is_the_same_through_every_upright_cut() -> None:
 
 
 def test_period_wants_soil_discs_and_some_length() -> None:
-    for changes in ({"law": "paper"}, {"period": (3.0 * RADIUS, 0.0)}):
+    for law, length in (("paper", LENGTH), ("soil", 3.0 * RADIUS)):
+        discs, materials = DiscGeometry([0.0], [0.0], RADIUS), DiscMaterials([SOIL], law=law)
         with pytest.raises(ValueError, match="a period wants law='soil' and a length"):
-            DiscModel.create([0.0], [0.0], RADIUS, [SOIL], **{"law": "soil", "period": (LENGTH, 0.0)} | changes)
+            DiscModel.create(discs, materials, DiscBoundary(period=(length, 0.0)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
+from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
 from dem.ground import ground_of
@@ -66,9 +67,12 @@ def smooth_row(tilt, **changes):
         ct=np.sqrt(MASS * KN),
     )  # fmt: skip
     return DiscModel.create(
-        2.0 * RADIUS * np.arange(16), np.full(16, RADIUS), RADIUS, [rough], lines=FLOOR, law="soil",
-        gravity=tilted_gravity(tilt, GRAVITY), period=(32.0 * RADIUS, 0.0), **changes,
-    )  # fmt: skip
+        DiscGeometry(2.0 * RADIUS * np.arange(16), np.full(16, RADIUS), RADIUS),
+        DiscMaterials([rough], law="soil"),
+        DiscBoundary(FLOOR, period=(32.0 * RADIUS, 0.0)),
+        gravity=tilted_gravity(tilt, GRAVITY),
+        **changes,
+    )
 
 
 @pytest.mark.parametrize(("head", "excess"), [("vertical", 0.0), ("normal", 0.0), ("normal", 0.15)])

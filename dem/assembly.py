@@ -1,0 +1,126 @@
+"""What an assembly of discs is made of: where the discs lie, what they consist of, and what bounds them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dem.lines import LineStrengths, strength_of_each
+from dem.springs import Law, LayerSprings, Mean, Strength
+
+SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
+
+
+class DiscGeometry:
+    """Where the discs lie, and to which layer each belongs.
+
+    Attributes
+    ----------
+    x, z : (n,)
+        Centres (m).
+    radius : (n,)
+        Radii (m).
+    layer : (n,)
+        Index of the layer, -1 for boundary discs.
+    fixed : (n,)
+        Mask of the discs that do not move: boundary discs, and those that were said to be fixed.
+
+    Raises
+    ------
+    ValueError
+        For arrays that do not fit together, and for radii that are not positive.
+    """
+
+    def __init__(
+        self,
+        x: np.ndarray | Sequence[float],
+        z: np.ndarray | Sequence[float],
+        radius: np.ndarray | float,
+        layer: np.ndarray | Sequence[int] | int = 0,
+        *,
+        fixed: np.ndarray | Sequence[bool] | bool = False,
+    ) -> None:
+        self.x, self.z = np.array(x, float), np.array(z, float)
+        n = len(self.x)
+        if n == 0 or self.z.shape != (n,) or not (np.isfinite(self.x).all() and np.isfinite(self.z).all()):
+            raise ValueError("discs: x and z must be finite, of one length, and not empty")
+        self.radius = np.array(np.broadcast_to(np.asarray(radius, float), n))
+        if not (self.radius > 0.0).all():
+            smallest = int(np.argmin(self.radius))
+            raise ValueError(f"discs: radius of disc {smallest} is {self.radius[smallest]}, must be positive")
+        self.layer = np.array(np.broadcast_to(layer, n), np.int32)
+        self.fixed = np.array(np.broadcast_to(fixed, n), bool) | (self.layer < 0)
+
+
+@dataclass(frozen=True)
+class DiscMaterials:
+    """What the discs consist of.
+
+    Attributes
+    ----------
+    layers : sequence of LayerSprings
+        Constants of each layer.
+    law, mean : str
+        Contact law; mean of the constants of two layers, see `springs.pair_table`.
+    turns : bool
+        Whether discs rotate. Those of layers with infinite rolling friction do not in any case.
+    """
+
+    layers: Sequence[LayerSprings]
+    law: Law = "paper"
+    mean: Mean = "arithmetic"
+    turns: bool = True
+
+    def check_numbers(self, layer: np.ndarray) -> None:
+        """Raise ValueError unless discs of these layers (n,) have constants; -1 is the boundary."""
+        if layer.max() >= len(self.layers) or layer.min() < -1:
+            raise ValueError(
+                f"discs: layer {layer.max()} of {len(self.layers)} layers (they count from 0, -1 is boundary)"
+            )
+
+    def densities(self, layer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Density and buoyant density (kg/m3) of discs of these layers (n,)."""
+        density = np.array([soil.density for soil in self.layers] + [self.layers[0].density])
+        effective = np.array([soil.effective_density for soil in self.layers] + [0.0])
+        return density[layer], effective[layer]
+
+    def rotates(self, layer: np.ndarray) -> np.ndarray:
+        """Mask of the discs that rotate, by their layers (n,)."""
+        rolls = np.isfinite([soil.rolling_friction for soil in self.layers] + [0.0])
+        return np.asarray(rolls[layer] & self.turns)
+
+
+class DiscBoundary:
+    """Rigid lines that discs cannot pass, and periodic sides.
+
+    Attributes
+    ----------
+    lines : (k, 6)
+        Rigid lines, see `DiscState`.
+    strengths : tuple of Strength or None
+        Strength of the contacts with each line, None for that of the layer of the disc; empty if it is so for all.
+    period : (length, rise) or None
+        Length (m) after which the ground repeats itself, and by how much it lies higher there (m); soil discs only.
+    """
+
+    def __init__(
+        self,
+        lines: np.ndarray | None = None,
+        line_strength: LineStrengths = None,
+        period: tuple[float, float] | None = None,
+    ) -> None:
+        """line_strength: one for all lines, or one for each, such as `springs.SMOOTH`.
+
+        Raises ValueError for another number of strengths than lines.
+        """
+        self.lines = np.array(lines if lines is not None else np.zeros((0, 6)), float).reshape(-1, 6)
+        self.strengths: tuple[Strength | None, ...] = strength_of_each(line_strength, len(self.lines))
+        self.period = None if period is None else (float(period[0]), float(period[1]))
+
+    def check_period(self, law: Law, largest: float) -> None:
+        """Raise ValueError unless the period fits the contact law and the largest radius (m)."""
+        if self.period is not None and (law != "soil" or not self.period[0] >= SHORTEST * largest):
+            raise ValueError(
+                f"discs: a period wants law='soil' and a length of at least {SHORTEST:g} of the largest radius, which "
+                f"is {largest:g} m; they are {law!r} and {self.period[0]:g} m"
+            )
