@@ -86,11 +86,10 @@ def ground_after_triggering(
 
     Raises InputError for triggered strata below water in which no boring has a blow count.
     """
-    names = [stratum.name for stratum in section.strata]
     pairs = list(zip(section.strata, assessment.strata, strict=True))
     told = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
     untested = [
-        f"{in_file(names, k)}, {told}"
+        f"{in_file(section.strata, k)}, {told}"
         for k, (stratum, found) in enumerate(pairs)
         if stratum.liquefies_in.triggered and found.share is None and reaches_water(section, k)
     ]

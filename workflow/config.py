@@ -59,13 +59,12 @@ class Config(Tables):
                 f'criteria, preset = "{self.criteria.preset}": expected peak_acceleration, or magnitude and distance, '
                 "in [earthquake]"
             )
-        names = [stratum.name for stratum in section.strata]
-        problems += self.slide.problems(names)
+        problems += self.slide.problems([stratum.name for stratum in section.strata])
         count = len(self.slide.cases) + len(self.triggering.cases)
         if not count:
             problems.append("slide, cases = []: expected one at least, here or in [triggering]")
         problems += [
-            f"{in_file(names, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, "
+            f"{in_file(section.strata, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}, "
             "which there are in [slide] and [triggering]"
             for k, s in enumerate(section.strata)
             if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)

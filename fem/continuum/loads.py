@@ -30,8 +30,7 @@ def downhill(section: Section) -> int:
 def soils(section: Section) -> tuple[Stratum, ...]:
     """The strata; raises InputError for those without strength, UnstableError if water washes bare sand out."""
     weak = [
-        f"{in_file([stratum.name for stratum in section.strata], k)}: cohesion and friction angle are both 0; expected "
-        "some strength"
+        f"{in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
         for k, s in enumerate(section.strata)
         if s.cohesion == 0.0 and s.friction_angle == 0.0
     ]

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meshes.drawings.columns import SNAP, Columns, columns_of
 from meshes.drawings.shapes import Shape, Shapes
 from meshes.drawings.water_line import is_water, water_table
 from meshes.errors import InputError
+from meshes.section.columns import SNAP, columns_of
 from meshes.section.simplified import needed
 
 SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
@@ -32,35 +32,18 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
     others = [line for line in shapes.lines if not is_water(line)]
     if not shapes.outlines:
         return _of_lines(others, shapes, path, name)
-    columns = columns_of(shapes.outlines)
+    columns = columns_of([one.layer for one in shapes.outlines], [one.points for one in shapes.outlines])
     if columns.problems:
         raise InputError(str(path), columns.problems)
-    ground, bottoms = _interfaces(columns)
+    ground, bottoms = columns.interfaces()
     table, told = water_table(shapes.lines, float(columns.x[0]), float(columns.x[-1]))
     unused = [f'not used: a {line.kind} on layer "{line.layer}", {line.span}: it closes no outline, and is no water '
               "table" for line in others]  # fmt: skip
-    notices = [*shapes.notices, *columns.notices, *told, *unused]
-    strata = [(stratum, _points(columns.x, bottom))
+    notices = [*shapes.notices, *columns.stack.notices, *columns.tally.sentences(), *told, *unused]
+    strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
     base = strata[-1][1]
-    return Drawn(_text(name, notices, _points(columns.x, ground), base, table, strata), notices)
-
-
-def _interfaces(columns: Columns) -> tuple[np.ndarray, np.ndarray]:
-    """The ground (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at both ends.
-
-    The bottom of a stratum that is not there is that of the one above.
-    """
-    ground = np.array([[its[0].left[0], its[0].right[0]] for its in columns.pieces])
-    bottoms = np.full((len(columns.stack.names), *ground.shape), np.nan)
-    for column, (its, numbers) in enumerate(zip(columns.pieces, columns.stack.numbers, strict=True)):
-        for piece, number in zip(its, numbers, strict=True):
-            bottoms[number, column] = piece.left[1], piece.right[1]
-    above = ground
-    for bottom in bottoms:
-        bottom[:] = np.where(np.isnan(bottom), above, bottom)
-        above = bottom
-    return ground, bottoms
+    return Drawn(_text(name, notices, columns.points(ground), base, table, strata), notices)
 
 
 def _of_lines(lines: Sequence[Shape], shapes: Shapes, path: Path, name: str) -> Drawn:
@@ -109,13 +92,6 @@ def _text(
             lines.append(f"bottom = {{ elevation = {_written(bottom)} }}")
         lines += [f"# {key} =" for key in SOIL] + [""]
     return "\n".join(lines)
-
-
-def _points(x: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """A line given at both ends (columns, 2) of every column as points (n, 2): two where it steps."""
-    chain = np.column_stack([np.repeat(x, 2)[1:-1], line.ravel()])
-    again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
-    return _thinned(chain[~again])
 
 
 def _thinned(points: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from meshes.drawings.drawn_section import Drawn, drawn_section
 from meshes.drawings.shapes import shapes_of
 from meshes.drawings.water_line import WATER
 from meshes.errors import InputError
-from meshes.section.cutting import BELOW_WATER, as_in_file
+from meshes.section.cutting import BELOW_WATER, as_in_file, soil_numbers, soil_of
 from meshes.section.section import Section
 
 # What a layer's name may not hold, and its look-alike in a drawing; the name itself stands in the layer's data.
@@ -37,11 +37,13 @@ def write_dxf(section: Section, path: Path) -> list[str]:
     drawing = _ezdxf(path).new(setup=True, units=6)
     drawing.appids.add(APPLICATION)
     space = drawing.modelspace()
-    names, layering = as_in_file([stratum.name for stratum in section.strata], section.layering)
+    strata, layering = as_in_file([stratum.name for stratum in section.strata], section.layering)
+    names, numbers = list(dict.fromkeys(map(soil_of, strata))), soil_numbers(strata)
     layers = layer_names(names)
-    for k, (name, layer) in enumerate(zip(names, layers, strict=True)):
-        drawing.layers.add(layer, color=k % 7 + 1).set_xdata(APPLICATION, [(1000, name[:LONGEST_NAME])])
-        for polygon in layering.polygons(k):
+    for number, (name, layer) in enumerate(zip(names, layers, strict=True)):
+        drawing.layers.add(layer, color=number % 7 + 1).set_xdata(APPLICATION, [(1000, name[:LONGEST_NAME])])
+        polygons = [one for k in range(len(strata)) if numbers[k] == number for one in layering.polygons(k)]
+        for polygon in polygons:
             space.add_lwpolyline([(float(x), float(z)) for x, z in polygon], close=True, dxfattribs={"layer": layer})
     water = section.water_points()
     if water is not None:

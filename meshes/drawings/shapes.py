@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-# Ends of lines that are closer (m) are joined, as the layers of a section are.
-JOINED = 0.01
+from meshes.section.columns import JOINED
+
 # Chords leave a curve by at most this (m), or this share of the drawing's height if that is less.
 SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE", "HELIX", "SOLID", "TRACE", "3DFACE"}

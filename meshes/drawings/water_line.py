@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from meshes.drawings.shapes import JOINED, Shape
+from meshes.drawings.shapes import Shape
+from meshes.section.columns import JOINED
 
 WATER = "WATER"
 OF_WATER = re.compile(r"(?<![a-z])(water|gwl|gwt|phreatic|grundwasser|nappe|水位|地下水)", re.IGNORECASE)

@@ -1,6 +1,7 @@
 """Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -14,6 +15,8 @@ from meshes.section.stratum import Stratum
 
 # What is added to the name of a stratum for the part of it that lies below water.
 BELOW_WATER = ", below water"
+# The second, third, ... part of a soil that zones have parted.
+PART = re.compile(r", part \d+(?=$|, below water$)")
 # Pockets that water cuts off a stratum are left out up to this length and thickness, and of any length up to the
 # thickness of a film, all in cells of the default size.
 LONGEST_POCKET, THICKEST_POCKET, FILM = 15.0, 1.0 / 6.0, 1.0 / 12.0
@@ -26,10 +29,28 @@ def spoken(name: str, quoted: bool = True) -> str:
     return (f'"{whole}"' if quoted else whole) + (" below water" if whole != name else "")
 
 
-def in_file(names: Sequence[str], k: int) -> str:
-    """Stratum k as a person finds it in the file: its number there, before water cut strata in two, and its name."""
+def part_name(soil: str, taken: Collection[str]) -> str:
+    """A name for a part of a soil beside those ``taken``: the first part has the name of the soil."""
+    numbers = (f"{soil}, part {number}" for number in range(2, len(taken) + 3))
+    return soil if soil not in taken else next(name for name in numbers if name not in taken)
+
+
+def soil_of(name: str) -> str:
+    """The name of a stratum without the number of its part."""
+    return PART.sub("", name)
+
+
+def soil_numbers(names: Sequence[str]) -> list[int]:
+    """The number of the soil of every stratum, from 0 in their order; the parts of a soil have one."""
+    soils = list(dict.fromkeys(map(soil_of, names)))
+    return [soils.index(soil_of(name)) for name in names]
+
+
+def in_file(strata: Sequence[Stratum], k: int) -> str:
+    """Stratum k as a person finds it in the file: its number there, before water and zones cut it, and its name."""
+    names = [stratum.name for stratum in strata[: k + 1]]
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
-    return f"strata {k + 1 - sum(parts)} {spoken(names[k])}"
+    return f"{strata[k].place or f'strata {k + 1 - sum(parts)}'} {spoken(soil_of(names[k]))}"
 
 
 def as_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
@@ -47,8 +68,9 @@ def uncut(strata: Sequence[Stratum]) -> list[Stratum]:
 
 
 def by_stratum(values: Mapping[str, Value], name: str) -> Value | None:
-    """What is set for a stratum by name; a part that water cut off has what is set for the whole of it."""
-    return values.get(name, values.get(name.removesuffix(BELOW_WATER)))
+    """What is set for a stratum by name; a part that water or zones cut off has what is set for the whole of it."""
+    whole = name.removesuffix(BELOW_WATER)
+    return next((values[one] for one in (name, whole, soil_of(name), soil_of(whole)) if one in values), None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,15 @@
-"""What is wrong with the lines of a section, one sentence each."""
+"""What is wrong with the lines of a section, and with what can be read of one that has other faults."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
 from meshes.section.layering import above_ground, layering
-from meshes.section.polyline import Line
+from meshes.section.naming import naming_problems
+from meshes.section.plausibility import implausible_as_written
+from meshes.section.polyline import Line, Polyline
 
 # The narrowest section (m), and how much wider than high or higher than wide one may be: beyond that it is a slip of
 # the pen, and neither a mesh nor a picture comes of it.
@@ -53,3 +56,22 @@ def geometry_problems(
         # Usually another datum; and water that is only drawn has no weight.
         faults += above_ground(ground, drawn, "the water table")
     return [f"geometry: {text}" for text in faults]
+
+
+def problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
+    """What is wrong with names, soils and geometry, as far as those can be read, in input that has other faults."""
+    strata = data.get("strata")
+    if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
+        return []
+    names = [name for stratum in strata if isinstance(name := stratum.get("name"), str)]
+    problems = list(naming_problems(names))
+    if data.get("unusual") is not True:
+        problems += implausible_as_written(strata)
+    try:
+        surface = TypeAdapter(Polyline).validate_python(data["surface"])
+        base = Line.model_validate(data["base"])
+        across = {"water_table": Line.model_validate(data["water_table"]) if "water_table" in data else None}
+        bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
+    except (KeyError, ValidationError):
+        return problems
+    return problems + geometry_problems(surface, base, across, bottoms)

@@ -11,7 +11,7 @@ from meshes.section.stratum import Stratum
 
 def growth_problems(strata: Sequence[Stratum], layers: Layering) -> list[str]:
     """Strata that reach above the level from which their cohesion grows, where it would be smaller than given."""
-    told, names = [], [soil.name for soil in strata]
+    told = []
     for k, soil in enumerate(strata):
         there = layers.present()[:, k]
         if soil.cohesion_from is None or not there.any():
@@ -19,7 +19,7 @@ def growth_problems(strata: Sequence[Stratum], layers: Layering) -> list[str]:
         highest = float(max(layers.left[there, k].max(), layers.right[there, k].max()))
         if highest > soil.cohesion_from + layers.tolerance:
             told.append(
-                f"{in_file(names, k)}, cohesion_from = {soil.cohesion_from:g}: expected an elevation that the "
+                f"{in_file(strata, k)}, cohesion_from = {soil.cohesion_from:g}: expected an elevation that the "
                 f"stratum does not reach above; it goes up to {highest:g} m"
             )
     return told

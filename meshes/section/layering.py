@@ -186,6 +186,14 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     return Layers(layers, problems, _snapping_notices(exact, stack, x, snap))
 
 
+def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:
+    """A line of depths below ``surface`` (n, 2) as elevations (m, 2), two at a place where the ground steps."""
+    layers = layering(surface, depth, [None]).layering
+    chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
+    points = np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
+    return points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
+
+
 def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) -> float:
     """How close (m) points of a section are one: a centimetre, or a two-thousandth of its height if that is less."""
     lowest = surface[:, 1].min() - base[:, 1].max() if base_is_depth else base[:, 1].min()

@@ -29,11 +29,13 @@ class Stack:
 
     Attributes
     ----------
+    layers : names of what the strata are of
     names : of the strata, with numbers where several have one name
     numbers : for each column the stratum, an index from 0, of every piece
     notices : a sentence for each name that several have
     """
 
+    layers: tuple[str, ...]
     names: tuple[str, ...]
     numbers: list[list[int]]
     notices: list[str]
@@ -74,7 +76,7 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
         several = [f'"{new}"' for old, new in zip(before, names, strict=True) if old == name]
         if len(several) > 1:
             notices.append(f'"{name}" lies above and below others: from the top down it is {" and ".join(several)}')
-    return Stack(tuple(names), [[numbers[id(one)] for one in its] for its in members], notices)
+    return Stack(tuple(before), tuple(names), [[numbers[id(one)] for one in its] for its in members], notices)
 
 
 def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _Stratum]:

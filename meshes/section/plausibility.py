@@ -40,8 +40,7 @@ OF_A_STRATUM = {
 
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
     """One sentence for each quantity that is beyond what there is."""
-    names = [stratum.name for stratum in strata]
-    told = [text for k, s in enumerate(strata) for text in _told(in_file(names, k), s, OF_A_STRATUM)]
+    told = [text for k, s in enumerate(strata) for text in _told(in_file(strata, k), s, OF_A_STRATUM)]
     told += _told("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
         told += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
@@ -88,7 +87,7 @@ def against_the_water(
         return
     for k, s in enumerate(strata):
         above, below = (_area(halves(layers, k, level), part) for part in (0, 1))
-        where = in_file([stratum.name for stratum in strata], k)
+        where = in_file(strata, k)
         whole = max(above + below, 1e-300)
         if drawn is not None and s.buoyant and above > WRONG_SIDE * whole:
             yield (

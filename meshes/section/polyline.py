@@ -18,6 +18,14 @@ def read_points(value: Any) -> Points:
     """
     if not isinstance(value, list | tuple) or len(value) < 2:
         raise ValueError("expected two or more points [[x, z], ...] from left to right")
+    points = pairs_of(value)
+    if problems := _order_problems(points):
+        raise ValueError("\n".join(problems))
+    return tuple(points)
+
+
+def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
+    """Points (m) as they are written in a list; raises ValueError with every one that is no pair of coordinates."""
     problems: list[str] = []
     points: list[tuple[float, float]] = []
     for number, point in enumerate(value, start=1):
@@ -32,11 +40,9 @@ def read_points(value: Any) -> Points:
                 problems.append(f"point {number}, {name} = {entry!r}: {error}")
         if len(pair) == 2:
             points.append((pair[0], pair[1]))
-    if not problems:
-        problems = _order_problems(points)
     if problems:
         raise ValueError("\n".join(problems))
-    return tuple(points)
+    return points
 
 
 def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
@@ -60,14 +66,15 @@ def _read_points_or_level(value: Any) -> Points | float:
     return read_points(value) if isinstance(value, list | tuple) else COORDINATE.read(value)
 
 
-def _written(value: Any) -> Any:
+def written(value: Any) -> Any:
+    """Points or a number as a file has them."""
     if isinstance(value, tuple):
-        return [_written(entry) for entry in value]
+        return [written(entry) for entry in value]
     return getattr(value, "written", value)
 
 
-Polyline = Annotated[Points, PlainValidator(read_points), PlainSerializer(_written)]
-PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSerializer(_written)]
+Polyline = Annotated[Points, PlainValidator(read_points), PlainSerializer(written)]
+PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSerializer(written)]
 
 
 class Line(BaseModel):

@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 import tomli_w
-from pydantic import Field, PrivateAttr, StrictBool, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_validator
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
@@ -19,12 +19,12 @@ from meshes.section.cutting import cut, in_file, uncut
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
-from meshes.section.geometry_problems import geometry_problems
+from meshes.section.geometry_problems import geometry_problems, problems_of_the_rest
 from meshes.section.growth import growth_problems
-from meshes.section.layering import Layering, Layers, layering
+from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
-from meshes.section.plausibility import against_the_water, implausible, implausible_as_written, not_level
+from meshes.section.plausibility import against_the_water, implausible, not_level
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.seepage import Seepage
@@ -37,6 +37,7 @@ from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import cutoff_problems, surcharge_problems, water_problems
+from meshes.section.zone import Zone, with_elevations, with_materials, without_depth, zoned
 
 
 class Section(Model):
@@ -75,19 +76,32 @@ class Section(Model):
         default=(), description="what a failure endangers, a table [[structures]] each; by default, embankments"
     )
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
+    zones: tuple[Zone, ...] = Field(
+        default=(),
+        description="ground of any outline in the place of strata, a table [[zones]] each, with the keys of [[strata]]",
+    )
 
+    _zone_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of zones, which are strata once it is read
     _thinning: str = PrivateAttr(default="")  # what became of lines with more points than a mesh can use
     _seepage: Seepage | None = PrivateAttr(default=None)  # found once, for all sections that derive from this one
 
+    @model_validator(mode="before")
+    @classmethod
+    def _materials(cls, data: Any) -> Any:
+        return with_materials(data) if isinstance(data, Mapping) else data
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        problems = list(naming_problems([stratum.name for stratum in self.strata]))
+        problems = list(naming_problems([*(one.name for one in self.strata), *(zone.name for zone in self.zones)]))
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += geometry_problems(self.surface, self.base, self._lines_across(), bottoms)
         if not self.unusual:
-            problems += implausible(self.strata, self.water, self.surcharges)
+            own = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
+            problems += implausible([*self.strata, *own], self.water, self.surcharges)
+        if not problems and self.zones:
+            problems += self._put_zones()
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
@@ -97,8 +111,24 @@ class Section(Model):
         if not problems and any(stratum.cohesion_increase for stratum in self.strata):
             problems += growth_problems(self.strata, self.layering)
         if problems:
-            raise ValueError("\n".join(problems))
+            raise ValueError("\n".join(dict.fromkeys(problems)))
         return self
+
+    def _put_zones(self) -> list[str]:
+        """Make strata of the zones, and ground of what they raise; what is wrong with them, one sentence each.
+
+        The model is frozen from here on, and has no zones.
+        """
+        found = zoned(self.surface, self.base, self.strata, self.zones)
+        if not found.problems:
+            if found.surface != self.surface:  # depths of water are below the ground as it is without zones
+                before = np.array(self.surface, dtype=float)
+                self.__dict__.update(water_table=without_depth(before, self.water_table))
+                if self.water is not None:
+                    self.__dict__.update(water=with_elevations(before, self.water, ("table", "after_drawdown")))
+            self.__dict__.update(surface=found.surface, base=found.base, strata=found.strata, zones=())
+            self._zone_notices = tuple(found.notices)
+        return found.problems
 
     def _lines_across(self) -> dict[str, Line | None]:
         """The lines of water that go from side to side, by their keys."""
@@ -141,7 +171,7 @@ class Section(Model):
     @property
     def notices(self) -> list[str]:
         """What a person has to know of a section that is sound: what was changed in it, one sentence each."""
-        told = [self._thinning] if self._thinning else []
+        told = [*self._zone_notices, *([self._thinning] if self._thinning else [])]
         told += [f"geometry: {text}" for text in self._layers.notices]
         told += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
@@ -152,8 +182,7 @@ class Section(Model):
         if self.water_pressure.flow is not None:
             told.append(f"water, flow: {self.water_pressure.flow.words}")
         told += [self.uplift.words] if self.uplift else []
-        names = [stratum.name for stratum in self.strata]
-        told += [f"{in_file(names, k)}: its cohesion grows with depth; discs have that of its middle throughout"
+        told += [f"{in_file(self.strata, k)}: its cohesion grows with depth; discs have that of its middle throughout"
                  for k, s in enumerate(self.strata) if s.cohesion_increase]  # fmt: skip
         if self.beyond is not None:
             left, right = self.given_extent
@@ -194,11 +223,7 @@ class Section(Model):
     def elevations_of(self, line: Line) -> np.ndarray:
         """A line as elevations (n, 2) in metres, which go on level to both sides where it ends before."""
         line = line if self._continuation is None else self._continuation.line(line)
-        points = line.points(*self.extent)
-        if line.depth is not None:
-            layers = layering(self.ground, line, [None]).layering
-            chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
-            points = np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
+        points = line.points(*self.extent) if line.depth is None else elevations_below(self.ground, line)
         left, right = self.extent
         if points[0, 0] > left:
             points = np.vstack([[left, points[0, 1]], points])
@@ -254,6 +279,10 @@ class Section(Model):
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
         changed = type(self).model_validate(with_lines(data, found))
+        changed = changed._derived(
+            [new.placed(old.place) for new, old in zip(changed.strata, self.strata, strict=True)]
+        )
+        changed._zone_notices = self._zone_notices
         changed._thinning = (
             f"geometry: lines have more points than cells can use; those left, {len(changed.surface)} of "
             f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median"
@@ -294,6 +323,7 @@ class Section(Model):
         fields = {name: getattr(self, name) for name in Section.model_fields}
         section = Section.model_construct(**{**fields, "strata": tuple(strata)})
         section._thinning, section._seepage = self._thinning, self._seepage
+        section._zone_notices = self._zone_notices
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
@@ -325,7 +355,7 @@ class Section(Model):
             problems = sentences(error, known, cls)
             # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
             if not any(entry["loc"] == () for entry in error.errors()):
-                problems += _problems_of_the_rest(known)
+                problems += problems_of_the_rest(known)
             raise InputError(source, list(dict.fromkeys(problems))) from error
 
     def to_toml(self) -> str:
@@ -356,22 +386,3 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         raise InputError(str(path), [f"is not TOML: {error}"]) from None
     except RecursionError:
         raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None
-
-
-def _problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
-    """What is wrong with names, soils and geometry, as far as those can be read, in input that has other faults."""
-    strata = data.get("strata")
-    if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
-        return []
-    names = [name for stratum in strata if isinstance(name := stratum.get("name"), str)]
-    problems = list(naming_problems(names))
-    if data.get("unusual") is not True:
-        problems += implausible_as_written(strata)
-    try:
-        surface = TypeAdapter(Polyline).validate_python(data["surface"])
-        base = Line.model_validate(data["base"])
-        across = {"water_table": Line.model_validate(data["water_table"]) if "water_table" in data else None}
-        bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
-    except (KeyError, ValidationError):
-        return problems
-    return problems + geometry_problems(surface, base, across, bottoms)

@@ -3,7 +3,7 @@
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, PrivateAttr, StrictBool, model_validator
 
 from meshes.section.liquefies import LIQUEFIES_IN, CaseNumbers, Cases
 from meshes.section.model import Model
@@ -100,6 +100,19 @@ class Stratum(Model):
     drains: StrictBool = Field(
         default=False, description="true if its water follows a drawdown at once; false: only what is taken off it"
     )
+
+    _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells
+
+    def placed(self, place: str) -> Self:
+        """The same, of a ``place`` in the file such as "zones 2"."""
+        found = self.model_copy()
+        found._place = place
+        return found
+
+    @property
+    def place(self) -> str:
+        """The table of the file that it is from, where that is not as its number says; or nothing."""
+        return self._place
 
     @property
     def dilation(self) -> float:

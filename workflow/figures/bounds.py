@@ -13,7 +13,7 @@ from fem.limit.bracket import Mechanism, StressField
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
-from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colour, spread
+from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
 from workflow.figures.ground import foot
 from workflow.run.store import Store
 
@@ -108,7 +108,7 @@ def _mesh_sheet(section: Section, found: KhBounds, window: Window) -> Sheet:
     mesh, strata = found.mesh, (found.section or section).strata
     own = [stratum.name for stratum in section.strata]  # a strip of a skin has the colour of its stratum
     names = [one.name if one.name in own else one.name.rpartition(STRIP)[0] for one in strata]
-    colours = [soil_colour(own.index(name)) for name in names]
+    colours = [soil_colours(own)[own.index(name)] for name in names]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
         for colour, stratum in zip(colours, strata, strict=True)

@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
+from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
 
 if TYPE_CHECKING:
@@ -63,6 +64,11 @@ def soil_colour(index: int) -> str:
     """The colour of the stratum with this index; beyond the twelfth they come again, darker."""
     again, place = divmod(index, len(SOILS))
     return to_hex(np.array(to_rgb(SOILS[place])) * 0.72**again)
+
+
+def soil_colours(names: Sequence[str]) -> list[str]:
+    """The colours of strata by their names: parts of one soil have one colour."""
+    return [soil_colour(number) for number in soil_numbers(names)]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
-from workflow.figures.canvas import INK, Sheet, Window, render, soil_colour
+from workflow.figures.canvas import INK, Sheet, Window, render, soil_colours
 
 BOUNDARY = "#4a4f55"
 PALE = "#e3e6e8"
@@ -85,12 +85,13 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float =
 def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
     """Every disc in the colour of its layer; boundary discs dark. A spoke shows how far a disc has turned."""
     window = window_of(model)
+    colours = soil_colours([layer.name for layer in model.springs.layers])
 
     def draw(plotter: pv.Plotter) -> None:
-        for k in range(-1, len(model.springs.layers)):
+        for k, colour in enumerate([BOUNDARY, *colours], start=-1):
             mesh = discs(model, model.layer == k)
             if mesh.n_points:
-                plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
+                plotter.add_mesh(mesh, color=colour, lighting=False)
         tip = model.radius * np.array([np.cos(model.angle), np.sin(model.angle)])
         free = ~model.fixed
         spokes = np.stack([model.x, model.z, model.x + tip[0], model.z + tip[1]], axis=1)[free].reshape(-1, 2)
@@ -99,7 +100,7 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
 
     counts = np.bincount(model.layer + 1, minlength=len(model.springs.layers) + 1)
     handles: list[Artist] = [
-        Patch(color=soil_colour(k), label=f"{layer.name} ({counts[k + 1]})")
+        Patch(color=colours[k], label=f"{layer.name} ({counts[k + 1]})")
         for k, layer in enumerate(model.springs.layers)
         if counts[k + 1]
     ]

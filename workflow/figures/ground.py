@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 
 from meshes.quad_mesh import QuadMesh
+from meshes.section.cutting import soil_numbers, soil_of
 from meshes.section.section import Section
 from workflow.figures.canvas import (
     INK,
@@ -25,7 +27,7 @@ from workflow.figures.canvas import (
     Window,
     legend_columns,
     render,
-    soil_colour,
+    soil_colours,
 )
 
 if TYPE_CHECKING:
@@ -74,11 +76,12 @@ def draw_section(
     line_width = _line_width(section)
     for view, much in enumerate(window.exaggerations()):
         axes = sheet.frame(view, window, _heights(much), much)
-        for k, stratum in enumerate(section.strata):
+        for k, (stratum, colour) in enumerate(zip(section.strata, _colours(section), strict=True)):
             hatch = HATCH if stratum.liquefiable else None
             for polygon in section.layering.polygons(k):
-                closed, style = Outline(np.vstack([polygon, polygon[:1]])), {"edgecolor": INK, "linewidth": line_width}
-                axes.add_patch(PathPatch(closed, facecolor=soil_colour(k), hatch=hatch, **style))
+                closed = Outline(np.vstack([polygon, polygon[:1]]))
+                axes.add_patch(PathPatch(closed, facecolor=colour, hatch=hatch, edgecolor=INK, linewidth=0.0))
+        axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=line_width))
         _number_strata(axes, section)
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
@@ -100,7 +103,7 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
 
     window = Window.around(mesh.points)
     grid = unstructured(mesh)
-    colours = [soil_colour(k) for k in range(len(mesh.strata))]
+    colours = soil_colours(mesh.strata)
     quality = mesh.quality()
     title = f"{section.heading}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method})"
     subtitle = (
@@ -134,10 +137,29 @@ def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) 
     return sheet
 
 
+def _colours(section: Section) -> list[str]:
+    return soil_colours([stratum.name for stratum in section.strata])
+
+
+def borders(section: Section) -> list[np.ndarray]:
+    """The edges (2, 2) of the strata (m) but for the vertical ones between two parts of one soil."""
+    layers = section.layering
+    numbers = np.array([*soil_numbers([stratum.name for stratum in section.strata]), -1])
+    outlines = [polygon for k in range(layers.strata) for polygon in layers.polygons(k)]
+    edges = np.concatenate([np.stack([one, np.roll(one, -1, axis=0)], axis=1) for one in outlines])
+    middle = edges.mean(axis=1)
+    beside = [
+        numbers[layers.stratum_at(middle[:, 0] + side, middle[:, 1])] for side in (-layers.tolerance, layers.tolerance)
+    ]
+    seam = (edges[:, 0, 0] == edges[:, 1, 0]) & (beside[0] == beside[1])
+    return list(edges[~seam])
+
+
 def _number_strata(axes: Axes, section: Section) -> None:
     """The place of every stratum in it, where it is thickest: layers are told apart without colours, too."""
     layers = section.layering
     at_left, at_right = layers.thickness()
+    numbers = soil_numbers([stratum.name for stratum in section.strata])
     for k in range(len(section.strata)):
         thickness = 0.5 * (at_left[:, k] + at_right[:, k])
         best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * layers.width.sum())))
@@ -146,7 +168,7 @@ def _number_strata(axes: Axes, section: Section) -> None:
         x = 0.5 * (layers.x[best] + layers.x[best + 1])
         z = 0.25 * (layers.left[best, k : k + 2].sum() + layers.right[best, k : k + 2].sum())
         halo = [withStroke(linewidth=2.0, foreground="white")]
-        axes.text(x, z, str(k + 1), fontsize=6.5, color=INK, ha="center", va="center", path_effects=halo)
+        axes.text(x, z, str(numbers[k] + 1), fontsize=6.5, color=INK, ha="center", va="center", path_effects=halo)
 
 
 def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
@@ -169,16 +191,18 @@ def _line_width(section: Section) -> float:
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:
     """A patch for every stratum, or for as many as there is room for; beside the picture of a mesh without water."""
     handles: list[Artist] = []
-    for k, stratum in enumerate(section.strata):
-        label = stratum.name + (f": {stratum.description}" if stratum.description else "")
-        if water and not stratum.name.startswith(str(k + 1)):  # the number that stands in the picture
-            label = f"{k + 1}: {label}"
+    numbers, colours = soil_numbers([stratum.name for stratum in section.strata]), _colours(section)
+    for k in sorted({numbers.index(number) for number in numbers}):  # the first part of every soil
+        stratum, number = section.strata[k], numbers[k] + 1
+        label = soil_of(stratum.name) + (f": {stratum.description}" if stratum.description else "")
+        if water and not stratum.name.startswith(str(number)):  # the number that stands in the picture
+            label = f"{number}: {label}"
         if stratum.liquefiable:
             label += " (liquefiable)"
         label = textwrap.shorten(label, LEGEND_CHARACTERS - 10, placeholder=" ...")
         label = " " + label if label.startswith("_") else label  # matplotlib hides labels that begin with _
         hatch = HATCH if stratum.liquefiable and water else None
-        handles.append(Patch(facecolor=soil_colour(k), edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
+        handles.append(Patch(facecolor=colours[k], edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
     room = LEGEND_ROWS * legend_columns(handles)
     if len(handles) > room:
         more = f"and {len(handles) - room + 1} more, down to {section.strata[-1].name}"

@@ -6,7 +6,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, save, soil_colour
+from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, save, soil_colours
 from workflow.results.site_response import SiteResponseAnswer
 
 HEIGHT = 5.0  # inches
@@ -30,7 +30,9 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
     )
     for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
         for one in layers:
-            axes.axhspan(one.top_m, one.bottom_m, color=soil_colour(names.index(one.stratum)), alpha=0.75, linewidth=0)
+            axes.axhspan(
+                one.top_m, one.bottom_m, color=soil_colours(names)[names.index(one.stratum)], alpha=0.75, linewidth=0
+            )
         axes.plot(values, depths, color=CONTINUUM, marker="o", markersize=2.5)
         axes.set_xlabel(label, fontsize=8, color=INK, parse_math=False)
         axes.set_xlim(left=0.0)

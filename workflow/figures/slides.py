@@ -27,7 +27,7 @@ from workflow.figures.canvas import (
     Window,
     legend_columns,
     render,
-    soil_colour,
+    soil_colours,
 )
 from workflow.figures.discs import BOUNDARY, FAR, discs, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile
@@ -125,11 +125,13 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     before, after = np.array(case.surface_before), np.array(case.surface_after)
     window, norm = window_of(frame, before), frame.scale()
 
+    colours = soil_colours([stratum.name for stratum in config.section.strata])
+
     def strata(plotter: pv.Plotter) -> None:
-        for k in range(-1, len(config.section.strata)):
+        for k, colour in enumerate([BOUNDARY, *colours], start=-1):
             mesh = discs(frame, frame.stratum == k)
             if mesh.n_points:
-                plotter.add_mesh(mesh, color=BOUNDARY if k < 0 else soil_colour(k), lighting=False)
+                plotter.add_mesh(mesh, color=colour, lighting=False)
 
     title = f"{name_of(config, springs, number)}: largest slide {case.slide_max_m:.2g} m"
     left = config.cases[number - 1]
@@ -138,7 +140,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     kept = left_by(left)
     foot = f"after {frame.seconds:.1f} s: {case.reason}. Liquefied layers keep {kept}."
     handles: list[Artist] = [
-        Patch(color=soil_colour(k), label=stratum.name)
+        Patch(color=colours[k], label=stratum.name)
         for k, stratum in enumerate(config.section.strata)
         if np.any(frame.stratum == k)
     ]

@@ -8,10 +8,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from meshes.section.cutting import BELOW_WATER
+from meshes.section.cutting import BELOW_WATER, soil_of
 from meshes.section.overburden import water_level
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, save, soil_colour
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, save, soil_colours
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 
@@ -55,9 +55,9 @@ def _boring(
     depths = levels[0] - levels
     blows, factors = pair
     for axes in pair:
-        for k in range(len(section.strata)):
+        for k, colour in enumerate(soil_colours([stratum.name for stratum in section.strata])):
             if depths[k + 1] > depths[k]:
-                axes.axhspan(depths[k], depths[k + 1], color=soil_colour(k), alpha=0.75, linewidth=0)
+                axes.axhspan(depths[k], depths[k + 1], color=colour, alpha=0.75, linewidth=0)
         water = water_level(section, x)
         if water is not None:
             axes.axhline(levels[0] - water, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
@@ -91,7 +91,7 @@ def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axe
     """What the strata are called, where they are thick enough for it."""
     for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
         if min(bottom, deepest) - top > NAMED * deepest:
-            name = stratum.name.removesuffix(BELOW_WATER)
+            name = soil_of(stratum.name.removesuffix(BELOW_WATER))
             axes.annotate(
                 name, (0.95, top), (0, -3), xycoords=("axes fraction", "data"), textcoords="offset points",
                 fontsize=6, va="top", ha="right", color=INK, parse_math=False, annotation_clip=False,

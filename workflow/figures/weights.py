@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pyvista as pv
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
 from meshes.pore_loads import corner_pressure
@@ -13,7 +14,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import triangulate
 from workflow.figures.canvas import INK, WATER, Sheet, Window, render
-from workflow.figures.ground import foot
+from workflow.figures.ground import borders, foot
 
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
 FINE = 1.0 / 15.0
@@ -65,9 +66,7 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
     words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
     much = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
     axes = sheet.show(view, render(window, draw, exaggeration=exaggeration), window, words + much, exaggeration)
-    for k in range(len(section.strata)):
-        for polygon in section.layering.polygons(k):
-            axes.plot(*np.vstack([polygon, polygon[:1]]).T, color=INK, linewidth=0.5)
+    axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
     if (water := section.water_points()) is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
         if section.water is not None:  # a table that is only drawn does not stand on the ground

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
-from workflow.figures.canvas import soil_colour
+from workflow.figures.canvas import soil_colours
 from workflow.figures.discs import FAR
 from workflow.figures.fem import SAFETY_BOUNDS, SAFETY_COLOURS, nice_number
 from workflow.figures.slides import Frame, name_of
@@ -91,7 +91,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
         "surface": _surface(first).tolist(),
         "far": float(last.scale().vmax or 1.0),
         "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
-        "soils": [soil_colour(k) for k in range(len(results.config.section.strata))],
+        "soils": soil_colours([stratum.name for stratum in results.config.section.strata]),
         "history": [
             [round(row.time_s, 2), round(row.slide_max_m, 3), round(row.settlement_uphill_m, 3)] for row in rows
         ],

@@ -12,6 +12,7 @@ from pydantic_core import PydanticUndefined
 from meshes.section.polyline import Line
 from meshes.section.quantity import Kind
 from meshes.section.section import Section
+from meshes.section.zone import Zone
 from workflow.config import Config
 from workflow.report.tables import plain
 
@@ -50,7 +51,8 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
         yield Key(table or COMMON, key, _default(field), _unit(field), _allowed(field), str(field.description or ""))
         inside += [(f"{table}.{key}" if table else key, model) for model in _tables_in(field)]
     for path, model in inside:
-        yield from _of_fields(model.model_fields, path)
+        own = model.__annotations__ if issubclass(model, Zone) else model.model_fields  # the others are those of strata
+        yield from _of_fields({name: field for name, field in model.model_fields.items() if name in own}, path)
 
 
 def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:

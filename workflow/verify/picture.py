@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from meshes.section.section import Section
-from workflow.figures.canvas import INK, soil_colour
+from workflow.figures.canvas import INK, soil_colours
 
 # Small enough that a hundred and fifty of them weigh less than half a megabyte.
 WIDTH, DPI, COLOURS = 220, 72, 16
@@ -23,9 +23,9 @@ def draw(section: Section, path: Path) -> None:
     shape = float(np.clip(high / wide, FLATTEST, TALLEST))
     figure = Figure(figsize=(WIDTH / DPI, shape * WIDTH / DPI), dpi=DPI)
     axes = figure.add_axes((0.01, 0.02, 0.98, 0.96))
-    for k in range(len(section.strata)):
+    for k, colour in enumerate(soil_colours([stratum.name for stratum in section.strata])):
         for polygon in section.layering.polygons(k):
-            axes.fill(*np.transpose(polygon), facecolor=soil_colour(k), edgecolor=INK, linewidth=0.5)
+            axes.fill(*np.transpose(polygon), facecolor=colour, edgecolor=INK, linewidth=0.5)
     axes.set_aspect("equal")
     axes.axis("off")
     save_in_few_colours(figure, path)

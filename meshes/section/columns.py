@@ -6,11 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from meshes.drawings.shapes import JOINED, Shape
 from meshes.section.numbering import Piece, Stack, stacked
+from meshes.section.simplified import needed
 
 # Corners whose x differ by less (m) are at one x; what is thinner is nothing.
 SNAP = 1e-4
+# What is thinner than this (m) is no gap and no overlap, but the pen of whoever drew it.
+JOINED = 0.01
 # An outline of which this share lies in another lies in it.
 INSIDE = 0.999
 
@@ -24,39 +26,65 @@ class Columns:
     x : (columns + 1,) the breakpoints (m)
     pieces : of every column, from the top down
     stack : the strata that they belong to
-    notices : what a person has to know: gaps and overlaps, one sentence each
+    tally : what lies on what, and where nothing is drawn
     problems : what keeps the outlines from being a section
     """
 
     x: np.ndarray
     pieces: list[list[Piece]]
     stack: Stack
-    notices: list[str]
+    tally: "Tally"
     problems: list[str]
 
+    def interfaces(self) -> tuple[np.ndarray, np.ndarray]:
+        """The ground (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at both ends.
 
-def columns_of(outlines: Sequence[Shape]) -> Columns:
-    """The strata of outlines; of several that hold a place the smallest one has it.
+        The bottom of a stratum that is not there is that of the one above.
+        """
+        ground = np.array([[its[0].left[0], its[0].right[0]] for its in self.pieces])
+        bottoms = np.full((len(self.stack.names), *ground.shape), np.nan)
+        for column, (its, numbers) in enumerate(zip(self.pieces, self.stack.numbers, strict=True)):
+            for piece, number in zip(its, numbers, strict=True):
+                bottoms[number, column] = piece.left[1], piece.right[1]
+        above = ground
+        for bottom in bottoms:
+            bottom[:] = np.where(np.isnan(bottom), above, bottom)
+            above = bottom
+        return ground, bottoms
 
-    What lies between two outlines, where nothing is drawn, goes to what is below.
+    def points(self, line: np.ndarray) -> np.ndarray:
+        """A line given at both ends (columns, 2) of every column as points (n, 2): two where it steps."""
+        chain = np.column_stack([np.repeat(self.x, 2)[1:-1], line.ravel()])
+        again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
+        chain = chain[~again]
+        return chain[needed(chain, SNAP)]
+
+
+def columns_of(
+    names: Sequence[str], outlines: Sequence[np.ndarray], rank: Sequence[float] | None = None, without: str = ""
+) -> Columns:
+    """The strata of outlines (n, 2) that have names.
+
+    Of several that hold a place that of the lowest ``rank`` has it, by default the smallest one. What lies between two
+    outlines, where nothing is drawn, goes to what is below. Outlines called ``without`` hold their place empty.
     """
-    areas = [_area(outline.points) for outline in outlines]
+    areas = [polygon_area(points) for points in outlines]
     x = _breakpoints(outlines)
     edges = _edges(outlines, x)
-    tally = _Tally([outline.layer for outline in outlines], areas, x)
+    tally = Tally(list(names), areas, x)
     pieces, problems = [], []
     for column in range(len(x) - 1):
-        cells = _cells(edges, x, column, areas, tally)
+        cells = _cells(edges, x, column, areas if rank is None else rank, tally)
+        cells = [cell for cell in cells if not without or cell.owner < 0 or names[cell.owner] != without]
         pieces.append(_pieces(cells, tally, column))
         if not pieces[-1]:
             problems.append(
                 f"nothing is drawn from x = {x[column]:.6g} to {x[column + 1]:.6g} m; expected ground there"
             )
-    stack = stacked(pieces)
-    return Columns(x, pieces, stack, [*stack.notices, *tally.sentences()], problems)
+    return Columns(x, pieces, stacked(pieces), tally, problems)
 
 
-class _Tally:
+class Tally:
     """What is noticed column by column: gaps, and what lies on what, of all outlines by number."""
 
     def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
@@ -95,15 +123,16 @@ class _Tally:
         return told
 
 
-def _area(points: np.ndarray) -> float:
+def polygon_area(points: np.ndarray) -> float:
+    """Area (m²) of a closed polygon (n, 2), whichever way round it goes."""
     (x, z), (x1, z1) = points.T, np.roll(points, -1, axis=0).T
     return abs(float(0.5 * (x * z1 - x1 * z).sum()))
 
 
-def _breakpoints(outlines: Sequence[Shape]) -> np.ndarray:
+def _breakpoints(outlines: Sequence[np.ndarray]) -> np.ndarray:
     """x (m) of all corners, and of where edges cross, those within SNAP of each other once."""
-    starts = np.vstack([outline.points for outline in outlines])
-    ends = np.vstack([np.roll(outline.points, -1, axis=0) for outline in outlines])
+    starts = np.vstack(outlines)
+    ends = np.vstack([np.roll(points, -1, axis=0) for points in outlines])
     swap = starts[:, 0] > ends[:, 0]
     left, right = np.where(swap[:, None], ends, starts), np.where(swap[:, None], starts, ends)
     slanted = right[:, 0] - left[:, 0] > SNAP
@@ -139,12 +168,12 @@ class _Edges:
     z_last: np.ndarray
 
 
-def _edges(outlines: Sequence[Shape], x: np.ndarray) -> _Edges:
+def _edges(outlines: Sequence[np.ndarray], x: np.ndarray) -> _Edges:
     rows = []
-    for k, outline in enumerate(outlines):
-        at = np.searchsorted(0.5 * (x[1:] + x[:-1]), outline.points[:, 0])  # the nearest one
-        there, z = np.roll(at, -1), np.roll(outline.points[:, 1], -1)
-        for a, b, za, zb in zip(at, there, outline.points[:, 1], z, strict=True):
+    for k, points in enumerate(outlines):
+        at = np.searchsorted(0.5 * (x[1:] + x[:-1]), points[:, 0])  # the nearest one
+        there, z = np.roll(at, -1), np.roll(points[:, 1], -1)
+        for a, b, za, zb in zip(at, there, points[:, 1], z, strict=True):
             if a != b:
                 rows.append((k, a, b, za, zb) if a < b else (k, b, a, zb, za))
     table = np.array(rows, dtype=float)
@@ -160,7 +189,7 @@ class _Cell:
     bottom: np.ndarray
 
 
-def _cells(edges: _Edges, x: np.ndarray, column: int, areas: Sequence[float], tally: _Tally) -> list[_Cell]:
+def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: Tally) -> list[_Cell]:
     """The cells of a column, from the top down."""
     here = np.flatnonzero((edges.first <= column) & (edges.last > column))
     start, end = x[edges.first[here]], x[edges.last[here]]
@@ -176,14 +205,14 @@ def _cells(edges: _Edges, x: np.ndarray, column: int, areas: Sequence[float], ta
         thick = float((top - bottom).mean())
         if thick <= SNAP:
             continue
-        owner = min(inside, key=lambda k: (areas[k], k)) if inside else -1
+        owner = min(inside, key=lambda k: (rank[k], k)) if inside else -1
         if owner >= 0:
             tally.add(sorted(inside), owner, thick * width, column)
         cells.append(_Cell(owner, top, bottom))
     return cells
 
 
-def _pieces(cells: Sequence[_Cell], tally: _Tally, column: int) -> list[Piece]:
+def _pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
     """The cells of a column as pieces of layers: neighbours of one name are one, gaps go to what is below."""
     pieces: list[Piece] = []
     gap: _Cell | None = None

@@ -1,0 +1,217 @@
+"""Zones of a section, a table [[zones]] each: ground of any outline, in the place of the strata that lie there."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, Field, SerializerFunctionWrapHandler, model_serializer
+
+from meshes.section.columns import JOINED, Columns, Tally, columns_of, polygon_area
+from meshes.section.cutting import part_name
+from meshes.section.layering import Layering, elevations_below, layering
+from meshes.section.outline import Outline, within
+from meshes.section.polyline import Line, Points
+from meshes.section.stratum import Stratum
+
+OWN_KEYS = ("name", "points", "material")
+AnyModel = TypeVar("AnyModel", bound=BaseModel)
+BELOW = "\n"  # what lies below the base; no stratum is called so
+# A zone of which no more than the first share lies in the section lies outside; less than the second is not told.
+MISSED, TOLD = 1e-6, 1e-3
+
+
+class Zone(Stratum):
+    """Ground of any outline: a core, a key, a trench, a lens, a berm; its soil that of a stratum, or its own.
+
+    Where it stands above the ground it raises the ground. What of it lies below the base or past the sides is left out.
+    """
+
+    points: Outline = Field(description="the corners of its outline in turn, [[x, z], ...]")
+    material: str | None = Field(
+        default=None, description="the name of the stratum whose soil it is, in place of keys of its own"
+    )
+    bottom: None = Field(default=None, description="none: a zone has points")
+
+    @model_serializer(mode="wrap")
+    def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = handler(self)
+        return data if self.material is None else {key: data[key] for key in OWN_KEYS}
+
+    @property
+    def soil(self) -> Stratum:
+        """Its soil as that of a stratum."""
+        return Stratum.model_construct(**{key: getattr(self, key) for key in Stratum.model_fields})
+
+
+def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What a file holds, with the soils of strata in zones that name one; raises ValueError where there is none."""
+    zones, strata = data.get("zones"), data.get("strata")
+    if not isinstance(zones, list | tuple) or not isinstance(strata, list | tuple):
+        return data
+    soils = {one["name"]: one for one in strata if isinstance(one, Mapping) and isinstance(one.get("name"), str)}
+    problems, filled = [], []
+    for number, zone in enumerate(zones, start=1):
+        name = zone.get("material") if isinstance(zone, Mapping) else None
+        if name is None:
+            filled.append(zone)
+            continue
+        where = f"zones {number}" + (f' "{zone["name"]}"' if isinstance(zone.get("name"), str) else "")
+        if beside := [key for key in zone if key in Stratum.model_fields and key not in OWN_KEYS]:
+            expected = "expected either the name of a stratum or keys of its own"
+            problems.append(f"{where}, material = {name!r} beside {beside[0]}: {expected}")
+        if not isinstance(name, str) or name not in soils:
+            listed = ", ".join(f'"{one}"' for one in soils)
+            problems.append(f"{where}, material = {name!r}: expected the name of a stratum, one of {listed}")
+        else:
+            kept = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
+            filled.append({**kept, **zone})
+    if problems:
+        raise ValueError("\n".join(problems))
+    return {**data, "zones": filled}
+
+
+@dataclass(frozen=True)
+class Zoned:
+    """The ground with its zones in it, as strata from the top down.
+
+    Attributes
+    ----------
+    surface : the ground, as zones raise it
+    base : as it was, its depths as elevations where zones raise the ground
+    strata : soils that zones part are several strata
+    notices : what a person has to know, one sentence each
+    problems : what is wrong with the zones, one sentence each
+    """
+
+    surface: Points
+    base: Line
+    strata: tuple[Stratum, ...]
+    notices: list[str]
+    problems: list[str]
+
+
+def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequence[Zone]) -> Zoned:
+    """The zones put in the place of what lies there.
+
+    Parameters
+    ----------
+    surface, base, strata
+        Of the section without its zones, and without faults.
+    zones : sequence of Zone
+        Each replaces the strata in its outline.
+    """
+    ground = np.array(surface, dtype=float)
+    layers = layering(ground, base, [stratum.bottom for stratum in strata]).layering
+    inside = [within(np.array(zone.points, dtype=float), *ground[[0, -1], 0]) for zone in zones]
+    whole = [(stratum.name, polygon) for k, stratum in enumerate(strata) for polygon in layers.polygons(k)]
+    columns = columns_of(
+        [BELOW, *(zone.material or zone.name for zone in zones), *(name for name, _ in whole)],
+        [_below(layers, zones), *inside, *(polygon for _, polygon in whole)],
+        [-1.0] + [0.0] * len(zones) + [1.0] * len(whole),
+        without=BELOW,
+    )
+    problems, notices = _of_zones(zones, inside, columns.tally, layers.tolerance)
+    if problems:
+        return Zoned(surface, base, tuple(strata), [], problems)
+    line, bottoms = columns.interfaces()
+    above = float((line - _ground_at(layers, columns.x)).max())
+    if above > layers.tolerance:
+        base = without_depth(ground, base) or base
+        strata = [with_elevations(ground, one, ("piezometric_level",)) for one in strata]
+        zones = [with_elevations(ground, one, ("piezometric_level",)) for one in zones]
+        ground = columns.points(line)
+        surface = tuple((float(x), float(z)) for x, z in ground)
+        notices.append(f"zones: they raise the ground by up to {above:.3g} m")
+    found = _strata(columns, bottoms, strata, zones)
+    notices += _parted(columns, found, strata)
+    thick = _thick(ground, base, found)
+    faults = layering(ground, base, [stratum.bottom for stratum in thick]).problems
+    return Zoned(surface, base, thick, notices, [f"zones: {text}" for text in faults])
+
+
+def without_depth(ground: np.ndarray, line: Line | None) -> Line | None:
+    """A line, if there is one, as elevations where it is given as depths below the ``ground`` (n, 2)."""
+    if line is None or line.depth is None:
+        return line
+    return Line(elevation=elevations_below(ground, line).tolist())
+
+
+def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) -> AnyModel:
+    """The same with elevations in the place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
+    return model.model_copy(update={key: without_depth(ground, getattr(model, key)) for key in keys})
+
+
+def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
+    """The outline of what lies below the base, as far down as any zone."""
+    x, floor = np.repeat(layers.x, 2)[1:-1], np.column_stack([layers.left[:, -1], layers.right[:, -1]]).ravel()
+    deepest = min(float(floor.min()), *(z for zone in zones for _, z in zone.points)) - 1.0
+    return np.vstack([np.column_stack([x, floor]), [[x[-1], deepest], [x[0], deepest]]])
+
+
+def _of_zones(
+    zones: Sequence[Zone], inside: Sequence[np.ndarray], tally: Tally, tolerance: float
+) -> tuple[list[str], list[str]]:
+    """What is wrong with zones, which are outlines 1 to n of the ``tally``, and what of them is left out.
+
+    ``inside`` are their outlines between the sides.
+    """
+    called = {k: f'zones {k} "{zone.name}"' for k, zone in enumerate(zones, start=1)}
+    problems, notices = [], []
+    for k, zone in enumerate(zones, start=1):
+        whole = polygon_area(np.array(zone.points, dtype=float))
+        share = (polygon_area(inside[k - 1]) - tally.shared.get((0, k), [0.0])[0]) / whole
+        if share <= MISSED:
+            problems.append(f"{called[k]}: lies outside the section; expected points within it, or above its ground")
+        elif share < 1.0 - TOLD:
+            notices.append(f"{called[k]}: {100.0 * (1.0 - share):.2g} % of it lies past the sides or below the base, "
+                           "and is left out")  # fmt: skip
+    for (owner, other), (area, start, end) in tally.shared.items():
+        if owner in called and other in called and area > tolerance * (end - start):
+            problems.append(f"{called[owner]} and {called[other]} overlap by {area:.3g} m² from x = {start:.6g} to "
+                            f"{end:.6g} m; expected zones that do not")  # fmt: skip
+    for (above, below), (height, start, end) in tally.gaps.items():
+        if height > max(tolerance, JOINED):
+            zone_above = next((text for k, text in called.items() if tally.names[k] == above), f'"{above}"')
+            problems.append(f'{zone_above}: hangs up to {height:.3g} m above "{below}" from x = {start:.6g} to '
+                            f"{end:.6g} m; expected it to rest on the ground")  # fmt: skip
+    return problems, notices
+
+
+def _ground_at(layers: Layering, x: np.ndarray) -> np.ndarray:
+    """The ground (columns, 2) at both ends of columns between the x, as it is without zones."""
+    middle = 0.5 * (x[1:] + x[:-1])
+    return np.column_stack([layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])])
+
+
+def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zones: Sequence[Zone]) -> list[Stratum]:
+    """The strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2); all know their places in
+    the file."""
+    soils = {stratum.name: stratum.placed(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
+    soils |= {zone.name: zone.soil.placed(f"zones {number}") for number, zone in enumerate(zones, start=1)
+              if zone.material is None}  # fmt: skip
+    found: list[Stratum] = []
+    for name, bottom in zip(columns.stack.layers, bottoms, strict=True):
+        taken = {one.name for one in found} | (soils.keys() - {name})
+        line = Line(elevation=columns.points(bottom).tolist())
+        found.append(soils[name].model_copy(update={"name": part_name(name, taken), "bottom": line}))
+    return found
+
+
+def _parted(columns: Columns, found: Sequence[Stratum], strata: Sequence[Stratum]) -> list[str]:
+    """Which soils are several strata now, and which strata have nothing left."""
+    told = []
+    for name in dict.fromkeys(columns.stack.layers):
+        parts = [f'"{one.name}"' for one, layer in zip(found, columns.stack.layers, strict=True) if layer == name]
+        if len(parts) > 1:
+            told.append(f'zones: of "{name}" there are {len(parts)} parts that lie one below another, '
+                        f"{' and '.join(parts)}")  # fmt: skip
+    gone = [one.name for one in strata if one.name not in columns.stack.layers]
+    return told + [f'zones: they take the place of all of stratum "{name}"' for name in gone]
+
+
+def _thick(ground: np.ndarray, base: Line, found: Sequence[Stratum]) -> tuple[Stratum, ...]:
+    """The strata that are thicker somewhere than points may be close; the lowest one reaches down to the base."""
+    areas = layering(ground, base, [stratum.bottom for stratum in found]).layering.areas()
+    kept = [stratum for stratum, area in zip(found, areas, strict=True) if area > 0.0]
+    return (*kept[:-1], kept[-1].model_copy(update={"bottom": None}))
