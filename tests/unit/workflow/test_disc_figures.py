@@ -17,6 +17,7 @@ from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config
 from workflow.figures import discs as dem_figures
+from workflow.figures.canvas import soil_colour
 from workflow.figures.slides import left_by, profiles
 from workflow.results.cases import Profile
 
@@ -39,7 +40,7 @@ def share_of(image: np.ndarray, colour: str) -> float:
 @pytest.mark.parametrize(
     ("draw", "colours"),
     [
-        (dem_figures.layers, (dem_figures.BOUNDARY, *map(dem_figures.soil_colour, (0, 1)))),
+        (dem_figures.layers, (dem_figures.BOUNDARY, *map(soil_colour, (0, 1)))),
         (dem_figures.pore_springs, (dem_figures.WHOLE, dem_figures.CRACKED, dem_figures.PALE)),
         (dem_figures.velocities, ("#ffffff", "#440154")),
         (dem_figures.force_chains, (dem_figures.INK, dem_figures.PALE)),

@@ -29,9 +29,9 @@ def cut(**settings: Any) -> Config:
 
 
 def test_how_strata_are_called() -> None:
-    names = [stratum.name for stratum in cut().section.strata]
-    assert names == ["sand", "sand, below water", "clay"]
-    assert [in_file(names, k) for k in range(3)] == [
+    strata = cut().section.strata
+    assert [stratum.name for stratum in strata] == ["sand", "sand, below water", "clay"]
+    assert [in_file(strata, k) for k in range(3)] == [
         'strata 1 "sand"',
         'strata 1 "sand" below water',
         'strata 2 "clay"',
