@@ -253,7 +253,7 @@ def _by_interior_point(
         for place in (warm.place, None) if warm else (None,):
             found = interior_point.interior_solution(form, magnified, gap, matrix, check_cancelled, place, most)
             iterations += found.iterations
-            met = found.residual <= interior_point.FEASIBILITY and found.gap <= WIDER * gap
+            met = found.residual <= interior_point.NEARLY and found.gap <= WIDER * gap
             if met:
                 break
     except (MemoryError, ArithmeticError) as error:  # the second where there is no place to begin

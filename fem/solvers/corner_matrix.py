@@ -4,7 +4,11 @@ import numpy as np
 from scipy import sparse
 
 from fem.kernels.corner_stiffness import add_stiffnesses, find_places
-from fem.solvers.cholmod import Cholesky
+from fem.solvers.cholmod import Cholesky, NotPositiveDefiniteError
+
+# Shares by which the diagonal is made larger where rounding leaves a pivot that is not positive, one after the other.
+# Stiffnesses of corners at yield and of others differ by 1e16 near a solution; refinement takes the share out again.
+STIFFER = (1e-13, 1e-12, 1e-11, 1e-10)
 
 
 class CornerMatrix:
@@ -39,6 +43,7 @@ class CornerMatrix:
         self._places = np.empty(int(self._first[-1]), dtype=np.int32)
         find_places(self._starts, self._columns, pattern.indptr, pattern.indices, self._first, self._places)
         self._entries = np.empty(pattern.nnz)
+        self._diagonal = pattern.indptr[:-1]  # the first entries of the columns of a lower triangle
         self._factors = Cholesky(pattern)
 
     @property
@@ -46,11 +51,18 @@ class CornerMatrix:
         """Entries of its lower triangle."""
         return len(self._entries)
 
-    def factorise(self, stiffness: np.ndarray, shift: float) -> None:
-        """Factors for D (k, 3, 3), with a ``shift`` of the diagonal; raises NotPositiveDefiniteError."""
+    def factorise(self, stiffness: np.ndarray) -> None:
+        """Factors for D (k, 3, 3), of a diagonal as little larger as they need; raises NotPositiveDefiniteError."""
         self._entries[:] = 0.0
         add_stiffnesses(stiffness, self._starts, self._values, self._places, self._first, self._entries)
-        self._factors.factorise(self._entries, shift)
+        diagonal = self._entries[self._diagonal]
+        for share in (0.0, *STIFFER):
+            self._entries[self._diagonal] = (1.0 + share) * diagonal
+            try:
+                return self._factors.factorise(self._entries)
+            except NotPositiveDefiniteError:
+                if share == STIFFER[-1]:
+                    raise
 
     def solve(self, side: np.ndarray) -> np.ndarray:
         """The solution (n,) for a right-hand side (n,)."""
