@@ -90,13 +90,10 @@ class Cholesky:
         if not self._factor:
             raise MemoryError("CHOLMOD could not analyse a matrix")
 
-    def factorise(self, values: np.ndarray, shift: float = 0.0) -> None:
-        """Factors of the matrix of these ``values`` (entries of the pattern,), with a ``shift`` of its diagonal.
-
-        Raises NotPositiveDefiniteError.
-        """
+    def factorise(self, values: np.ndarray) -> None:
+        """Factors of the matrix of these ``values`` (entries of the pattern,); raises NotPositiveDefiniteError."""
         _forbid_threads(self._library)
-        matrix, beta = self._matrix(values), (c_double * 2)(shift, 0.0)
+        matrix, beta = self._matrix(values), (c_double * 2)()  # no shift of the diagonal
         done = self._library.cholmod_factorize_p(byref(matrix), beta, None, 0, self._factor, self._settings)
         if not done or ctypes.cast(self._factor, POINTER(_Factor)).contents.minor < self._size:
             raise NotPositiveDefiniteError
@@ -140,8 +137,8 @@ def available() -> bool:
         wanted, lower = np.cos(np.arange(2.0 * size)).reshape(size, 2), sparse.tril(matrix, format="csc")
         lower.sort_indices()
         factors = Cholesky(lower)
-        factors.factorise(lower.data, 1.0)
-        found = factors.solve(matrix @ wanted + wanted)
+        factors.factorise(lower.data)
+        found = factors.solve(matrix @ wanted)
         return bool(np.abs(found - wanted).max() < 1e-12)
     except (OSError, MemoryError, ArithmeticError):
         return False

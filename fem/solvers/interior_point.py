@@ -18,8 +18,8 @@ from fem.kernels.corner_stiffness import condense, expand, stiffnesses
 from fem.solvers.corner_matrix import CornerMatrix
 
 # Relative residual of both equations at the end, that which will do where no iteration makes it smaller, and the least
-# multiplier that the gap is a share of. Where edges go on almost straight through a point, the volumes of clay around it
-# all but depend on each other, and 5e-9 stay: bounds correct their equations anyhow, and are checked after that.
+# multiplier that the gap is a share of. Where edges go on almost straight through a point, the volumes of clay around
+# it all but depend on each other, and 5e-9 stay: bounds correct their equations anyhow, and are checked after that.
 FEASIBILITY, NEARLY, LEAST_MULTIPLIER = 1e-9, 1e-8, 0.05
 MOST_ITERATIONS = 60
 # After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
