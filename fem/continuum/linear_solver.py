@@ -1,4 +1,5 @@
-"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised by MUMPS."""
+"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised, by MUMPS, or on one
+rank and for associated flow by CHOLMOD, which takes a third of the time."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,7 +9,10 @@ from petsc4py import PETSc
 
 from fem.continuum.discretisation import Discretisation
 from fem.kernels import assembly, condensation
+from fem.kernels.lower_triangle import add_matrices
+from fem.solvers import cholmod
 from fem.solvers.blas_threads import use_one_thread
+from fem.solvers.lower_triangle import LowerTriangle
 
 use_one_thread()
 
@@ -67,38 +71,26 @@ class Exchange:
 class LinearSolver:
     """K x = b with rows and columns of the held components replaced by those of the unit matrix.
 
-    Components inside a cell are condensed statically, have no place in the matrix, and are found afterwards. Of a
-    ``symmetric`` matrix, that of associated flow, one triangle is factorised, in three quarters of the time.
+    Components inside a cell are condensed statically, have no place in the matrix, and are found afterwards. The matrix
+    of associated flow is ``symmetric``, and positive definite but for rounding.
     """
 
     def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
-        self._grid, self._exchange = d, exchange
+        self._grid, self._exchange, self._symmetric = d, exchange, symmetric
         border = d.dofs.shape[1] - d.inside
         self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
         own = np.ones(exchange.last - exchange.first, dtype=bool)
         own[self._inside] = False
         self._own = np.flatnonzero(own)  # of the owned components those in the matrix
-        size = d.comm.allreduce(len(self._own))
         first = d.comm.scan(len(self._own)) - len(self._own)
         self._number = np.full(len(own), -1.0)
         self._number[self._own] = first + np.arange(len(self._own))
         self._rows = exchange.to_local(self._number)[d.dofs[:, :border]].astype(PETSc.IntType)
         self._inverse = np.zeros((len(d.dofs), d.inside, d.inside))
         self._elements = np.zeros((*d.dofs.shape, d.dofs.shape[1]))
-        PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
-        self._matrix = PETSc.Mat().createAIJ(((len(self._own), size), (len(self._own), size)), comm=d.comm)
-        cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
-        entries = np.clip(border * cells[self._own], 1, size).astype(PETSc.IntType)  # all that those cells have
-        self._matrix.setPreallocationNNZ((np.minimum(entries, len(self._own)), entries))
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, symmetric)
-        self._ksp = PETSc.KSP().create(d.comm)
-        self._ksp.setType(PETSc.KSP.Type.PREONLY)
-        pc = self._ksp.getPC()
-        pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
-        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
-        self._ksp.setErrorIfNotConverged(False)
-        self._x, self._b = self._matrix.createVecs()
+        both_sides = (np.diff(np.sort(self._rows, axis=1), axis=1) == 0).any()  # a cell as wide as its period
+        alone = symmetric and d.comm.size == 1 and not both_sides and cholmod.available()
+        self._matrix: _ByCholmod | _ByMumps = _ByCholmod(self._rows, len(self._own)) if alone else self._by_mumps()
 
     def factorise(self, tangent: np.ndarray, hourglass: np.ndarray, free: np.ndarray, held: np.ndarray) -> None:
         """Set the matrix from the ``tangent`` (points, 4, 4) in Pa and the ``hourglass`` stiffness, and factorise it.
@@ -113,16 +105,12 @@ class LinearSolver:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):
                 raise SingularMatrixError("a cell has no stiffness inside")
-        border = self._rows.shape[1]
-        block = np.ascontiguousarray(self._elements[:, :border, :border]).reshape(len(self._rows), -1)
-        ones = self._number[held - self._exchange.first].astype(PETSc.IntType)[:, None]
-        self._matrix.zeroEntries()
-        self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
-        self._matrix.setValuesRCV(ones, ones, np.ones(ones.shape), addv=PETSc.InsertMode.ADD_VALUES)
-        self._matrix.assemble()
-        with _as_singular():
-            self._ksp.setOperators(self._matrix)
-            self._ksp.setUp()
+        ones = self._number[held - self._exchange.first].astype(PETSc.IntType)
+        try:
+            self._matrix.factorise(self._elements, ones)
+        except cholmod.NotPositiveDefiniteError:  # rounding, where hardly anything is left of the stiffness
+            self._matrix = self._by_mumps()
+            self._matrix.factorise(self._elements, ones)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x for a right-hand side, both as owned components. Raises SingularMatrixError."""
@@ -133,17 +121,86 @@ class LinearSolver:
             change = np.empty_like(force)
             condensation.condense_force(self._elements, self._inverse, d.dofs, force, change)
             x += exchange.sum_to_owned(change)
-        self._b.array[:] = x[self._own]
-        with _as_singular():
-            self._ksp.solve(self._b, self._x)
-        x[self._own] = self._x.array
+        x[self._own] = self._matrix.solve(x[self._own])
         if d.inside:
             local = exchange.to_local(x)
             condensation.expand(self._elements, self._inverse, d.dofs, force, local)
             x[self._inside] = local[d.dofs[:, -d.inside :].ravel()]
-        if self._ksp.getConvergedReason() < 0 or not np.all(np.isfinite(x)):
+        if not np.all(np.isfinite(x)):
             raise SingularMatrixError("the stiffness matrix is singular")
         return x
+
+    def _by_mumps(self) -> "_ByMumps":
+        return _ByMumps(self._grid, self._exchange, self._rows, self._own, self._symmetric)
+
+
+class _ByCholmod:
+    """The matrix on one rank, by its lower triangle; ``rows`` (nc, border) are the components of the cells in it."""
+
+    def __init__(self, rows: np.ndarray, size: int) -> None:
+        self._order = np.argsort(rows, axis=1)
+        starts = rows.shape[1] * np.arange(len(rows) + 1)
+        self._lower = LowerTriangle(starts, np.take_along_axis(rows, self._order, axis=1).ravel(), size)
+
+    def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
+        """Factors of the sum of all ``elements``, with a one at the components ``ones``; raises
+        NotPositiveDefiniteError."""
+        lower = self._lower
+        lower.entries[:] = 0.0
+        add_matrices(elements, self._order, lower.places, lower.entries)
+        lower.entries[lower.diagonal[ones]] += 1.0
+        lower.factorise()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """The solution for a right-hand side."""
+        return self._lower.solve(right)
+
+
+class _ByMumps:
+    """The same, of which every rank has the rows that it owns; of a ``symmetric`` one a triangle is factorised, in
+    three quarters of the time."""
+
+    def __init__(
+        self, d: Discretisation, exchange: Exchange, rows: np.ndarray, own: np.ndarray, symmetric: bool
+    ) -> None:
+        PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
+        size, border = d.comm.allreduce(len(own)), rows.shape[1]
+        self._rows = rows
+        self._matrix = PETSc.Mat().createAIJ(((len(own), size), (len(own), size)), comm=d.comm)
+        cells = exchange.sum_to_owned(np.bincount(d.dofs[:, :border].ravel(), minlength=len(d.global_dofs)))
+        entries = np.clip(border * cells[own], 1, size).astype(PETSc.IntType)  # all that those cells have
+        self._matrix.setPreallocationNNZ((np.minimum(entries, len(own)), entries))
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, symmetric)
+        self._matrix.setOption(PETSc.Mat.Option.SYMMETRY_ETERNAL, symmetric)
+        self._ksp = PETSc.KSP().create(d.comm)
+        self._ksp.setType(PETSc.KSP.Type.PREONLY)
+        pc = self._ksp.getPC()
+        pc.setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        self._ksp.setErrorIfNotConverged(False)
+        self._x, self._b = self._matrix.createVecs()
+
+    def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
+        """Factors of the sum of all ``elements``, with a one at the components ``ones``; raises SingularMatrixError."""
+        border = self._rows.shape[1]
+        block = np.ascontiguousarray(elements[:, :border, :border]).reshape(len(self._rows), -1)
+        self._matrix.zeroEntries()
+        self._matrix.setValuesRCV(self._rows, self._rows, block, addv=PETSc.InsertMode.ADD_VALUES)
+        at = ones[:, None]
+        self._matrix.setValuesRCV(at, at, np.ones(at.shape), addv=PETSc.InsertMode.ADD_VALUES)
+        self._matrix.assemble()
+        with _as_singular():
+            self._ksp.setOperators(self._matrix)
+            self._ksp.setUp()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """The solution for a right-hand side, both as owned components; raises SingularMatrixError."""
+        self._b.array[:] = right
+        with _as_singular():
+            self._ksp.solve(self._b, self._x)
+        if self._ksp.getConvergedReason() < 0:
+            raise SingularMatrixError("the stiffness matrix is singular")
+        return np.array(self._x.array)
 
 
 @contextmanager

@@ -202,24 +202,3 @@ def add_stiffnesses(
             for j in range(i + 1):
                 values[places[place]] += b0 * work[j, 0] + b1 * work[j, 1] + b2 * work[j, 2]
                 place += 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def find_places(
-    starts: np.ndarray, columns: np.ndarray, pointers: np.ndarray, indices: np.ndarray, first: np.ndarray,
-    places: np.ndarray,
-) -> None:  # fmt: skip
-    """Where the products of ``add_stiffnesses`` lie among the entries of the lower triangle, a sorted csc matrix."""
-    for k in range(len(starts) - 1):
-        place = first[k]
-        for i in range(starts[k], starts[k + 1]):
-            for j in range(starts[k], i + 1):
-                low, high, row = pointers[columns[j]], pointers[columns[j] + 1], columns[i]
-                while low < high:
-                    middle = (low + high) // 2
-                    if indices[middle] < row:
-                        low = middle + 1
-                    else:
-                        high = middle
-                places[place] = low
-                place += 1

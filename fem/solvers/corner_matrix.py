@@ -3,12 +3,8 @@
 import numpy as np
 from scipy import sparse
 
-from fem.kernels.corner_stiffness import add_stiffnesses, find_places
-from fem.solvers.cholmod import Cholesky, NotPositiveDefiniteError
-
-# Shares by which the diagonal is made larger where rounding leaves a pivot that is not positive, one after the other.
-# Stiffnesses of corners at yield and of others differ by 1e16 near a solution; refinement takes the share out again.
-STIFFER = (1e-13, 1e-12, 1e-11, 1e-10)
+from fem.kernels.corner_stiffness import add_stiffnesses
+from fem.solvers.lower_triangle import LowerTriangle
 
 
 class CornerMatrix:
@@ -34,36 +30,20 @@ class CornerMatrix:
         self._values = np.zeros((touched.nnz, 3))
         place = np.searchsorted(keys, (entries.row // 3).astype(np.int64) * rates.shape[1] + entries.col)
         self._values[place, entries.row % 3] = entries.data
-        touched.data[:] = 1.0
-        identity = sparse.identity(rates.shape[1])  # a diagonal everywhere
-        pattern = sparse.tril(touched.T @ touched + identity, format="csc")
-        pattern.sort_indices()
-        pairs = width.astype(np.int64) * (width + 1) // 2
-        self._first = np.concatenate([[0], np.cumsum(pairs)])
-        self._places = np.empty(int(self._first[-1]), dtype=np.int32)
-        find_places(self._starts, self._columns, pattern.indptr, pattern.indices, self._first, self._places)
-        self._entries = np.empty(pattern.nnz)
-        self._diagonal = pattern.indptr[:-1]  # the first entries of the columns of a lower triangle
-        self._factors = Cholesky(pattern)
+        self._triangle = LowerTriangle(self._starts, self._columns, rates.shape[1])
 
     @property
     def entries(self) -> int:
         """Entries of its lower triangle."""
-        return len(self._entries)
+        return len(self._triangle.entries)
 
     def factorise(self, stiffness: np.ndarray) -> None:
-        """Factors for D (k, 3, 3), of a diagonal as little larger as they need; raises NotPositiveDefiniteError."""
-        self._entries[:] = 0.0
-        add_stiffnesses(stiffness, self._starts, self._values, self._places, self._first, self._entries)
-        diagonal = self._entries[self._diagonal]
-        for share in (0.0, *STIFFER):
-            self._entries[self._diagonal] = (1.0 + share) * diagonal
-            try:
-                return self._factors.factorise(self._entries)
-            except NotPositiveDefiniteError:
-                if share == STIFFER[-1]:
-                    raise
+        """Factors for D (k, 3, 3); raises NotPositiveDefiniteError."""
+        lower = self._triangle
+        lower.entries[:] = 0.0
+        add_stiffnesses(stiffness, self._starts, self._values, lower.places, lower.first, lower.entries)
+        lower.factorise()
 
     def solve(self, side: np.ndarray) -> np.ndarray:
         """The solution (n,) for a right-hand side (n,)."""
-        return self._factors.solve(side[:, None])[:, 0]
+        return self._triangle.solve(side)

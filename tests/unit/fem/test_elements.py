@@ -5,6 +5,8 @@ import pytest
 from mpi4py import MPI
 
 from fem.continuum.plane_strain import PlaneStrain
+from fem.solvers import cholmod
+from fem.solvers.lower_triangle import LowerTriangle
 from meshes.quad_mesh import QuadMesh
 from tests.support.fem_problems import ELEMENTS, grid, soil
 
@@ -113,6 +115,35 @@ def test_matrix_is_the_derivative_of_the_forces_in_plastic_flow_too(element, psi
     # ELASTIC_SHARE is in the matrix only.
     back = problem.solve((ahead - behind) / 2e-9)
     np.testing.assert_allclose(back, direction, atol=1e-3 * np.abs(direction).max())
+
+
+@pytest.mark.skipif(not cholmod.available(), reason="there is no CHOLMOD")
+@every_element
+def test_both_libraries_solve_the_same_equations(element, monkeypatch):
+    """Associated flow by CHOLMOD, by MUMPS where there is none, and by MUMPS where a pivot is not positive: the same
+    displacement but for rounding, in plastic ground held at its base."""
+    found = []
+
+    def refuse(lower):
+        raise cholmod.NotPositiveDefiniteError
+
+    changes = [(LowerTriangle, "solve", LowerTriangle.solve), (cholmod, "available", lambda: False)]
+    for change in (*changes, (LowerTriangle, "factorise", refuse)):
+        with monkeypatch.context() as patch:
+            patch.setattr(*change)
+            strata = [soil(E=1e7, nu=0.3, c=1e3, phi=30.0)]
+            problem = PlaneStrain(distorted(), strata, element, MPI.COMM_SELF, flow="associated")
+            problem.stress[:] = [-1e5, -2.9e5, -1.5e5, 0.0]
+            problem.hold({"base": "xy"})
+            moved = 2e-3 * np.random.default_rng(5).normal(size=len(problem.free))
+            problem.internal_force(np.where(problem.free, moved, 0.0))
+            assert 0.1 < problem.plastic_share() < 1.0
+            problem.factorise()
+            found.append(problem.solve(problem.body_force([2000.0], (1.0, -10.0))))
+    assert np.all(found[0][~problem.free] == 0.0)
+    for other in found[1:]:
+        assert not np.array_equal(other, found[0])  # it is another library
+        np.testing.assert_allclose(other, found[0], rtol=0.0, atol=1e-9 * np.abs(found[0]).max())
 
 
 @every_element

@@ -1,0 +1,60 @@
+"""The lower triangle of a symmetric positive definite matrix that many small ones add up to, and its factors."""
+
+import numpy as np
+from scipy import sparse
+
+from fem.kernels.lower_triangle import find_places
+from fem.solvers.cholmod import Cholesky, NotPositiveDefiniteError
+
+# Shares by which the diagonal is made larger where rounding leaves a pivot that is not positive, one after the other.
+# Stiffnesses of corners at yield and of others differ by 1e16 near a solution; refinement takes the share out again.
+STIFFER = (1e-13, 1e-12, 1e-11, 1e-10)
+
+
+class LowerTriangle:
+    """Factors of matrices of one pattern.
+
+    Attributes
+    ----------
+    entries : ndarray (e,)
+        Entries of the lower triangle, column by column: those to be set before ``factorise``.
+    diagonal : ndarray (n,)
+        Places of the diagonal among them.
+    first, places : ndarrays (k + 1,), (pairs,)
+        Small matrix i has its lower triangle, row by row, at ``places[first[i] : first[i + 1]]`` of the entries.
+
+    Parameters
+    ----------
+    starts, columns : ndarrays (k + 1,), (m,)
+        Unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]`` are those of number i.
+    size : int
+        Unknowns, n.
+    """
+
+    def __init__(self, starts: np.ndarray, columns: np.ndarray, size: int) -> None:
+        touched = sparse.csr_matrix((np.ones(len(columns)), columns, starts), shape=(len(starts) - 1, size))
+        identity = sparse.identity(size)  # a diagonal everywhere
+        pattern = sparse.tril(touched.T @ touched + identity, format="csc")
+        pattern.sort_indices()
+        width = np.diff(starts)
+        self.first = np.concatenate([[0], np.cumsum(width * (width + 1) // 2)])
+        self.places = np.empty(int(self.first[-1]), dtype=np.int32)
+        find_places(starts, columns, pattern.indptr, pattern.indices, self.first, self.places)
+        self.entries = np.empty(pattern.nnz)
+        self.diagonal = pattern.indptr[:-1]
+        self._factors = Cholesky(pattern)
+
+    def factorise(self) -> None:
+        """Factors for the ``entries``, of a diagonal as little larger as they need; raises NotPositiveDefiniteError."""
+        diagonal = self.entries[self.diagonal]
+        for share in (0.0, *STIFFER):
+            self.entries[self.diagonal] = (1.0 + share) * diagonal
+            try:
+                return self._factors.factorise(self.entries)
+            except NotPositiveDefiniteError:
+                if share == STIFFER[-1]:
+                    raise
+
+    def solve(self, side: np.ndarray) -> np.ndarray:
+        """The solution (n,) for a right-hand side (n,)."""
+        return self._factors.solve(side[:, None])[:, 0]
