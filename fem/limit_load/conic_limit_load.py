@@ -121,12 +121,15 @@ class Discretised:
         start: cone_program.Warm | None = None,
     ) -> "tuple[Discretised, cone_program.Solution]":
         """The solution of a program made of this, and what it was made of: the same, in a larger unit of stress where
-        the solver is not sure in this one; the first time from ``start``."""
+        the solver is not sure in this one, or sure that there is no stress, which rounding of the forces alone can make
+        it; the first time from ``start``."""
+        found = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
             solution = cone_program.solve_for_elements(program(ground), place)
-            if solution.sure:
-                break
-        return ground, solution
+            if solution.sure and solution.none != "no stress":
+                return ground, solution
+            found.append((ground, solution))
+        return next((pair for pair in found if pair[1].sure), found[-1])
 
     def stress(self, solution: cone_program.Solution) -> np.ndarray:
         """Stress (points, [xx, yy, xy]) in Pa of a solution."""
