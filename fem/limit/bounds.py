@@ -23,6 +23,7 @@ from fem.limit.side_stress import SideStress, side_stresses
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
+from meshes.section.cutting import FILM_IN
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 from meshes.section.water_pressure import WaterPressure
@@ -77,13 +78,14 @@ class _Ground:
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """The search for bounds; ``after`` another one of stronger ground for Davis's substitute, on its last mesh if
         the work left allows that."""
+        ground = self.section.cut_at_films
         if after is not None and 2.0 * after.found.meshes[-1].work < limits.seconds:
             mesh = after.found.mesh
         else:
-            mesh = first_mesh(self.section, self.max_cells, self.fem.sides == "periodic")
+            mesh = first_mesh(ground, self.max_cells, self.fem.sides == "periodic")
         direction: Direction = "uphill" if self.fem.direction == "uphill" else "downhill"
         towards: SectionSide = "right" if push(self.section, self.fem) > 0 else "left"
-        body = body_of(self.section, mesh, self.fem, davis=after is not None)
+        body = body_of(ground, mesh, self.fem, davis=after is not None)
         return DirectionSearch(mesh, body, limits, direction, towards)
 
 
@@ -146,7 +148,7 @@ def kh_bounds(
     govern = tuple(face for ground in grounds.values() for face in ground.skins if face.kh < found.upper)
     as_given = min(ground.as_given for ground in grounds.values())
     shallow = as_given if govern and as_given < min(found.upper, *(face.kh for face in govern)) else None
-    analysed = grounds[found.directions[0].direction].section
+    analysed = grounds[found.directions[0].direction].section.cut_at_films
     return KhBounds(**vars(found), skins=govern, shallow=shallow, section=analysed, substitute=substitute)
 
 
@@ -188,15 +190,19 @@ def governing_skins(section: Section, fem: FemSettings) -> list[Skin]:
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> float:
     """An upper bound of Kh on one coarse mesh, inf if there is none."""
-    mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
-    body = body_of(section, mesh, fem)
+    ground = section.cut_at_films
+    mesh = first_mesh(ground, COARSE_CELLS, fem.sides == "periodic")
+    body = body_of(ground, mesh, fem)
     _, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf
 
 
 def first_mesh(section: Section, max_cells: int, repeats: bool = False) -> TriMesh:
     """Triangles about as large as the layers are thick, fewer where that would be too many; with the same edges on both
-    sides of a section that ``repeats``; raises InputError if these differ."""
+    sides of a section that ``repeats``; raises InputError if these differ.
+
+    Those in a film of water are as long as others in its stratum, and as narrow as it is.
+    """
     if repeats:
         refuse_other_sides(section)
     layers = section.layering
@@ -204,10 +210,12 @@ def first_mesh(section: Section, max_cells: int, repeats: bool = False) -> TriMe
     across = (layers.present() * layers.width[:, None]).sum(axis=0)
     height = float(np.ptp(section.outline()[:, 1]))
     sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
+    names = [stratum.name for stratum in section.strata]
+    sizes = sizes[[names.index(name.removesuffix(FILM_IN)) for name in names]]
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
     return triangulate(
-        section, float(sizes.max()), {s.name: float(h) for s, h in zip(section.strata, sizes, strict=True)}, repeats
+        section, float(sizes.max()), {name: float(h) for name, h in zip(names, sizes, strict=True)}, repeats
     )
 
 

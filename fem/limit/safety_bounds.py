@@ -111,6 +111,7 @@ class _Coarse:
 
 
 def _coarse(section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork) -> _Coarse:
+    section = section.cut_at_films
     mesh = first_mesh(section, COARSE_CELLS, fem.sides == "periodic")
     down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
     return _Coarse((down, up))
@@ -120,6 +121,7 @@ def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: Start, work: FactorWork
 ) -> SafetyBounds:
     """The bounds of a section as it stands, its faces strengthened or not."""
+    section = section.cut_at_films
 
     def search(mesh: TriMesh, sign: int, start: Start) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)

@@ -1,7 +1,7 @@
 """Strata cut where water crosses them: what lies above is moist, what lies below is saturated."""
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -13,14 +13,16 @@ from meshes.section.liquefies import Cases
 from meshes.section.polyline import Line, limits
 from meshes.section.stratum import Stratum
 
-# What is added to the name of a stratum for the part of it that lies below water.
-BELOW_WATER = ", below water"
+# What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
+# or of moist ground in it that meshes of elements leave out.
+BELOW_WATER, FILM_IN = ", below water", ", film"
 # The second, third, ... part of a soil that zones have parted.
 PART = re.compile(r", part \d+(?=$|, below water$)")
 # Pockets that water cuts off a stratum are left out up to this length and thickness, and of any length up to the
 # thickness of a film, all in cells of the default size.
 LONGEST_POCKET, THICKEST_POCKET, FILM = 15.0, 1.0 / 6.0, 1.0 / 12.0
 Value = TypeVar("Value")
+Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tuple[float, float]], tuple[Stratum, ...]]
 
 
 def spoken(name: str, quoted: bool = True) -> str:
@@ -107,10 +109,18 @@ def halves(layers: Layering, k: int, water: np.ndarray) -> Halves:
     x = np.union1d(x, [at for at in inner if np.abs(x - at).min() > layers.tolerance])
     x = np.union1d(x, _crossings(layers, k, water, x))
     top, bottom, level = _at_ends(layers, k, water, x)
+    for line in (top, bottom):
+        level = np.where(np.abs(level - line) <= _reach(level - line, x, layers.tolerance), line, level)
     level = np.clip(level, bottom, top)
-    level = np.where(top - level <= layers.tolerance, top, level)
-    level = np.where(level - bottom <= layers.tolerance, bottom, level)
     return Halves(x, level, np.stack([top - level, level - bottom]))
+
+
+def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
+    """The gap (m) between two lines, at both ends of intervals, up to which they meet there: where they are as far
+    apart as what makes two points one, or pass through each other as near as that to either side of a breakpoint."""
+    reach = tolerance * np.maximum(1.0, np.abs(gap[:, 1] - gap[:, 0]) / np.diff(x))
+    ends = np.concatenate([reach[:1], np.maximum(reach[1:], reach[:-1]), reach[-1:]])
+    return np.column_stack([ends[:-1], ends[1:]])
 
 
 def without_pockets(parts: Halves, cell: float) -> Halves:
@@ -171,7 +181,8 @@ def cut(
     """The strata, those that their water ``levels`` (n, 2) cross in two, those wholly below with the saturated density.
 
     New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy.
-    What water cuts off in pockets smaller than cells stays with the rest; pore pressures know nothing of that.
+    What water cuts off in pockets smaller than cells stays with the rest; ``with_films`` cuts it off, too. Pore
+    pressures know nothing of that.
     """
     found: list[Stratum] = []
     cell = CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
@@ -179,15 +190,42 @@ def cut(
         if level is None:
             found.append(stratum)
             continue
-        parts = without_pockets(halves(layers, k, level), cell)
+        exact = halves(layers, k, level)
+        parts = without_pockets(exact, cell)
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
             found.append(stratum.model_copy(update={"bottom": parts.line(*given), "liquefies_in": Cases()}))
-        found.append(_saturated(stratum, stratum.name + BELOW_WATER if dry else stratum.name) if wet else stratum)
+        if wet:
+            name = stratum.name + BELOW_WATER if dry else stratum.name
+            film = (parts.thickness[1] > exact.thickness[1]).any()
+            moist = stratum.density_ordinary if film else stratum.density_saturated
+            stratum = _weighing(stratum, stratum.density_saturated, name=name, density=moist)
+        found.append(stratum)
     return tuple(found)
 
 
-def _saturated(stratum: Stratum, name: str) -> Stratum:
-    density = stratum.density_saturated
-    changes = {} if density is None else dict.fromkeys(("density_ordinary", "density_seismic"), density)
-    return stratum.model_copy(update={"name": name, **changes})
+def with_films(
+    strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], given: tuple[float, float]
+) -> tuple[Stratum, ...]:
+    """The strata that ``cut`` left, with what water cuts off in pockets smaller than cells as strata of their own.
+
+    These have the weight of their side of the water, and the name of the stratum with ``FILM_IN``.
+    """
+    found: list[Stratum] = []
+    for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):
+        parts = None if level is None else halves(layers, k, level)
+        if parts is None or not (parts.has(0) and parts.has(1)):
+            found.append(stratum)
+            continue
+        film, moist = stratum.name + FILM_IN, {"bottom": parts.line(*given)}
+        if stratum.density_ordinary == stratum.density_saturated:
+            found += [_weighing(stratum, stratum.density, name=film, **moist), stratum]
+        else:
+            found += [stratum.model_copy(update=moist), _weighing(stratum, stratum.density_saturated, name=film)]
+    return tuple(found)
+
+
+def _weighing(stratum: Stratum, density: float | None, /, **changes: object) -> Stratum:
+    """A stratum with other properties and, where that is known, another density."""
+    weights = {} if density is None else dict.fromkeys(("density_ordinary", "density_seismic"), density)
+    return stratum.model_copy(update={**changes, **weights})

@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_vali
 
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation
-from meshes.section.cutting import cut, in_file, uncut
+from meshes.section.cutting import Cutting, cut, in_file, uncut, with_films
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
@@ -291,6 +291,14 @@ class Section(Model):
 
     def cut_at_water(self) -> "Section":
         """The section with the strata cut where water crosses them, and the saturated density below it."""
+        return self._cut_by(cut)
+
+    @cached_property
+    def cut_at_films(self) -> "Section":
+        """The section cut at water in pockets and films too thin for elements, too: what bounds weigh is as given."""
+        return self._cut_by(with_films)
+
+    def _cut_by(self, cutting: Cutting) -> "Section":
         if self.water is None and all(s.piezometric_level is None for s in self.strata):
             return self
         water = self.water_pressure
@@ -299,10 +307,12 @@ class Section(Model):
             else water.after if level is water.before and s.drains else level
             for s, level in zip(self.strata, water.levels, strict=True)
         ]  # fmt: skip
-        strata = cut(self.strata, self.layering, levels, self.given_extent)
+        strata = cutting(self.strata, self.layering, levels, self.given_extent)
         if strata == self.strata:
             return self
-        return self._derived([s.model_copy(update={"density": None}) for s in strata])  # they have the two of the model
+        # The model has two densities; a third one is that of a film of moist ground in a stratum below water.
+        same = [{"density": None} if s.density == s.density_ordinary else {} for s in strata]
+        return self._derived([s.model_copy(update=change) for s, change in zip(strata, same, strict=True)])
 
     def with_strata(self, strata: Sequence[Stratum]) -> "Section":
         """The section with other strata that the program derived from its own, without those that have no area.

@@ -10,6 +10,7 @@ from fem.continuum.shallow_failure import STRIP
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
+from meshes.section.cutting import FILM_IN
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
@@ -106,12 +107,13 @@ def _stress_sheet(config: Config, found: KhBounds, stress: StressField, window: 
 
 def _mesh_sheet(section: Section, found: KhBounds, window: Window) -> Sheet:
     mesh, strata = found.mesh, (found.section or section).strata
-    own = [stratum.name for stratum in section.strata]  # a strip of a skin has the colour of its stratum
-    names = [one.name if one.name in own else one.name.rpartition(STRIP)[0] for one in strata]
+    own = [stratum.name for stratum in section.strata]  # a strip of a skin, or a film, has the colour of its stratum
+    names = [name if (name := one.name.removesuffix(FILM_IN)) in own else name.rpartition(STRIP)[0] for one in strata]
     colours = [soil_colours(own)[own.index(name)] for name in names]
     handles = [
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {stratum.name}")
         for colour, stratum in zip(colours, strata, strict=True)
+        if not stratum.name.endswith(FILM_IN)
     ]
     columns = max(legend_columns(handles), 2)
 

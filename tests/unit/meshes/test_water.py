@@ -11,6 +11,7 @@ from meshes.section.cutting import BELOW_WATER, THICKEST_POCKET
 from meshes.section.dense_lines import CELL
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.triangles import triangulate
 from tests.support.sections import problems
 from tests.support.water import BANK, WATER, at_rest, random_water, section, soil
 
@@ -34,6 +35,16 @@ def test_a_stratum_that_the_table_crosses_is_moist_above_and_saturated_below() -
 def test_what_is_below_water_altogether_is_saturated_and_keeps_its_name() -> None:
     [below] = section(water={"table": 12}).strata
     assert (below.name, below.density_ordinary) == ("Soil", pytest.approx(20e3 / GRAVITY))
+
+
+def test_water_that_passes_through_a_face_beside_a_point_of_its_table_meets_it_there() -> None:
+    """The table's point is 5 mm before the face: a sliver of ground above it, 8 mm by 2.5 m, had no mesh."""
+    ground = {"surface": [[0.0, 8.8], [19.1, 8.8], [24.6, 0.0], [43.1, 0.0]], "base": {"elevation": -4.7}}
+    table = [[0.0, 6.0], [21.5, 4.06], [23.27, 2.12], [43.1, 2.12]]
+    bank = Section.parse({"name": "bank", **ground, "strata": [soil()], "water": {"table": table}})
+    moist = bank.layering.polygons(0)[0]
+    assert moist[:, 0].max() == pytest.approx(23.27)
+    assert len(triangulate(bank, 2.0).cells) > 100
 
 
 def test_a_section_that_was_cut_is_read_back_as_it_is() -> None:

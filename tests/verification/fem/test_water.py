@@ -78,6 +78,15 @@ def test_bounds_of_a_slope_under_still_water_are_those_of_buoyant_weight():
     assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), rel=1e-4)
 
 
+def test_bounds_weigh_a_film_of_moist_sand_above_the_water_as_moist():
+    """A wedge of 70 mm and 20 m, too thin for elements: 0.7 m² of 18 kN/m³ on 659.3 m² of 20 kN/m³."""
+    bank = section(water={"table": [[0.0, 9.93], [20.0, 10.0], [60.0, 10.0]]})
+    assert [s.name for s in bank.strata] == ["Soil"]
+    found = kh_bounds(bank, PLAIN, BoundsSettings(gap=0.5, max_cells=250, davis=False))
+    weight = body_of(found.section, found.mesh, PLAIN).dead_force[found.mesh.stratum, 1] @ found.mesh.areas
+    assert weight == pytest.approx(-(0.7 * 18e3 + 659.3 * 20e3), rel=1e-9)
+
+
 def test_a_layer_without_friction_stands_alike_by_total_and_by_effective_stress():
     """Undrained clay below sand, with the water's pressure in its pores and without. Measured: 4e-5; bounds 0.3 %."""
     found = []
