@@ -136,14 +136,6 @@ def _fails(factor: float | None) -> bool:
     return factor is not None and factor < 1.0 - SAME_MESH
 
 
-def _standing(found: Assessment) -> Assessment:
-    """The answers, unless a factor of safety without shaking, on meshes made for it, shows that the ground does not
-    stand: what little Kh it then has is the error of its mesh. Raises UnstableError."""
-    if any(each.result.kh == 0.0 and _fails(each.result.factor) for each in found.safety):
-        raise UnstableError("the section fails under its own weight, if not on every mesh")
-    return found
-
-
 @dataclass(frozen=True)
 class _Search:
     """What all the answers for a section have in common, and how each of them is looked for."""
@@ -165,9 +157,13 @@ class _Search:
             if adapted is None:
                 found = self.by_path(settings, safety)
             else:
-                found = _standing(self.with_limit_loads(adapted, settings, safety))
+                found = self.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise self.fails(settings, error) from error
+        below_one = [each.result for each in found.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
+        if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
+            unstable = UnstableError("the section fails under its own weight, if not on every mesh")
+            raise self.fails(settings, unstable, below_one[0])
         return replace(found, doubts=[*found.doubts, *of_uplift(self.section.uplift)])
 
     def with_limit_loads(
@@ -339,12 +335,12 @@ class _Search:
             return found
         return replace(found, result=replace(found.result, beside=beside))
 
-    def fails(self, settings: FemSettings, error: UnstableError) -> UnstableError:
-        """The same error with the factor of safety, by both flow rules where they make two grounds; or with the factor
-        against uplift, where pore pressure exceeds the weight above it."""
+    def fails(self, settings: FemSettings, error: UnstableError, found: SafetyFactor | None = None) -> UnstableError:
+        """The same error with the factor of safety, by both flow rules where they make two grounds, ``found`` or still
+        to be; or with the factor against uplift, where pore pressure exceeds the weight above it."""
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
-        found = self.safety(settings, 0.0).result
+        found = found or self.safety(settings, 0.0).result
         told = f"{error.reason}; its factor of safety is {found.factor:.2f}"
         if is_dilating_fully(self.section.strata):
             return UnstableError(told, error.remedy)
