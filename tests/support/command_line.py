@@ -5,16 +5,26 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
+from meshes.executor import SERIAL
 from tests.support import TOP
 from workflow.cli import main
 
 
-def run(*arguments: object) -> int:
-    """The exit code of the command, in this process."""
-    try:
-        main([str(argument) for argument in arguments])
-    except SystemExit as stop:
-        return int(stop.code or 0)
+def run(*arguments: object, side_by_side: bool = False) -> int:
+    """The exit code of the command, in this process.
+
+    Unless its tasks are to be done ``side_by_side`` this process does them all, which finds the same: each other one
+    takes seconds to import what it draws and computes with.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if not side_by_side:
+            patch.setattr("workflow.terminal.Processes", lambda count: SERIAL)
+        try:
+            main([str(argument) for argument in arguments])
+        except SystemExit as stop:
+            return int(stop.code or 0)
     return 0
 
 

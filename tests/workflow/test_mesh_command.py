@@ -15,7 +15,6 @@ import pyvista as pv
 import tomli_w
 from matplotlib.image import imread
 
-from meshes.executor import SERIAL
 from meshes.quad_mesh import BadMeshError, QuadMesh, read
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -311,7 +310,6 @@ def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: p
 
     monkeypatch.setattr("workflow.figures.ground.draw_mesh", fail)
     monkeypatch.setattr("workflow.figures.ground.draw_section", fail)
-    monkeypatch.setattr("workflow.terminal.Processes", lambda count: SERIAL)  # so that it is drawn in this process
     assert run("mesh", section, "--out", out, "--force") == 2
     assert {name: (out / name).read_bytes() for name in files(out)} == before
 

@@ -15,7 +15,7 @@ import pytest
 
 from meshes.files import BESIDE
 from tests.support.command_line import TOP, line, process
-from tests.support.small_run import CONTINUUM, numbers, written
+from tests.support.small_run import CONTINUUM, FEW_DISCS, numbers, written
 
 
 def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
@@ -32,9 +32,9 @@ def killed_at(path: Path, out: Path, seconds: float, how: int) -> int:
     return started.returncode
 
 
-def finished_after_kills(tmp_path: Path, kills: int, seed: int) -> tuple[Path, Path]:
+def finished_after_kills(tmp_path: Path, kills: int, seed: int, element_tests: bool) -> tuple[Path, Path]:
     """A run that was killed so often, at moments drawn from all that it takes, and one that was left alone."""
-    path = written(tmp_path)
+    path = written(tmp_path, dem={**FEW_DISCS, "element_tests": element_tests})
     start = time.monotonic()
     assert process("run", path, "--out", tmp_path / "alone").returncode == 0
     span = time.monotonic() - start
@@ -49,7 +49,7 @@ def finished_after_kills(tmp_path: Path, kills: int, seed: int) -> tuple[Path, P
 
 
 def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 1, 20260101)
+    alone, killed = finished_after_kills(tmp_path, 1, 20260101, element_tests=False)  # they take half of all
     assert numbers(alone) == numbers(killed)
     names = [{str(path.relative_to(out)) for path in out.rglob("*")} for out in (alone, killed)]
     assert names[0] == names[1]  # nothing half-written is left
@@ -58,7 +58,7 @@ def test_killed_at_random_it_ends_with_the_same_numbers(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_again_and_again(seed: int, tmp_path: Path) -> None:
-    alone, killed = finished_after_kills(tmp_path, 6, seed)
+    alone, killed = finished_after_kills(tmp_path, 6, seed, element_tests=True)
     assert numbers(alone) == numbers(killed)
 
 
